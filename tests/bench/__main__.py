@@ -31,6 +31,7 @@ from tests.bench import (
     serving,
     stops,
     tmcl_link,
+    tmcl_programs,
     twin,
     uart_link,
 )
@@ -47,6 +48,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "first page": lambda quick: [first_page.measure(quick=quick)],
     "motor": lambda quick: [motor.measure(quick=quick)],
     "tmcl": tmcl_link.measure,
+    "programs": tmcl_programs.measure,
     "uart": uart_link.measure,
     "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],

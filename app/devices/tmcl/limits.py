@@ -31,7 +31,8 @@ START = 0
 """Type of RFS."""
 FULL = 255
 SCALER_FULL = 256
-TELLING = frozenset({Opcode.MVP, Opcode.AAP, Opcode.RSAP, Opcode.RFS})
+BY_ACCUMULATOR = frozenset({Opcode.MVPA, Opcode.RORA, Opcode.ROLA})
+TELLING = frozenset({Opcode.MVP, Opcode.AAP, Opcode.RSAP, Opcode.RFS}) | BY_ACCUMULATOR
 
 
 class ModuleRules(Rules):
@@ -196,6 +197,11 @@ class ModuleRules(Rules):
         if request.opcode == Opcode.SAP:
             raise WrongState(
                 f"SAP {request.type} sets off for the latest target or speed, and nobody here judges that",
+                "this axis has soft limits: use MVP, ROR or ROL",
+            )
+        if request.opcode in BY_ACCUMULATOR:
+            raise WrongState(
+                f"{Opcode(request.opcode).name} goes by the accumulator, and nobody here knows that",
                 "this axis has soft limits: use MVP, ROR or ROL",
             )
         if request.opcode in (Opcode.AAP, Opcode.RSAP):

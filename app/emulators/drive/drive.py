@@ -339,7 +339,16 @@ class Drive:
         if until_clocks < self.clocks:
             raise ValueError(f"it is clock {self.clocks}, and {until_clocks} is over")
         kinds = int(k.advance(self._s, self._f, self._table, until_clocks))
-        return Event(EventKind(kinds), self.clocks, int(self._s[k.X])) if kinds else None
+        return self.event(kinds) if kinds else None
+
+    @property
+    def cells(self) -> tuple[k.Cells, k.Floats, k.Floats]:
+        """What `kernel.advance` goes by, for compiled code that calls it itself: state, figures, microstep table."""
+        return self._s, self._f, self._table
+
+    def event(self, kinds: int) -> Event:
+        """What such code was told by `kernel.advance`, as `advance` would have told it."""
+        return Event(EventKind(kinds), self.clocks, int(self._s[k.X]))
 
     def power_cycle(self) -> None:
         """The chip loses supply and comes back: registers and counters at reset, GSTAT.reset set, field at MSCNT 0.

@@ -38,9 +38,11 @@ def wrapped(value: int) -> int:
 class Application:
     """Program memory and interpreter registers. Memory is the EEPROM's, all else is gone without power."""
 
-    def __init__(self, eeprom: Eeprom) -> None:
+    def __init__(self, eeprom: Eeprom, later: bool = False) -> None:
+        """`later`: the firmware knows the commands of later ones."""
         self.eeprom = eeprom
-        self.registers = k.registers()
+        self._later = later
+        self.registers = k.registers(later)
         """As `interpreter_kernel` counts its cells."""
         self.variables = np.zeros(VARIABLES, dtype=np.int64)
         """User variables, bank 2 of the global parameters."""
@@ -178,10 +180,10 @@ class Application:
 
     # --- commands of programs that also work in direct mode ---------------------------------------
 
-    def execute(self, opcode: Opcode, type_: int, value: int = 0) -> None:
-        """CALC, CALCX or CLE in direct mode (FM-PD42-1241 3.6.14, 3.6.26, 3.6.29): the counter stays."""
+    def execute(self, opcode: Opcode, type_: int, value: int = 0, motor: int = 0) -> None:
+        """CALC, CALCX or CLE in direct mode (FM-PD42-1241 3.6.14, 3.6.26, 3.6.29), or their kin: the counter stays."""
         counter = self.counter
-        status = int(k.execute(self.registers, self.variables, int(opcode), type_, 0, value))
+        status = int(k.execute(self.registers, self.variables, int(opcode), type_, motor, value))
         if status != k.DONE:
             raise Refused(Status(status))
         self.counter = counter
@@ -205,7 +207,7 @@ class Application:
     # --- within ----------------------------------------------------------------------------------
 
     def _clear(self) -> None:
-        self.registers[:] = k.registers()
+        self.registers[:] = k.registers(self._later)
         self.interrupts: set[int] = set()
         self.vectors: dict[int, int] = {}
 

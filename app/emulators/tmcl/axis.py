@@ -202,6 +202,11 @@ class Axis:
         return self._counter.shows(self.drive.read("XACTUAL"))
 
     @property
+    def position_bits(self) -> int:
+        """Of that counter."""
+        return self._counter.bits
+
+    @property
     def target(self) -> int:
         """The same of the latest target."""
         return self._counter.shows(self.drive.read("XTARGET"))

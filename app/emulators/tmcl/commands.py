@@ -13,6 +13,7 @@ Open in all sources, and decided here:
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from ...registers.tmcl.commands import COMMANDS, COORDINATES_IN_EEPROM, MAGIC, Opcode, Status
 from ...registers.tmcl.description import TmclModule
@@ -27,6 +28,11 @@ MOTOR_BITS = 1
 """Motors that there are, as bits of command 138."""
 _ABSOLUTE, _RELATIVE, _COORDINATE = 0, 1, 2
 _START, _STOP, _STATUS = 0, 1, 2
+
+_CALCULATE = (
+    Opcode.CALCVV, Opcode.CALCVA, Opcode.CALCAV, Opcode.CALCVX, Opcode.CALCXV, Opcode.CALCV,
+    Opcode.SIV, Opcode.GIV, Opcode.AIV,
+)  # fmt: skip
 
 Handler = Callable[[int, int, int], int]
 """(type, motor or bank, value) to the value of the answer. Raises Refused, NoAnswer or Special."""
@@ -45,7 +51,10 @@ class Special(Exception):
 
 
 class Commands:
-    """The table of handlers. `restart` is what a reset does to the whole module."""
+    """The table of handlers. `restart` is what a reset does to the whole module.
+
+    `later`: with the commands of later firmware
+    """
 
     def __init__(
         self,
@@ -56,7 +65,9 @@ class Commands:
         application: Application,
         coordinates: Coordinates,
         restart: Callable[[], None],
+        later: bool,
     ) -> None:
+        self._later = later
         self._module = module
         self._axis = axis
         self._globals = parameters
@@ -71,7 +82,7 @@ class Commands:
         """A handler for each of the 256 opcodes."""
         table: list[Handler] = [_unknown] * 256
         for row in COMMANDS:
-            if not row.direct:
+            if not row.direct and (self._later or not row.later):
                 table[row.opcode] = _only_in_programs
         table[Opcode.ROR] = self._ror
         table[Opcode.ROL] = self._rol
@@ -112,6 +123,12 @@ class Commands:
         table[Opcode.FACTORY_DEFAULT] = self._factory_default
         table[Opcode.REQUEST_EVENT] = self._request_event
         table[Opcode.RESET_MODULE] = self._reset_module
+        if self._later:
+            for opcode in _CALCULATE:
+                table[opcode] = partial(self._calculate, opcode)
+            table[Opcode.MVPA] = lambda type_, motor, value: self._mvp(type_, motor, self._application.accumulator)
+            table[Opcode.RORA] = lambda type_, motor, value: self._ror(type_, motor, self._application.accumulator)
+            table[Opcode.ROLA] = lambda type_, motor, value: self._rol(type_, motor, self._application.accumulator)
         return table
 
     # --- motion and axis parameters --------------------------------------------------------------
@@ -260,6 +277,10 @@ class Commands:
 
     def _calcx(self, operation: int, motor: int, value: int) -> int:
         self._application.execute(Opcode.CALCX, operation)
+        return value
+
+    def _calculate(self, opcode: Opcode, type_: int, motor: int, value: int) -> int:
+        self._application.execute(opcode, type_, value, motor)
         return value
 
     def _cle(self, flag: int, motor: int, value: int) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 from ...clock import Clock
 from ..core.family import EmulatorFamily
 from ..drive import warm_up as warm_up_drive
-from . import interpreter_kernel
+from . import beside_drive, interpreter_kernel
 from .models import PLAYED
 from .module import EmulatedModule
 from .options import TmclOptions, TmclPatch
@@ -23,6 +23,7 @@ def warm_up() -> None:
     """Compile the kernels or load them from numba's cache."""
     warm_up_drive()
     interpreter_kernel.warm_up()
+    beside_drive.warm_up()
 
 
 FAMILY = EmulatorFamily("tmcl", tuple(PLAYED), TmclOptions, TmclPatch, TmclState, build, warm_up)

@@ -40,14 +40,15 @@ class Firmware:
         delivered: dict[int, int],
         command_s: float,
         unknown: Collection[int] = (),
+        later: bool = False,
     ) -> None:
         """`delivered` as of `GlobalParameters`; a command of a program takes `command_s` [s].
 
-        `unknown` are axis parameters that this firmware does not have.
+        `unknown` are axis parameters that this firmware does not have; `later`: it has the commands of later ones.
         """
         self.drive = drive
         self.eeprom = eeprom
-        self.application = Application(eeprom)
+        self.application = Application(eeprom, later)
         self.globals = GlobalParameters(played.module, eeprom, self.application, delivered)
         self.globals.milliseconds = self._milliseconds
         self.axis = Axis(played, drive, lambda number: self.globals.configuration[number], eeprom.axis, unknown)
@@ -68,6 +69,7 @@ class Firmware:
             self.application,
             self.coordinates,
             restart=self.power_on,
+            later=later,
         )
         self._handlers = commands.table()
         self.interpreter = Interpreter(
@@ -101,7 +103,7 @@ class Firmware:
         drive = self.drive
         while drive.clocks < until_clocks:
             silent_at = self._silent_at(until_clocks)
-            event = drive.advance(self.interpreter.run_to(min(until_clocks, silent_at)))
+            event = self.interpreter.advance(min(until_clocks, silent_at))
             if event is not None:
                 self.axis.happened(event)
                 self.interpreter.happened(event)

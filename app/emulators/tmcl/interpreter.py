@@ -2,6 +2,8 @@
 
 Commands that touch nothing but registers and user variables run compiled, ahead of the drive; should the drive then
 stop at an event, they are taken back to that moment. So it makes no difference in how many pieces time is advanced.
+Where one reads the position, or what else the drive's cells tell, they run compiled together with the drive
+(`beside_drive`).
 
 Open in all sources, and decided here:
 - how long a command takes: the option `command_us`, and `EEPROM_S` more for what writes the EEPROM;
@@ -26,6 +28,7 @@ import numpy as np
 
 from ...registers.tmcl.commands import BY_MNEMONIC, CONTROL_FIRST, PROGRAM_COMMANDS, Opcode, Status
 from ..drive import Drive, Event, EventKind
+from . import beside_drive
 from . import interpreter_kernel as k
 from .application import ALL_INTERRUPTS, RUNS, STEPS, Application
 from .axis import Axis
@@ -51,7 +54,8 @@ _NEVER_COMPILED = frozenset(
     if opcode
     not in {
         Opcode.CALC, Opcode.CALCX, Opcode.COMP, Opcode.JC, Opcode.JA, Opcode.CSUB, Opcode.RSUB, Opcode.CLE,
-        Opcode.SGP, Opcode.GGP, Opcode.AGP,
+        Opcode.SGP, Opcode.GGP, Opcode.AGP, Opcode.CALCVV, Opcode.CALCVA, Opcode.CALCAV, Opcode.CALCVX, Opcode.CALCXV,
+        Opcode.CALCV, Opcode.RST, Opcode.DJNZ, Opcode.SIV, Opcode.GIV, Opcode.AIV, Opcode.CALL,
     }
 )  # fmt: skip
 """Commands that `interpreter_kernel` need not be asked for."""
@@ -123,8 +127,15 @@ class Interpreter:
         self._to_step = False
         self._wait: _Wait | None = None
         self._ahead: _Ahead | None = None
+        self._event: Event | None = None
+        """What the drive stopped at while commands ran beside it."""
         self._context: _Context | None = None
         self._pending: set[int] = set()
+        self._here = np.zeros(256, dtype=np.int64)
+        """What `beside_drive` reads, by axis parameter."""
+        for number, what in beside_drive.READ_HERE.items():
+            if axis.readers[number] is not None:
+                self._here[number] = what
         self.power_on()
 
     def power_on(self) -> None:
@@ -151,7 +162,13 @@ class Interpreter:
 
     # --- time ------------------------------------------------------------------------------------
 
-    def run_to(self, stop: int) -> int:
+    def advance(self, stop: int) -> Event | None:
+        """Go on with program and drive to `stop` [clocks], or less far: until a command is due, or to an event."""
+        upto = self._run_to(stop)
+        event, self._event = self._event, None
+        return event or self._drive.advance(upto)
+
+    def _run_to(self, stop: int) -> int:
         """Do what is due now, and what can be done ahead; how far the drive may go, at most to `stop` [clocks]."""
         self._ahead = None
         while self.active:
@@ -171,8 +188,13 @@ class Interpreter:
             horizon = self._next_timer(now, stop)
             if self._due >= horizon:
                 return horizon
-            if not self._to_step and self._run_ahead(horizon) and self._due >= horizon:
-                return horizon
+            if not self._to_step:
+                if self._run_ahead(horizon) and self._due >= horizon:
+                    return horizon
+                if self._run_beside(horizon):
+                    if self._event is not None:
+                        return stop
+                    continue
             if self._due > now:
                 return self._due
             self._execute(now)
@@ -204,6 +226,27 @@ class Interpreter:
             return False
         self._ahead = _Ahead(application.registers.copy(), application.variables.copy(), self._due, horizon)
         return self._compiled(horizon) > 0
+
+    def _run_beside(self, horizon: int) -> bool:
+        """Commands up to `horizon` together with the drive, if the next one reads it; whether anything was done."""
+        application, drive = self._application, self._drive
+        at = application.counter
+        if at >= PROGRAM_COMMANDS:
+            return False
+        opcode, type_, motor, _ = application.code[at].tolist()
+        if opcode != Opcode.GAP or motor or self._here[type_] == beside_drive.NOT_HERE:
+            return False
+        axis = self._axis
+        kinds, due = beside_drive.run(
+            application.registers, application.variables, application.code, self._here, *drive.cells,
+            axis.position_bits, *axis.parameters.speed_scale, self._due, self._cost, horizon,
+        )  # fmt: skip
+        if kinds:
+            self._event = drive.event(kinds)
+        if due != self._due:
+            self._due = due
+            self._ahead = None
+        return True
 
     def _compiled(self, until: int) -> int:
         """Compiled commands that are due before `until`; how many there were."""

@@ -48,6 +48,7 @@ class EmulatedModule(FarEnd):
             delivered,
             self.options.command_us / 1e6,
             self.options.unknown_parameters,
+            self.options.later_commands,
         )
         self._clock_hz = self._drive.options.clock_hz
         self._supply_v = self.options.supply_v

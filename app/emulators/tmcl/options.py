@@ -23,6 +23,7 @@ from ..drive.bench import (
 from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
 
 Level = Flag | Literal["open"]
+Rigid = Literal["rigid"]
 
 
 class TmclOptions(Closed):
@@ -55,7 +56,12 @@ class TmclOptions(Closed):
         description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200",
         json_schema_extra=REST_ONLY,
     )
-    motor: MotorOptions = Field(default_factory=MotorOptions, title="Motor and load")
+    motor: MotorOptions | Rigid = Field(
+        default_factory=MotorOptions,
+        title="Motor and load",
+        description='"rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity '
+        "take no time to work out",
+    )
     load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
@@ -66,6 +72,11 @@ class TmclOptions(Closed):
             json_schema_extra=REST_ONLY,
         )
     )
+    later_commands: Flag = Field(
+        default=False,
+        description="its firmware knows the commands of later ones too (CALCV and its kin); firmware 1.44 does not",
+        json_schema_extra=REST_ONLY,
+    )
     command_us: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = Field(
         default=100.0,
         description="how long a command of a program takes [us of the module's time]; no source tells it",
@@ -75,7 +86,7 @@ class TmclOptions(Closed):
     def drive(self, full_scale_a: float) -> DriveOptions:
         """The part that the motor and its driver chip, of that peak coil current, are made with."""
         return DriveOptions(
-            motor=self.motor,
+            motor=MotorOptions() if self.motor == "rigid" else self.motor,
             load=self.load,
             stage=self.stage,
             encoders=self.encoders,
@@ -83,6 +94,7 @@ class TmclOptions(Closed):
             full_scale_a=full_scale_a,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
+            rigid=self.motor == "rigid",
         )
 
 

@@ -108,9 +108,16 @@ class Parameters(ABC):
     def _start(self, values: Mapping[int, int]) -> None:
         """What has to be before speeds can be kept, at power-on with these values."""
 
+    @property
     @abstractmethod
+    def speed_scale(self) -> tuple[float, float]:
+        """So many of the chip's units of velocity are so many of the user's."""
+
     def speed_shown(self, chip_units: int) -> int:
         """A velocity of the chip in the user's unit."""
+        chip, user = self.speed_scale
+        shown = int(abs(chip_units) * user / chip + 0.5)
+        return shown if chip_units >= 0 else -shown
 
     @abstractmethod
     def write(self, number: int, value: int) -> None:

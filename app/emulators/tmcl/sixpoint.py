@@ -116,8 +116,9 @@ class SixPointParameters(Parameters):
     def in_pps(self) -> bool:
         return self.shown is self._pps
 
-    def speed_shown(self, chip_units: int) -> int:
-        return units.velocity_from_chip(chip_units) if self.in_pps else chip_units
+    @property
+    def speed_scale(self) -> tuple[float, float]:
+        return 1.0, units.PPS if self.in_pps else 1.0
 
     # --- writing ---------------------------------------------------------------------------------
 

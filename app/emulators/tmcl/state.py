@@ -81,6 +81,7 @@ class TmclState(BaseModel):
     address: int = Field(description="serial address now")
     baud: int = Field(description="baud rate in force: a change waits for the next power-on")
     motor: MotorState
+    rigid: bool = Field(description="no physics: the shaft follows the field exactly")
     load_torque_nm: float
     blocked: bool
     friction: float = Field(description="friction on top of the motor's own [N m]")

@@ -90,10 +90,9 @@ class TrapezoidParameters(Parameters):
             self._apply_driver()
             self._apply_encoder()
 
-    def speed_shown(self, chip_units: int) -> int:
-        one = pulse_rate_hz(1, self.values[PULSE_DIV], CLOCK_HZ) / units.PPS
-        shown = int(abs(chip_units) / one + 0.5)
-        return shown if chip_units >= 0 else -shown
+    @property
+    def speed_scale(self) -> tuple[float, float]:
+        return pulse_rate_hz(1, self.values[PULSE_DIV], CLOCK_HZ) / units.PPS, 1.0
 
     def write(self, number: int, value: int) -> None:
         if self.counts(number):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from ...errors import WrongState
 from ..drive import Drive
 from ..drive.bench import (
     change_motor,
@@ -33,7 +34,9 @@ _STATUS: tuple[Literal["stopped", "runs", "steps"], ...] = ("stopped", "runs", "
 
 
 def check(drive: Drive, wanted: TmclPatch) -> None:
-    """Raises OutOfRange for what cannot be done to this bench."""
+    """Raises OutOfRange or WrongState for what cannot be done to this bench."""
+    if drive.options.rigid and (wanted.load_torque_nm or wanted.friction or wanted.blocked):
+        raise WrongState("the motor is rigid", "make the emulator with a motor that has physics")
     check_stage(places_of(drive.world), wanted.stage)
 
 
@@ -86,7 +89,8 @@ def describe(
         time_skipped_s=time_skipped_s,
         address=firmware.globals.address,
         baud=firmware.globals.baud_in_force,
-        motor=motor_state(world, options.motor),
+        motor=motor_state(world, drive.options.motor),
+        rigid=drive.options.rigid,
         load_torque_nm=world.load_torque_nm,
         blocked=world.blocked,
         friction=world.extra_friction_nm,

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from types import MappingProxyType
+from typing import Any
 
 COORDINATES_IN_EEPROM = 255
 """As motor of SCO and GCO: copy between RAM and EEPROM (FM-PD42-1241 3.6.22 and 3.6.23)."""
@@ -59,6 +60,20 @@ class Opcode(IntEnum):
     VECT = 37
     RETI = 38
     ACO = 39
+    CALCVV = 40
+    CALCVA = 41
+    CALCAV = 42
+    CALCVX = 43
+    CALCXV = 44
+    CALCV = 45
+    MVPA = 46
+    RST = 48
+    DJNZ = 49
+    ROLA = 50
+    RORA = 51
+    SIV = 55
+    GIV = 56
+    AIV = 57
     UF0 = 64
     UF1 = 65
     UF2 = 66
@@ -67,6 +82,7 @@ class Opcode(IntEnum):
     UF5 = 69
     UF6 = 70
     UF7 = 71
+    CALL = 80
     STOP_APPLICATION = 128
     RUN_APPLICATION = 129
     STEP_APPLICATION = 130
@@ -158,6 +174,8 @@ class CommandRow:
     """Whether it may set a motor in motion or stop one."""
     reads: bool = False
     """Whether it only reads."""
+    later: bool = False
+    """Whether only firmware later than V1.44 knows it (manuals of the PD42-1240 V1.45 and of the TMCM-1290)."""
 
     @property
     def jumps(self) -> bool:
@@ -170,6 +188,7 @@ class CommandRow:
 
 _MOTOR = "motor, 0"
 _BANK = "bank, 0, 2 or 3"
+_VARIABLE = "user variable, 0..255"
 _COORDINATE = "coordinate, 0..20"
 _MVP = {"ABS": 0, "REL": 1, "COORD": 2}
 _RFS = {"START": 0, "STOP": 1, "STATUS": 2}
@@ -180,7 +199,13 @@ _CONDITIONS = {
     "ZE": 0, "NZ": 1, "EQ": 2, "NE": 3, "GT": 4, "GE": 5, "LT": 6, "LE": 7, "ETO": 8, "EAL": 9, "EDV": 10, "EPO": 11,
 }  # fmt: skip
 _WAITS = {"TICKS": 0, "POS": 1, "REFSW": 2, "LIMSW": 3, "RFS": 4}
+_CALC_ANY = {**_CALC, "SWAP": 10, "COMP": 11}
 _FLAGS = {"ALL": 0, "ETO": 1, "EAL": 2, "EDV": 3, "EPO": 4}
+
+
+def _later(opcode: int, mnemonic: str, name: str, help_: str, **more: Any) -> CommandRow:
+    return CommandRow(opcode, mnemonic, name, f"{help_} Later firmware only.", "TMCM-1290", later=True, **more)
+
 
 COMMANDS: tuple[CommandRow, ...] = (
     CommandRow(1, "ROR", "rotate right", "Turn on and on, position counting up.", "FM-PD42-1241 3.6.1", motor=_MOTOR,
@@ -258,6 +283,31 @@ COMMANDS: tuple[CommandRow, ...] = (
                direct=False),
     CommandRow(39, "ACO", "accumulator to coordinate", "Write the accumulator to a coordinate.", "FM-PD42-1241 3.6.25",
                type=_COORDINATE, motor=_MOTOR),
+    _later(40, "CALCVV", "calculate with two variables", "Calculate with two user variables, into the first.",
+           types=_CALC_ANY, type="operation", motor=_VARIABLE, value="second user variable, 0..255"),
+    _later(41, "CALCVA", "variable with accumulator", "Calculate with variable and accumulator, into the variable.",
+           types=_CALC_ANY, type="operation", motor=_VARIABLE),
+    _later(42, "CALCAV", "accumulator with variable", "Calculate with accumulator and variable, into the accumulator.",
+           types=_CALC_ANY, type="operation", motor=_VARIABLE),
+    _later(43, "CALCVX", "variable with X", "Calculate with user variable and X, into the variable.",
+           types=_CALC_ANY, type="operation", motor=_VARIABLE),
+    _later(44, "CALCXV", "X with variable", "Calculate with X and user variable, into X.",
+           types=_CALC_ANY, type="operation", motor=_VARIABLE),
+    _later(45, "CALCV", "calculate with variable", "Calculate with user variable and value, into the variable.",
+           types={**_CALC, "COMP": 11}, type="operation", motor=_VARIABLE, value="operand", reply="operand"),
+    _later(46, "MVPA", "move to accumulator", "Go where the accumulator says.", types=_MVP, type="ABS, REL or COORD",
+           motor=_MOTOR, moves=True),
+    _later(48, "RST", "restart program", "Clear stack and registers, and go on at an address.", value="address",
+           direct=False),
+    _later(49, "DJNZ", "decrement, jump if not zero", "Take one from a user variable, and jump while it is not 0.",
+           type="user variable, 0..255", value="address", direct=False),
+    _later(50, "ROLA", "rotate left by accumulator", "ROL at the accumulator's velocity.", motor=_MOTOR, moves=True),
+    _later(51, "RORA", "rotate right by accumulator", "ROR at the accumulator's velocity.", motor=_MOTOR, moves=True),
+    _later(55, "SIV", "set indexed variable", "Write the user variable whose number is in X.", value="value"),
+    _later(56, "GIV", "get indexed variable", "Read the user variable whose number is in X into the accumulator."),
+    _later(57, "AIV", "accumulator to indexed variable", "Write the accumulator to the variable whose number is in X."),
+    _later(80, "CALL", "call subroutine conditional", "CSUB where the condition holds.", types=_CONDITIONS,
+           type="condition", value="address", direct=False),
     *(
         CommandRow(64 + number, f"UF{number}", f"user function {number}",
                    "Reserved for functions of a customer's own firmware.", "FM-PD42-1241 3.6.34",

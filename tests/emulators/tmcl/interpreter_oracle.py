@@ -21,6 +21,8 @@ class Oracle:
     """The state of a module while `program` runs from address 0."""
 
     program: list[Row]
+    later: bool = False
+    """Whether the firmware knows the commands of later ones."""
     pc: int = 0
     accumulator: int = 0
     x: int = 0
@@ -212,8 +214,84 @@ class Oracle:
                 return None
             if type_ in (2, 3):  # nobody presses a switch
                 raise AssertionError("not for this oracle")
+        elif self.later and (40 <= opcode <= 45 or opcode in (48, 49, 55, 56, 57, 80)):
+            return self._later(opcode, type_, motor, value)
         else:
             self.error, self.running = 2, False
             return None
+        self.pc = following
+        return None
+
+    # --- commands of later firmware (TMCM-1290) ----------------------------------------------------
+
+    def _get(self, place: int | str) -> int:
+        return self.accumulator if place == "A" else self.x if place == "X" else self.variables.get(int(place), 0)
+
+    def _set(self, place: int | str, value: int) -> None:
+        value = _signed(value)
+        if place == "A":
+            self.accumulator = value
+        elif place == "X":
+            self.x = value
+        else:
+            self.variables[int(place)] = value
+        self.flags = self.flags - {"ZERO"} | ({"ZERO"} if value == 0 else set())
+
+    def _later(self, opcode: int, type_: int, motor: int, value: int) -> None:
+        following = self.pc + 1
+        if opcode in (48, 49, 80):
+            if opcode == 80:
+                if type_ > 11:
+                    return self._refuse(3)
+                names = ("ZERO", "ZERO", "EQUAL", "EQUAL", "GREATER", "GREATER EQUAL", "LOWER", "LOWER EQUAL",
+                         "ETO", "EAL", "EDV", "EPO")  # fmt: skip
+                holds = any(name in self.flags for name in names[type_].split()) != (type_ in (1, 3))
+                if not holds or len(self.stack) == 8:
+                    self.pc = following
+                    return None
+            if value not in range(2048):
+                return self._refuse(4)
+            if opcode == 48:
+                self.accumulator = self.x = 0
+                self.flags, self.stack = {"ZERO"}, []
+            elif opcode == 49:
+                count = _signed(self.variables.get(type_, 0) - 1)
+                self.variables[type_] = count
+                value = value if count else following
+            else:
+                self.stack.append(following)
+            self.pc = value
+            return None
+        if opcode >= 55:
+            if self.x in range(256):
+                if opcode == 56:
+                    self._load(self.variables.get(self.x, 0))
+                else:
+                    self.variables[self.x] = value if opcode == 55 else self.accumulator
+            self.pc = following
+            return None
+        if type_ > 11 or (opcode == 45 and type_ == 10):
+            return self._refuse(3)
+        if opcode == 40 and value not in range(256):
+            return self._refuse(4)
+        first: int | str = "A" if opcode == 42 else "X" if opcode == 44 else motor
+        second: int | str = value if opcode == 40 else "A" if opcode == 41 else "X" if opcode == 43 else motor
+        left, right = self._get(first), value if opcode == 45 else self._get(second)
+        if type_ == 11:
+            self.flags -= {"EQUAL", "LOWER", "GREATER"}
+            self.flags.add("EQUAL" if left == right else "LOWER" if left < right else "GREATER")
+        elif type_ == 10:
+            self._set(second, left)
+            self._set(first, right)
+        elif type_ >= 8:
+            self._set(first, right if type_ == 9 else ~left if opcode == 45 else ~right)
+        elif type_ in (3, 4) and right == 0:
+            return self._refuse(4)
+        else:
+            kept, self.accumulator = self.accumulator, left
+            result = self._arithmetic(type_, right)
+            self.accumulator = kept
+            assert result is not None
+            self._set(first, result)
         self.pc = following
         return None

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import random
-
 import pytest
 
-from app.calc.tmcl.instructions import Command
-from app.emulators.tmcl.eeprom import COMMAND_BYTES
 from app.registers.tmcl.commands import PROGRAM_COMMANDS, Opcode, Status
 from tests.calc.tmcl_programs import (
     FIRST,
@@ -20,7 +16,6 @@ from tests.calc.tmcl_programs import (
     SYMBOLS,
 )
 from tests.emulators.tmcl.bench import FULLSTEP, Bench
-from tests.emulators.tmcl.interpreter_oracle import Oracle, Row
 from tests.emulators.tmcl.programs import COMMAND_S, accumulator, commands_of, download, ended, started
 
 SWITCHES: dict[str, object] = {
@@ -491,107 +486,50 @@ def test_stall_and_deviation_interrupt() -> None:
     assert (bench.ggp(0, 2), "EDV" in bench.state.application.flags) == (1, True)
 
 
-# --- against the oracle ---------------------------------------------------------------------------
+# --- commands of later firmware (TMCM-1290) ---------------------------------------------------------
 
-_WHERE = (0, 1, 2, 3, 5, 8, 12, 20, 39, 2047, 2048, -1)
-
-
-def _random_program(rng: random.Random) -> list[Row]:
-    length = rng.randint(3, 40)
-
-    def address() -> int:
-        return rng.choice(_WHERE) if rng.random() < 0.1 else rng.randrange(length)
-
-    def number() -> int:
-        return rng.choice((0, 1, -1, 2, 7, -5000, 2**31 - 1, -(2**31), rng.randint(-(2**31), 2**31 - 1)))
-
-    def command() -> Row:
-        return rng.choice((
-            (19, rng.randrange(11), 0, number()), (33, rng.randrange(12), 0, 0), (20, 0, 0, number()),
-            (21, rng.randrange(13), 0, address()), (22, 0, 0, address()), (23, 0, 0, address()), (24, 0, 0, 0),
-            (36, rng.randrange(6), 0, 0), (9, rng.randrange(4), 2, number()), (10, rng.randrange(4), 2, 0),
-            (35, rng.randrange(4), 2, 0), (9, rng.randrange(3), 3, rng.randrange(6)),
-            (14, rng.randrange(3), 2, rng.randrange(3)),
-            (15, rng.randrange(3), 2, 0), (30, rng.randrange(23), 0, number()), (31, rng.randrange(23), 0, 0),
-            (39, rng.randrange(4), 0, 0), (25, rng.choice((0, 1, 2, 9, 255)), 0, 0), (25, 255, 0, 0),
-            (26, rng.choice((0, 1, 2, 255)), 0, 0), (37, rng.randrange(4), 0, address()), (38, 0, 0, 0),
-            (27, 0, 0, rng.choice((0, 1, 2, -1))), (27, rng.choice((1, 4, 5)), rng.randrange(2), 1),
-        ))  # fmt: skip
-
-    rows = [command() for _ in range(length)]
-    if rng.random() < 0.7:  # so that interrupts come often
-        for at, row in enumerate([(37, 0, 0, length // 2), (37, 1, 0, address()), (9, 0, 3, 1), (9, 1, 3, 2),
-                                  (25, 0, 0, 0), (25, 1, 0, 0), (25, 255, 0, 0)][:length]):  # fmt: skip
-            rows[at] = row
-    if rng.random() < 0.3:
-        rows[-1] = (rng.choice((28, 99)), 0, 0, 0)
-    return rows
+LATER: dict[str, object] = {"later_commands": True}
 
 
-def _agree(seed: int, bench: Bench) -> None:
-    rng = random.Random(seed)
-    rows = _random_program(rng)
-    bench.power_cycle()
-    application = bench.module._firmware.application
-    application.erase()
-    download(bench, [Command(*row) for row in rows])
-    bench.do(Opcode.RUN_APPLICATION, 1, 0, 0)
-    oracle = Oracle(rows)
-    for slots in (rng.randint(1, 60), rng.randint(1, 300), rng.randint(1, 300)):
-        oracle.run(slots)
-        bench.run(slots * COMMAND_S)
-        state = bench.state.application
-        told = (
-            state.counter, state.accumulator, state.x, set(state.flags), state.stack, state.status == "runs",
-            state.error, state.interrupted, application.variables[:8].tolist(), bench.state.inputs.outputs,
-        )  # fmt: skip
-        assert told == (
-            oracle.pc, oracle.accumulator, oracle.x, oracle.flags, oracle.stack, oracle.running, oracle.error,
-            oracle.saved is not None, [oracle.variables.get(number, 0) for number in range(8)], oracle.outputs,
-        ), f"seed {seed}: {rows}"  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "variables"),
+    [
+        ("CALCV LOAD, 0, 12\nCALCV MUL, 0, 3\nCALCVV LOAD, 1, 0\nCALCVV SUB, 1, 0", [36, 0]),
+        ("CALCV LOAD, 0, 5\nCALC LOAD, 7\nCALCVA ADD, 0\nCALCAV MUL, 0\nAGP 1, 2", [12, 84]),
+        ("CALCV LOAD, 0, 9\nCALC LOAD, 4\nCALCX LOAD\nCALCXV ADD, 0\nCALCVX LOAD, 1", [9, 13]),
+        ("CALCV LOAD, 0, 1\nCALCV LOAD, 1, 2\nCALCVV SWAP, 0, 1", [2, 1]),
+        ("CALCV LOAD, 0, 3\nAgain: CALCV ADD, 1, 10\nDJNZ 0, Again", [0, 30]),
+        ("CALCV COMP, 0, 0\nCALL EQ, Sub\nSTOP\nSub: CALCV LOAD, 1, 5\nRSUB", [0, 5]),
+        ("CALC LOAD, 1\nCALCX LOAD\nSIV 77\nGIV\nCALC ADD, 1\nAIV", [0, 78]),
+    ],
+)
+def test_later_commands_by_example(text: str, variables: list[int]) -> None:
+    bench = ended(f"{text}\nSTOP", bench=Bench(LATER))
+    assert [bench.ggp(number, 2) for number in range(2)] == variables
 
 
-def test_an_oracle_agrees_on_random_programs() -> None:
-    bench = Bench()
-    for seed in range(400):
-        _agree(seed, bench)
+def test_later_moves_by_the_accumulator() -> None:
+    bench = ended(f"{QUICK}CALC LOAD, 2560\nMVPA ABS, 0\nWAIT POS, 0, 0\nSTOP", bench=Bench(LATER))
+    assert bench.gap(1) == 2560
+    ended("CALC LOAD, 500\nRORA 0\nSTOP", bench=bench)
+    assert bench.gap(2) == 500
+    ended("CALC LOAD, 500\nROLA 0\nSTOP", bench=bench)
+    assert bench.gap(2) == -500
 
 
-@pytest.mark.slow
-def test_an_oracle_agrees_on_ten_thousand_random_programs() -> None:
-    bench = Bench()
-    for seed in range(1000, 11_000):
-        _agree(seed, bench)
+def test_a_restart_forgets_the_registers() -> None:
+    bench = started("CALC LOAD, 5\nCALCX LOAD\nCSUB Sub\nSub: RST 5\nSTOP\nEnd: JA End", Bench(LATER))
+    bench.run(0.01)
+    state = bench.state.application
+    assert (state.accumulator, state.x, state.stack, state.counter, state.flags) == (0, 0, [], 5, ["ZERO"])
 
 
-def _any_bytes(seed: int, bench: Bench) -> None:
-    rng = random.Random(seed)
-    memory = bench.module._firmware.eeprom
-    bench.patch(factory_default=True)
-    opcodes = bytes(rng.randrange(256) if rng.random() < 0.2 else rng.randrange(1, 40) for _ in range(64))
-    for at, opcode in enumerate(opcodes):
-        memory.program[at] = (
-            bytes((opcode,)) + rng.randbytes(2) + rng.choice((rng.randbytes(4), bytes((0, 0, 0, rng.randrange(64)))))
-        )
-    assert all(len(command) == COMMAND_BYTES for command in memory.program.values())
-    bench.patch(power_cycle=True)
-    bench.do(Opcode.RUN_APPLICATION)
-    for _ in range(3):
-        bench.run(0.05)
-        state = bench.state.application
-        assert state.status in ("runs", "stopped")
-        assert 0 <= state.counter <= PROGRAM_COMMANDS
-        assert state.status == "runs" or state.error or opcodes[state.counter] == Opcode.STOP
-
-
-def test_random_bytes_run_or_stop() -> None:
-    bench = Bench()
-    for seed in range(200):
-        _any_bytes(seed, bench)
-
-
-@pytest.mark.slow
-def test_ten_thousand_memories_of_random_bytes_run_or_stop() -> None:
-    bench = Bench()
-    for seed in range(1000, 11_000):
-        _any_bytes(seed, bench)
+def test_direct_mode_knows_them_where_the_firmware_does() -> None:
+    bench = Bench(LATER)
+    bench.do(Opcode.CALCV, 9, 3, 42)
+    bench.do(Opcode.CALCAV, 9, 3)
+    assert (bench.ggp(3, 2), accumulator(bench)) == (42, 42)
+    assert bench.ask(Opcode.CALCV, 12, 3).status == Status.WRONG_TYPE
+    assert bench.ask(Opcode.CALCVV, 0, 3, 256).status == Status.INVALID_VALUE
+    assert bench.ask(Opcode.DJNZ).status == Status.NOT_AVAILABLE
+    assert Bench().ask(Opcode.CALCV, 9, 3, 42).status == Status.INVALID_COMMAND

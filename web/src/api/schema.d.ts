@@ -6263,8 +6263,11 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
-            /** Motor and load */
-            motor?: components["schemas"]["MotorOptions"];
+            /**
+             * Motor and load
+             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
+             */
+            motor?: components["schemas"]["MotorOptions"] | "rigid";
             /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
             /** Stage: where switches are */
@@ -6276,6 +6279,12 @@ export interface components {
              * @description axis parameters that its firmware, as another version, does not have: answered with status 3
              */
             unknown_parameters?: number[];
+            /**
+             * Later Commands
+             * @description its firmware knows the commands of later ones too (CALCV and its kin); firmware 1.44 does not
+             * @default false
+             */
+            later_commands?: boolean;
             /**
              * Command Us
              * @description how long a command of a program takes [us of the module's time]; no source tells it
@@ -10487,6 +10496,11 @@ export interface components {
              */
             baud: number;
             motor: components["schemas"]["MotorState"];
+            /**
+             * Rigid
+             * @description no physics: the shaft follows the field exactly
+             */
+            rigid: boolean;
             /** Load Torque Nm */
             load_torque_nm: number;
             /** Blocked */
