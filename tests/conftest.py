@@ -11,10 +11,6 @@ from app.kernels import all_compiled
 from app.preparation import compile_kernels
 from tests.conformance import sections
 
-if not all_compiled():
-    # Else servers of tests would begin to compile behind their answers, as on a user's first start.
-    compile_kernels()
-
 # How fast something is, `make bench` measures; here a busy machine must not fail a test that is right.
 settings.register_profile("stepscope", deadline=None)
 settings.load_profile("stepscope")
@@ -65,3 +61,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         place = item.path.relative_to(HERE).as_posix() if item.path.is_relative_to(HERE) else ""
         if place.startswith(SLOW):
             item.add_marker(pytest.mark.slow)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Compile what servers of tests need: else they would do it behind their answers, as on a user's first start."""
+    if session.config.option.collectonly or not any(item.get_closest_marker("slow") for item in session.items):
+        return
+    if not all_compiled():
+        compile_kernels()
