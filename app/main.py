@@ -258,6 +258,7 @@ def create_app(
             await vitals.close()
             await bench.tokens.close()
             await bench.pages.close()
+            await bench.programs.close()
             await bench.probing.abort()
             await profiles.close()
             await stop_motors(bench)

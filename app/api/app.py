@@ -41,7 +41,9 @@ from .motion import stop_routes as stop
 from .positions import routes as extended_position
 from .profiles import routes as profiles
 from .profiles import script_routes as profile_scripts
+from .programs import debug_routes as debugged_programs
 from .programs import routes as programs
+from .programs import watch_routes as watched_programs
 from .recordings import routes as recordings
 from .registers import routes as registers
 from .start_up import routes as start_up
@@ -67,6 +69,8 @@ SUBJECTS = (
     links,
     tmcl,
     programs,
+    debugged_programs,
+    watched_programs,
     tables,
     profiles,
     emulator,

@@ -28,6 +28,7 @@ from .conditions.pages import Pages
 from .health.vitals import Vitals
 from .http.sessions import Sessions
 from .links.probing import Probing
+from .programs.watch import ProgramWatch
 from .schemas import Port
 
 
@@ -63,6 +64,10 @@ class Bench:
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)
+    programs: ProgramWatch = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "programs", ProgramWatch(self.background, self.procedures))
 
     def users_of(self, port: str) -> list[str]:
         """Ids of the devices that are connected, or try to be, through the serial port of that name."""

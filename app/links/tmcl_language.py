@@ -44,13 +44,17 @@ def parameter_names(module: TmclModule) -> dict[str, int]:
     return {**names, **MANUAL_NAMES}
 
 
+def standard_includes(module: TmclModule) -> dict[str, str]:
+    """The files that every program may include, by name."""
+    return {
+        PARAMETERS_FILE: _constants(parameter_names(module)),
+        INTERRUPTS_FILE: _constants(INTERRUPT_NAMES),
+    }
+
+
 def standard_include(module: TmclModule, name: str) -> str | None:
     """The text of an included file that every program may have; None for another."""
-    if name.upper() == PARAMETERS_FILE.upper():
-        return _constants(parameter_names(module))
-    if name.upper() == INTERRUPTS_FILE.upper():
-        return _constants(INTERRUPT_NAMES)
-    return None
+    return next((text for file, text in standard_includes(module).items() if file.upper() == name.upper()), None)
 
 
 def _constants(names: Mapping[str, int]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TypeVar
 
 from ..clock import Clock
@@ -11,9 +11,11 @@ from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.device import Device
 from ..devices.core.results import Rotating
 from ..errors import WrongState
+from . import debugging, shuttle
 from . import search as searches
-from . import shuttle
 from .closed_loop import NOT_CALIBRATED, NOT_RECORDED, Calibration, CalibrationState, Load, ResponseState
+from .debugging import Debugging, DebugState
+from .debugging import Mode as DebugMode
 from .families import calibration_of, search_of
 from .hold import Hold, check_hold
 from .procedure import Procedure
@@ -191,6 +193,33 @@ class Procedures:
         """End it and take the load away; the state afterwards."""
         return await self._abort_response(device, axis, Disturbance)
 
+    # --- debugged program -----------------------------------------------------------------------
+
+    def start_debugging(
+        self, device: Device, mode: DebugMode, breakpoints: Collection[int], *, from_start: bool = False
+    ) -> DebugState:
+        """Raises WrongState where there is no program memory or another procedure runs, OutOfRange."""
+        return self._start(Debugging(device, self._clock, mode, breakpoints, from_start)).state
+
+    def debugging(self, device: Device) -> Debugging | None:
+        """The present run by single steps, or the latest."""
+        return self._find(device, 0, Debugging)
+
+    def debug_state(self, device: Device) -> DebugState:
+        """How that is."""
+        latest = self.debugging(device)
+        return debugging.IDLE if latest is None else latest.state
+
+    async def pause_debugging(self, device: Device) -> DebugState:
+        """End it before its next command; the motor goes on as it was told last."""
+        latest = self.debugging(device)
+        if latest is not None and latest.running:
+            latest.pause()
+            await latest.wait()
+        return self.debug_state(device)
+
+    # --- inside ---------------------------------------------------------------------------------
+
     def _response_state(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
         latest = self._find(device, axis, kind)
         return NOT_RECORDED if latest is None else latest.state
@@ -198,8 +227,6 @@ class Procedures:
     async def _abort_response(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
         await self._abort(device, axis, kind)
         return self._response_state(device, axis, kind)
-
-    # --- inside ---------------------------------------------------------------------------------
 
     def _start(self, procedure: P) -> P:
         device, axis = procedure.device, procedure.axis

@@ -40,7 +40,9 @@ FREE = {
     ("DELETE", f"{AXIS}/disturbance"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.
     ("POST", "/devices/{device}/program/stop"),
+    ("DELETE", "/devices/{device}/program/debug"),
     ("POST", "/devices/{device}/program/assemble"),
+    ("POST", "/devices/{device}/program/disassemble"),
     # Who may come in moves no motor.
     ("POST", "/access/log-out"),
     ("POST", "/tokens"),

@@ -22,7 +22,14 @@ from app.store.tokens import ROLES, Role, at_least
 from tests.api.test_lease_gate import filled
 
 TOO_LOW = "/problems/role-too-low"
-PROCEDURES = ("/reference-search", "/shuttle", "/closed-loop-calibration", "/step-response", "/disturbance")
+PROCEDURES = (
+    "/reference-search",
+    "/shuttle",
+    "/closed-loop-calibration",
+    "/step-response",
+    "/disturbance",
+    "/program/debug",
+)
 METHODS = ("GET", "HEAD", "OPTIONS", "POST", "PUT", "PATCH", "DELETE")
 
 
@@ -61,7 +68,7 @@ def expected(method: str, path: str) -> Role:
         and ((method == "POST" and short.endswith("/stop")) or (method == "DELETE" and short.endswith(PROCEDURES)))
     )
     computes = short.startswith("/calc/") or short in ("/recordings/compare", "/profiles/compare")
-    computes = computes or short.endswith("/program/assemble")
+    computes = computes or short.endswith(("/program/assemble", "/program/disassemble"))
     return "look" if stops or (method == "POST" and (computes or short == "/access/log-out")) else "drive"
 
 
@@ -106,7 +113,9 @@ def policies() -> Policies:
 
 def test_every_socket_has_a_role(policies: Policies) -> None:
     sockets = {each.path: each.policy.role for each in policies.routes if not each.method}
-    assert sockets == {"/devices/{device}/telemetry": "look", "/conditions": "look"}
+    assert sockets == dict.fromkeys(
+        ("/devices/{device}/telemetry", "/devices/{device}/program/watch", "/conditions"), "look"
+    )
 
 
 @given(st.sampled_from(METHODS), st.text(), st.data())

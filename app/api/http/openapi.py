@@ -14,6 +14,7 @@ from fastapi.routing import APIRoute, iter_route_contexts
 from ... import __version__
 from ...lease.errors import BenchNotTaken, BenchTaken
 from ..conditions.schemas import ConditionsMessage, ConditionsPage
+from ..programs.schemas import ProgramMessage, ProgramWatched
 from ..schemas import AxisProblem, Problem
 from ..telemetry.schemas import TelemetryMessage
 from .errors import RoleTooLow
@@ -53,14 +54,24 @@ def _schema(app: FastAPI, policies: Policies) -> dict[str, Any]:
             "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
             "in seconds for each row, then float64 for each row, column after column. `/api/v1/conditions` is a "
             "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`); a page may say which "
-            "session it has open (`ConditionsPage`). A server on a network asks for a token (`Authorization: Bearer`): "
+            "session it has open (`ConditionsPage`). `/api/v1/devices/{device}/program/watch` is one that tells what "
+            "the device's program does (`ProgramMessage`); a client may say which variables it wants "
+            "(`ProgramWatched`). A server on a network asks for a token (`Authorization: Bearer`): "
             "its own, or a named one with a role. `x-required-role` is the least role of a call: look, drive or "
             "administer; 403 tells where it is higher."
         ),
         routes=app.routes,
     )
     components = schema.setdefault("components", {}).setdefault("schemas", {})
-    for model in (Problem, AxisProblem, TelemetryMessage, ConditionsMessage, ConditionsPage):
+    for model in (
+        Problem,
+        AxisProblem,
+        TelemetryMessage,
+        ConditionsMessage,
+        ConditionsPage,
+        ProgramMessage,
+        ProgramWatched,
+    ):
         described = model.model_json_schema(ref_template=REF, mode="serialization")
         components.update(described.pop("$defs", {}))
         components[model.__name__] = described

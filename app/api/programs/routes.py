@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import asyncio
+import base64
+import binascii
+from collections.abc import Callable
+from typing import Annotated, TypeVar
 
 from fastapi import APIRouter, Query
 
 from ...calc.tmcl.assembler import Assembly
+from ...calc.tmcl.binary import from_binary, to_binary
 from ...calc.tmcl.disassembler import disassemble, listing
 from ...errors import SoftLimit, UsageError, WriteRefused
 from ..abilities import CurrentProgram
 from ..audit import wording
+from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from .schemas import (
     AssembledProgram,
+    ProgramBinary,
+    ProgramIncludes,
     ProgramListing,
     ProgramProblem,
     ProgramRun,
     ProgramSource,
     ProgramStart,
+    ProgramText,
+    ProgramToAssemble,
     StoredProgram,
 )
 
 router = APIRouter(prefix="/devices/{device}/program", tags=["programs"])
 
+T = TypeVar("T")
 PROBLEMS_TOLD = 10
 VariablesQuery = Annotated[
     list[Annotated[int, Query(ge=0, le=255)]] | None,
@@ -36,25 +47,51 @@ CountQuery = Annotated[int, Query(ge=1, le=65_536, description="how many command
 
 @router.post("/assemble", responses=problems(*DEVICE_PROBLEMS))
 @policy(lease="free", role="look", audit="silent")
-async def assemble_program(program: CurrentProgram, body: ProgramSource) -> AssembledProgram:
+async def assemble_program(program: CurrentProgram, body: ProgramToAssemble) -> AssembledProgram:
     """The commands of a program, or everything that is wrong with it. Nothing is sent."""
-    made = program.assemble(body.text, body.files, body.name)
-    if made.problems:
-        told = [ProgramProblem.model_validate(problem) for problem in made.problems]
-        return AssembledProgram(problems=told, commands=0, labels={}, listing="")
-    return AssembledProgram(
-        problems=[],
-        commands=len(made.commands),
-        labels=made.labels,
-        listing=listing(made, program.instructions),
-    )
+
+    def made() -> AssembledProgram:
+        assembly = program.assemble(body.text, body.files, body.name)
+        if assembly.problems:
+            told = [ProgramProblem.model_validate(problem) for problem in assembly.problems]
+            return AssembledProgram(problems=told, commands=0, labels={}, listing="", lines=[], binary=None)
+        return AssembledProgram(
+            problems=[],
+            commands=len(assembly.commands),
+            labels=assembly.labels,
+            listing=listing(assembly, program.instructions) if body.listing else "",
+            lines=[place.line if place.file == body.name else 0 for place in assembly.places],
+            binary=base64.b64encode(to_binary(assembly.commands)).decode() if body.binary else None,
+        )
+
+    return await _aside(made)
+
+
+@router.post("/disassemble", responses=problems(*DEVICE_PROBLEMS))
+@policy(lease="free", role="look", audit="silent")
+async def disassemble_program(program: CurrentProgram, body: ProgramBinary) -> ProgramText:
+    """A binary file as a program that assembles to the same commands. Nothing is sent."""
+    try:
+        content = base64.b64decode(body.binary, validate=True)
+    except binascii.Error as error:
+        raise UsageError(f"the binary file has to come as base64: {error}") from error
+    commands = from_binary(content)
+    if len(commands) > program.instructions.memory:
+        raise UsageError(f"the file has {len(commands)} commands, the device holds {program.instructions.memory}")
+    return ProgramText(text=disassemble(commands, program.instructions))
+
+
+@router.get("/includes", responses=problems(*DEVICE_PROBLEMS))
+async def program_includes(program: CurrentProgram) -> ProgramIncludes:
+    """The files that every program may include: names of parameters and of interrupts."""
+    return ProgramIncludes(files=dict(program.includes()))
 
 
 @router.put("", responses=problems(*DEVICE_PROBLEMS, SoftLimit, WriteRefused))
 @policy(words=wording.plain("download program", "name"))
 async def write_program(program: CurrentProgram, body: ProgramSource) -> StoredProgram:
     """Assemble a program, store it in the device and read it back. One that runs is stopped; the motor has to rest."""
-    made = program.assemble(body.text, body.files, body.name)
+    made = await _aside(lambda: program.assemble(body.text, body.files, body.name))
     _require_right(made)
     stored = await program.download(made.commands)
     return StoredProgram(commands=stored.commands, labels=made.labels, sent_again=stored.sent_again)
@@ -76,8 +113,9 @@ async def run_program(program: CurrentProgram, body: ProgramStart | None = None)
 
 @router.post("/stop", status_code=204, responses=problems(*DEVICE_PROBLEMS))
 @policy(stops=True, audit="told by drivers", words=wording.done("stop program"))
-async def stop_program(program: CurrentProgram) -> None:
+async def stop_program(bench: CurrentBench, device: CurrentDevice, program: CurrentProgram) -> None:
     """Stop the program. The motor goes on as it was told last: a stop of the axis ends both."""
+    await bench.procedures.pause_debugging(device)
     await program.stop_program()
 
 
@@ -99,6 +137,15 @@ async def reset_program(program: CurrentProgram) -> None:
 async def program_state(program: CurrentProgram, variables: VariablesQuery = None) -> ProgramRun:
     """What the interpreter does now: counter, registers, and those user variables that are asked for."""
     return ProgramRun.model_validate(await program.program_state(variables or ()))
+
+
+_assembling = asyncio.Semaphore(2)
+
+
+async def _aside(work: Callable[[], T]) -> T:
+    """Done beside everything else, by two threads at most: a long text must not hold up a stop."""
+    async with _assembling:
+        return await asyncio.to_thread(work)
 
 
 def _require_right(made: Assembly) -> None:

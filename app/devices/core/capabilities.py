@@ -454,8 +454,35 @@ class ProgramMemory(Protocol):
         """Stop it, and go to its start."""
         ...
 
-    async def program_state(self, variables: Sequence[int] = ()) -> ProgramState:
-        """What it does now, with these of its variables."""
+    async def program_state(self, variables: Sequence[int] = (), priority: Priority = Priority.COMMAND) -> ProgramState:
+        """What it does now, with these of its variables. Raises LinkError, and SampleDropped for a sample."""
+        ...
+
+    def state_questions(self, variables: int) -> int:
+        """How many questions `program_state` asks for so many variables."""
+        ...
+
+    def includes(self) -> Mapping[str, str]:
+        """The files that every program may include, by name."""
+        ...
+
+    def stepping(self, what: str) -> ProgramSteps:
+        """Tell everybody once that a run by single steps begins, `what` in words; its steps are not told one by one."""
+        ...
+
+
+class ProgramSteps(Protocol):
+    """Does a program one command at a time. A stop of the axis ends it: each call then raises WrongState."""
+
+    async def step(self, moves: bool) -> int:
+        """Do the command at the counter, which may move the motor if `moves`; where the counter is then.
+
+        Sent once: where the answer is lost, whether it was done is not known. Raises LinkError.
+        """
+        ...
+
+    async def counter(self) -> int:
+        """Where the counter is; reads only. Raises LinkError."""
         ...
 
 

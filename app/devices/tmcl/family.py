@@ -92,7 +92,7 @@ def compose(
                 link,
                 ongoing,
                 Eeprom(session, state, link, records),
-                ProgramStore(session, state, link, download, ongoing, console, identity.refresh),
+                ProgramStore(session, state, link, download, ongoing, console, moving, identity.refresh),
                 ModuleEncoders(session, state, link, ongoing),
                 Searches(session, state, link, ongoing, departure),
             ),

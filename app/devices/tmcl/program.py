@@ -19,16 +19,18 @@ from ...errors import BadReply, BenchError, LinkError, LinkTimeout, OutOfRange, 
 from ...links.download import DownloadHold
 from ...links.queue import Priority, Turn
 from ...links.tmcl import FRAME_BYTES, Reply, Request, check_reply, sound
-from ...links.tmcl_language import INSTRUCTIONS, standard_include
+from ...links.tmcl_language import INSTRUCTIONS, standard_include, standard_includes
 from ...registers.model import Register, Space
 from ...registers.tmcl.commands import CONTROL_FIRST, PROGRAM_COMMANDS, Opcode, Status
-from ..core.capabilities import ProgramMemory
+from ..core.capabilities import ProgramMemory, ProgramSteps
 from ..core.results import ProgramDownload, ProgramState
 from ..core.session import Session
 from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
 from ..core.tmcl_refusals import refusal
+from .moving_writes import MovingWrites
 from .ongoing import OngoingMotion
+from .program_steps import Steps
 from .state import ModuleState
 
 TRIES = 5
@@ -49,6 +51,7 @@ class ProgramStore(ProgramMemory):
         download: DownloadHold,
         ongoing: OngoingMotion,
         console: Console,
+        moving: MovingWrites,
         relearn: Callable[[], Awaitable[None]],
     ) -> None:
         """`relearn` reads again what the driver forgets when the module is in download mode."""
@@ -59,6 +62,7 @@ class ProgramStore(ProgramMemory):
         self._download = download
         self._ongoing = ongoing
         self._console = console
+        self._moving = moving
 
     @property
     def instructions(self) -> InstructionSet:
@@ -72,6 +76,9 @@ class ProgramStore(ProgramMemory):
             name=name,
             resolve=lambda file: files[file] if file in files else standard_include(module, file),
         )
+
+    def includes(self) -> Mapping[str, str]:
+        return standard_includes(self._state.module)
 
     # --- memory ----------------------------------------------------------------------------------
 
@@ -232,7 +239,26 @@ class ProgramStore(ProgramMemory):
                 raise LinkError(self._session.port.name, f"{done.text}: whether it was done is not known")
             raise refusal(request, Reply.decode(done.reply))
 
-    async def program_state(self, variables: Sequence[int] = ()) -> ProgramState:
+    def stepping(self, what: str) -> ProgramSteps:
+        self._session.require_connected()
+        if self._download.problem is not None:
+            raise self._download.problem
+        counter = self._row("tmcl_program_counter")
+        if counter is None:
+            raise WrongState(
+                f"{self._session.name} does not tell its program counter, so nobody could say where to halt",
+                "run it without breakpoints, or step by hand",
+            )
+        self._session.commanded(0, what)
+        return Steps(self._session, self._state, self._link, self._ongoing, self._moving, counter)
+
+    # --- looking ---------------------------------------------------------------------------------
+
+    def state_questions(self, variables: int) -> int:
+        told = ("tmcl_application_status", "tmcl_program_counter", "download_mode", "last_tmcl_error")
+        return sum(self._row(name) is not None for name in told) + len((_ACCUMULATOR, _X)) + variables
+
+    async def program_state(self, variables: Sequence[int] = (), priority: Priority = Priority.COMMAND) -> ProgramState:
         self._session.require_connected()
         rows = [self._variable(number) for number in variables]
         status, counter, downloading, error = (
@@ -240,7 +266,7 @@ class ProgramStore(ProgramMemory):
             for name in ("tmcl_application_status", "tmcl_program_counter", "download_mode", "last_tmcl_error")
         )
         needed = [row for row in (status, counter, downloading) if row is not None]
-        async with self._link.calls() as calls:
+        async with self._link.calls(priority=priority) as calls:
             found = await calls.get_many([*needed, *rows])
             last = (await calls.ask_many((error,)))[0] if error is not None else None
             accumulator, x = [

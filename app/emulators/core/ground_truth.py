@@ -6,6 +6,20 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
+class ProgramTruth:
+    """What an interpreter holds that no command reads."""
+
+    flags: tuple[str, ...]
+    """Those that are set, by name."""
+    stack: tuple[int, ...]
+    """Where subroutines return to, the innermost last."""
+    waits: bool
+    """A WAIT is not met yet."""
+    interrupted: bool
+    """An interrupt is being served."""
+
+
+@dataclass(frozen=True, slots=True)
 class GroundTruth:
     """One axis, now. Full steps; None where the emulator has no such thing."""
 
@@ -18,3 +32,5 @@ class GroundTruth:
     speed_fullsteps_s: float | None = None
     bridges: str = ""
     """What the driver's bridges do."""
+    program: ProgramTruth | None = None
+    """Of one that executes programs."""

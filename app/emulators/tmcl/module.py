@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from pathlib import Path
 
 from ...clock import Clock
 from ...errors import WrongState
 from ...links.tmcl import FRAME_BYTES
 from ..core.base import FarEnd
-from ..core.ground_truth import GroundTruth
+from ..core.ground_truth import GroundTruth, ProgramTruth
 from ..drive import Drive
 from ..drive.bench import ground_truth
 from . import world
@@ -143,7 +144,11 @@ class EmulatedModule(FarEnd):
         """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
         with self._lock:
             self._run_until(at_s)
-            return ground_truth(self._drive.truth, self._drive.world)
+            application, interpreter = self._firmware.application, self._firmware.interpreter
+            program = ProgramTruth(
+                tuple(application.flags), tuple(application.stack), interpreter.waits, interpreter.serves
+            )
+            return replace(ground_truth(self._drive.truth, self._drive.world), program=program)
 
     # --- within ----------------------------------------------------------------------------------
 

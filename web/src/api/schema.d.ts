@@ -919,6 +919,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/program/disassemble": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Disassemble Program
+         * @description A binary file as a program that assembles to the same commands. Nothing is sent.
+         */
+        post: operations["disassemble_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/includes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Program Includes
+         * @description The files that every program may include: names of parameters and of interrupts.
+         */
+        get: operations["program_includes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/program": {
         parameters: {
             query?: never;
@@ -1036,6 +1076,57 @@ export interface paths {
          */
         get: operations["program_state"];
         put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/debug": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Debug Run
+         * @description How far the run by single steps is, or how the latest one ended.
+         */
+        get: operations["get_debug_run"];
+        put?: never;
+        /**
+         * Debug Program
+         * @description Do the program one command at a time until a breakpoint or its end. Answers when it has started.
+         *
+         *     Slower than the device by itself; the motor and its timers do not wait. No command of the module sets a breakpoint
+         *     that any public source tells the arguments of, so it is the server who halts.
+         */
+        post: operations["debug_program"];
+        /**
+         * Pause Program
+         * @description Halt before the next command. The motor goes on as it was told last: a stop of the axis ends both.
+         */
+        delete: operations["pause_program"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/debug/breakpoints": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Set Breakpoints
+         * @description Other breakpoints for the run under way; without one nothing changes.
+         */
+        put: operations["set_breakpoints"];
         post?: never;
         delete?: never;
         options?: never;
@@ -2194,9 +2285,19 @@ export interface components {
             };
             /**
              * Listing
-             * @description address, bytes, source and command of each
+             * @description address, bytes, source and command of each; empty where it was not asked for
              */
             listing: string;
+            /**
+             * Lines
+             * @description of each command the line that it is in, from 1; 0 in an included file
+             */
+            lines: number[];
+            /**
+             * Binary
+             * @description eight bytes a command, as base64; null where it was not asked for
+             */
+            binary: string | null;
         };
         /**
          * AuditEntry
@@ -3834,6 +3935,67 @@ export interface components {
              * @description null: missing
              */
             values: (number | null)[];
+        };
+        /** DebugBreakpoints */
+        DebugBreakpoints: {
+            /** Breakpoints */
+            breakpoints: number[];
+        };
+        /**
+         * DebugStart
+         * @description A run by single steps, from where the program is.
+         */
+        DebugStart: {
+            /**
+             * Mode
+             * @description over: one command, or a whole subroutine; out: until the subroutine has returned
+             * @default run
+             * @enum {string}
+             */
+            mode?: "run" | "over" | "out";
+            /**
+             * Breakpoints
+             * @description addresses at which it halts
+             */
+            breakpoints?: number[];
+            /**
+             * From Start
+             * @description reset the program first: it begins at address 0
+             * @default false
+             */
+            from_start?: boolean;
+        };
+        /**
+         * DebugState
+         * @description A run by single steps, or how the latest one ended.
+         */
+        DebugState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            /**
+             * Mode
+             * @enum {string}
+             */
+            mode: "run" | "over" | "out";
+            /** Breakpoints */
+            breakpoints: number[];
+            /**
+             * Halted At
+             * @description the breakpoint that ended it
+             */
+            halted_at: number | null;
+            /** Steps */
+            steps: number;
+            /**
+             * Steps Per S
+             * @description how fast it goes: slower than the device by itself
+             */
+            steps_per_s: number | null;
+            /** Message */
+            message: string;
         };
         /**
          * DeviceChange
@@ -7843,6 +8005,30 @@ export interface components {
             checked: components["schemas"]["ScriptCheck"];
         };
         /**
+         * ProgramBinary
+         * @description A binary file: eight bytes a command.
+         */
+        ProgramBinary: {
+            /**
+             * Binary
+             * @description as base64
+             */
+            binary: string;
+        };
+        /**
+         * ProgramIncludes
+         * @description What every program may include.
+         */
+        ProgramIncludes: {
+            /**
+             * Files
+             * @description their texts, by name
+             */
+            files: {
+                [key: string]: string;
+            };
+        };
+        /**
          * ProgramListing
          * @description A stretch of the device's program memory.
          */
@@ -7939,6 +8125,47 @@ export interface components {
              * @description null: where it stopped
              */
             address?: number | null;
+        };
+        /**
+         * ProgramText
+         * @description A program that assembles to the same commands.
+         */
+        ProgramText: {
+            /** Text */
+            text: string;
+        };
+        /** ProgramToAssemble */
+        ProgramToAssemble: {
+            /**
+             * Text
+             * @description one command a line; labels, constants and #include as in the maker's manual
+             */
+            text: string;
+            /**
+             * Name
+             * @description what its file is called in messages
+             * @default program
+             */
+            name?: string;
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files?: {
+                [key: string]: string;
+            };
+            /**
+             * Listing
+             * @description whether a listing is wanted
+             * @default true
+             */
+            listing?: boolean;
+            /**
+             * Binary
+             * @description whether the binary file is wanted
+             * @default false
+             */
+            binary?: boolean;
         };
         /**
          * PwmState
@@ -11988,6 +12215,142 @@ export interface components {
         ConditionsPage: {
             /** Session */
             session: string;
+        };
+        /**
+         * ProgramAlive
+         * @description Nothing has changed for a second, and the server goes on looking.
+         */
+        ProgramAlive: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "alive";
+        };
+        /**
+         * ProgramLost
+         * @description The device is not looked at, or did not answer; what was told before may be so no more.
+         */
+        ProgramLost: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "lost";
+            problem: components["schemas"]["Problem"];
+        };
+        /**
+         * ProgramRefused
+         * @description Why there is no watch, or not of these variables; where there is none, the socket closes with 4000 + status.
+         */
+        ProgramRefused: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "refused";
+            problem: components["schemas"]["Problem"];
+        };
+        /**
+         * ProgramSeen
+         * @description One look at the program. Said where something differs from the look before.
+         */
+        ProgramSeen: {
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "stopped" | "running" | "stepping" | "reset";
+            /** Downloading */
+            downloading: boolean;
+            /**
+             * Counter
+             * @description address of the command that is done next, or waits
+             */
+            counter: number;
+            /** Accumulator */
+            accumulator: number;
+            /** X */
+            x: number;
+            /**
+             * Error
+             * @description status of the latest command that was refused; null where it is not told
+             */
+            error: number | null;
+            /**
+             * Variables
+             * @description those that were asked for, by number
+             */
+            variables: {
+                [key: string]: number;
+            };
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "state";
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number;
+            /**
+             * Flags
+             * @description those that are set; null where the device tells none
+             */
+            flags: string[] | null;
+            /**
+             * Stack
+             * @description where subroutines return to, the innermost last; null where the device does not tell
+             */
+            stack: number[] | null;
+            /**
+             * Waits
+             * @description a WAIT is not met yet; null where the device does not tell
+             */
+            waits: boolean | null;
+            /**
+             * Interrupted
+             * @description an interrupt is being served; null where the device does not tell
+             */
+            interrupted: boolean | null;
+            debug: components["schemas"]["DebugState"];
+            /**
+             * Trace
+             * @description addresses of the commands done by single steps since the last message
+             */
+            trace: number[];
+        };
+        /**
+         * ProgramStarted
+         * @description The first message.
+         */
+        ProgramStarted: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "start";
+            /** Device */
+            device: string;
+            /**
+             * Rate Hz
+             * @description about how often the device is looked at
+             */
+            rate_hz: number;
+        };
+        /**
+         * ProgramMessage
+         * @description Any message of the socket.
+         */
+        ProgramMessage: components["schemas"]["ProgramStarted"] | components["schemas"]["ProgramSeen"] | components["schemas"]["ProgramLost"] | components["schemas"]["ProgramAlive"] | components["schemas"]["ProgramRefused"];
+        /**
+         * ProgramWatched
+         * @description What a client says: the user variables that it wants to be told.
+         */
+        ProgramWatched: {
+            /** Variables */
+            variables: number[];
         };
     };
     responses: never;
@@ -16277,7 +16640,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["ProgramSource"];
+                "application/json": components["schemas"]["ProgramToAssemble"];
             };
         };
         responses: {
@@ -16328,6 +16691,182 @@ export interface operations {
             };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    disassemble_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProgramBinary"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramText"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    program_includes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramIncludes"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -16911,6 +17450,358 @@ export interface operations {
             };
             /** @description Not possible now (/problems/wrong-state) */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_debug_run: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DebugState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    debug_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["DebugStart"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DebugState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    pause_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DebugState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    set_breakpoints: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DebugBreakpoints"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DebugState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
                 headers: {
                     [name: string]: unknown;
                 };
