@@ -39,7 +39,7 @@ class Served(Wire, Protocol):
 
 def frame_bytes_of(model: str) -> int:
     """The length of a frame of the chip `model`."""
-    return datagram40.FRAME_BYTES if model in datagram40.MODELS else datagram32.FRAME_BYTES
+    return datagram40.FRAME_BYTES if datagram40.speaks(model) else datagram32.FRAME_BYTES
 
 
 async def serve_tcp(chip: Served, host: str, port: int, half_frame_s: float = HALF_FRAME_S) -> asyncio.Server:
@@ -47,7 +47,7 @@ async def serve_tcp(chip: Served, host: str, port: int, half_frame_s: float = HA
 
     `half_frame_s` is how long the rest of a frame may take [s]. An unplugged chip hangs up.
     """
-    shared = Shared(chip) if chip.model in datagram40.MODELS else None
+    shared = Shared(chip) if datagram40.speaks(chip.model) else None
 
     async def client(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         connection: socket.socket = writer.get_extra_info("socket")

@@ -19,8 +19,6 @@ FRAME_BYTES = 5
 DATA_MASK = 0xFFFF_FFFF
 ADDRESS_MAX = 0x7F
 WRITE_BIT = 0x80
-MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.datagram_bits == 8 * FRAME_BYTES)
-"""Chips that speak it."""
 VERSION_ADDRESS = 0x7F
 """VERSION_NO of a TMC4361: reading it neither clears nor changes anything, so it may follow anything."""
 
@@ -79,6 +77,11 @@ def read(address: int) -> bytes:
 def write(address: int, data: int) -> bytes:
     """The frame that writes 32 raw bits to `address`; the frame after it brings them back."""
     return Request(address, write=True, data=data).encode()
+
+
+def speaks(model: str) -> bool:
+    """Whether the chip `model` speaks it."""
+    return catalog.is_model(model) and catalog.find_model(model).datagram_bits == 8 * FRAME_BYTES
 
 
 FETCH = read(VERSION_ADDRESS)

@@ -9,6 +9,7 @@ lowest bit first, and in that order the CRC counts.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from ..registers import catalog
 
@@ -22,12 +23,6 @@ POLYNOMIAL = 0x07
 """x^8 + x^2 + x + 1."""
 IFCNT = 0x02
 """Counts the writes that were accepted, modulo 256. Reading it changes nothing (TMC5160A data sheet 1.14, 5.1.1)."""
-NODE_MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.uart == "node")
-"""Chips that share a line, each with a node address."""
-PLAIN_MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.uart == "plain")
-"""Chips without a node address: alone on their line."""
-MODELS = NODE_MODELS | PLAIN_MODELS
-"""Chips with a single-wire UART. A TMC5031 has none."""
 
 
 def _table() -> bytes:
@@ -142,9 +137,15 @@ class UartForm:
 
 def form_of(model: str, node: int = 0) -> UartForm:
     """The datagrams of `model` at `node`. Raises KeyError for a model without a UART, ValueError for another node."""
-    if model not in MODELS:
+    kind = kind_of(model)
+    if not kind:
         raise KeyError(model)
-    return UartForm(None if model in PLAIN_MODELS else node)
+    return UartForm(None if kind == "plain" else node)
+
+
+def kind_of(model: str) -> Literal["", "plain", "node"]:
+    """What `model` has: no single-wire UART, one that it is alone on, or one where it has a node address."""
+    return catalog.find_model(model).uart
 
 
 def _closed(body: bytes) -> bytes:

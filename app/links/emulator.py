@@ -47,7 +47,7 @@ class EmulatorPort:
         self._hurries = hurries
         self.samples_missed = 0
         self.paused: BenchError | None = None
-        self.traits = PortTraits(chains=self if wire.model in datagram40.MODELS else None, sampling=self)
+        self.traits = PortTraits(chains=self if datagram40.speaks(wire.model) else None, sampling=self)
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()

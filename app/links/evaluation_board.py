@@ -19,8 +19,6 @@ from .tmcl import Reply, Request, version_string
 
 BAUD = 115_200
 """Any will do over USB; PyTrinamic opens the port at this one."""
-MODELS = {model.name: model.board for model in catalog.MODELS.values() if model.board}
-"""Chips that have such boards, by what the board calls them."""
 BOARDS_IN_SLOTS = 4
 """The global parameter that tells them. Command 143 tells them too, but looks for them anew, which resets them."""
 
@@ -39,9 +37,22 @@ class Board:
         return f"{self.name} with {slots or 'empty slots'}"
 
 
-def board_port(url: str, *, baud: int = BAUD, timeout_s: float | None = None, clock: Clock | None = None) -> LinePort:
+def board_port(
+    url: str,
+    *,
+    baud: int = BAUD,
+    address: int = ADDRESS,
+    timeout_s: float | None = None,
+    clock: Clock | None = None,
+) -> LinePort:
     """The board on the line behind a device name or a URL of pyserial."""
-    return serial_port(url, baud=baud, address=ADDRESS, timeout_s=timeout_s, clock=clock)
+    return serial_port(url, baud=baud, address=address, timeout_s=timeout_s, clock=clock)
+
+
+def chip_of(board: str) -> str | None:
+    """The chip that stands on what a Landungsbrücke calls `board`; None where there is no driver of it."""
+    known = (*catalog.MODELS.values(), *catalog.listings())
+    return next((model.name for model in known if board and model.board == board), None)
 
 
 async def identify(queue: LinkQueue, priority: Priority = Priority.COMMAND) -> Board | None:

@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from ..errors import BadReply
+from ..registers import catalog
+from ..registers.entry import Slot
 from ..registers.evaluation_board import BoardOpcode
 from ..registers.wires import BOARD
 from . import datagram40, datagram_uart, tmcl
@@ -121,27 +123,36 @@ class Spi40Access:
 
 
 class BoardAccess:
-    """Registers through an evaluation board: TMCL 146 writes and 148 reads the motion controller.
+    """Registers through an evaluation board: TMCL 146 writes and 148 reads the motion controller, 147 and 149 the
+    driver.
 
-    `motor` is the board's channel or the chip's axis, `address` the board's TMCL address. Twelve bits of register
-    address fit: the upper four go into the upper half of the motor byte.
+    `motor` is the board's channel, the chip's axis or its block of registers. Where a register's address is wider than
+    a chip's own, what is above it is that block. The type byte has eight bits of an address; the others go into the
+    upper part of the motor byte.
     """
 
     frame_bytes = tmcl.FRAME_BYTES
     reply_bytes = tmcl.FRAME_BYTES
 
-    def __init__(self, name: str = BOARD, motor: int = 0, address: int = 1) -> None:
+    def __init__(self, name: str = BOARD, motor: int = 0, slot: Slot | None = None) -> None:
         if not 0 <= motor <= 0xF:
             raise ValueError(f"motor is 0..15, not {motor}")
+        slot = slot or Slot()
         self.name = name
         self.motor = motor
-        self.address = address
+        self.address = slot.module
+        driver = slot.side == "driver"
+        self.read_opcode = BoardOpcode.READ_DRV if driver else BoardOpcode.READ_MC
+        self.write_opcode = BoardOpcode.WRITE_DRV if driver else BoardOpcode.WRITE_MC
+        self._address_bits = slot.address_bits
+        self._block_bits = 16 - slot.address_bits
+        self._block_mask = (1 << self._block_bits) - 1 if slot.blocks else 0
 
     def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
-        return tuple(self._frame(BoardOpcode.READ_MC, address, 0) for address in addresses)
+        return tuple(self._frame(self.read_opcode, address, 0) for address in addresses)
 
     def words(self, replies: Sequence[bytes]) -> list[int]:
-        return [self._word(reply, BoardOpcode.READ_MC) for reply in replies]
+        return [self._word(reply, self.read_opcode) for reply in replies]
 
     def status(self, replies: Sequence[bytes]) -> int | None:
         del replies  # the board keeps it to itself
@@ -150,7 +161,7 @@ class BoardAccess:
     def write_frame(self, address: int, data: int) -> bytes:
         if not 0 <= data <= datagram40.DATA_MASK:
             raise ValueError(f"data is 32 bits, not {data:#x}")
-        return self._frame(BoardOpcode.WRITE_MC, address, data)
+        return self._frame(self.write_opcode, address, data)
 
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
         return tuple(self.write_frame(address, data) for address, data in writes)
@@ -169,10 +180,17 @@ class BoardAccess:
             self.check(frame, reply)
 
     def _frame(self, opcode: BoardOpcode, address: int, value: int) -> bytes:
-        if not 0 <= address <= 0xFFF:
-            raise ValueError(f"an address is 0x000..0xfff, not {address:#x}")
-        motor = self.motor | address >> 8 << 4
+        most = self._block_mask << self._address_bits | (1 << self._address_bits) - 1
+        if not 0 <= address <= most:
+            raise ValueError(f"an address is 0x000..{most:#x}, not {address:#x}")
+        block, within = address >> self._address_bits, address & (1 << self._address_bits) - 1
+        motor = self.motor | block | within >> 8 << self._block_bits
         return tmcl.Request(self.address, opcode, address & 0xFF, motor, value).encode()
+
+    def address_of(self, frame: bytes) -> int:
+        """The register that a frame of `read_opcode` or `write_opcode` is about."""
+        within = frame[2] | frame[3] >> self._block_bits << 8
+        return (frame[3] & self._block_mask) << self._address_bits | within
 
     def _word(self, reply: bytes, opcode: BoardOpcode) -> int:
         # The command that was asked need not be at hand: of it only address and command number matter here.
@@ -254,9 +272,11 @@ def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
     if kind == BOARD:
         motor = link.get("motor", 0)
         assert isinstance(motor, int)  # the factory of the port has checked it
-        return BoardAccess(f"{BOARD} {link.get('port', '')}", motor=motor)
+        return BoardAccess(f"{BOARD} {link.get('port', '')}", motor, catalog.find_model(model).slot)
     if kind == "uart":
         node = link.get("node", 0)
         assert isinstance(node, int)  # likewise
         return UartAccess(f"uart {link.get('port', '')}", datagram_uart.form_of(model, node))
+    if not datagram40.speaks(model):  # emulated here: as through a board, where there is no SPI that we could speak
+        return BoardAccess(str(kind), slot=catalog.find_model(model).slot)
     return Spi40Access(str(kind), datagram40.fetch_of(model))

@@ -36,6 +36,7 @@ def speaks_tmcl(model: str) -> bool:
 
 def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "tcp", "host", "port", "timeout_s"?}`, and `"address"?` for a TMCL module behind a gateway."""
+    _only_over("tcp", model)
     tmcl = speaks_tmcl(model)
     _only(link, "host", "port", "timeout_s", *(["address"] if tmcl else []))
     host = _text(link, "host")
@@ -47,7 +48,7 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
             timeout_s=_timeout_s(link) or TIMEOUT_S,
             clock=clock,
             frame_bytes=frame_bytes_of(model),
-            pipelined=model in datagram40.MODELS,
+            pipelined=datagram40.speaks(model),
         )
     bracketed = f"[{host}]" if ":" in host else host
     return serial_port(
@@ -57,13 +58,12 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
 def frame_bytes_of(model: str) -> int:
     """The length of a raw frame of the chip, which its answer has too."""
-    return datagram40.FRAME_BYTES if model in datagram40.MODELS else datagram32.FRAME_BYTES
+    return datagram40.FRAME_BYTES if datagram40.speaks(model) else datagram32.FRAME_BYTES
 
 
 def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "spidev", "bus", "device", "speed_hz"?, "mode"?}`: a chip select of this machine."""
-    if model not in datagram40.MODELS:
-        raise UsageError(f"a {model} has no spidev link; {', '.join(sorted(datagram40.MODELS))} has")
+    _only_over("spidev", model)
     _only(link, "bus", "device", "speed_hz", "mode")
     return spidev_port.SpidevPort(
         _whole(link, "bus", None, 0, 255),
@@ -80,9 +80,8 @@ def uart_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
     A chip without a node address has no option `node`.
     """
-    if model not in datagram_uart.MODELS:
-        raise UsageError(f"a {model} has no uart link; {', '.join(sorted(datagram_uart.MODELS))} has")
-    if "node" in link and model not in datagram_uart.NODE_MODELS:
+    _only_over("uart", model)
+    if "node" in link and datagram_uart.kind_of(model) == "plain":
         raise UsageError(f"a {model} has no node address, and is alone on its line")
     _only(link, "port", "baud", "node", "echo", "timeout_s")
     echo = link.get("echo", "auto")
@@ -103,14 +102,13 @@ def board_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
     `motor` is the axis of the chip on the board: `register_access.access_of` wants it.
     """
-    if model not in evaluation_board.MODELS:
-        boards = ", ".join(sorted(evaluation_board.MODELS))
-        raise UsageError(f"a {model} has no {BOARD} link; {boards} has")
+    _only_over(BOARD, model)
     _only(link, "port", "baud", "motor", "timeout_s")
     _whole(link, "motor", 0, 0, 15)
     return evaluation_board.board_port(
         port_url(_text(link, "port")),
         baud=_whole(link, "baud", evaluation_board.BAUD, 300, 4_000_000),
+        address=catalog.find_model(model).slot.module,
         timeout_s=_timeout_s(link),
         clock=clock,
     )

@@ -7,6 +7,7 @@ from typing import Literal
 Capability = Literal[
     "registers",
     "parameters",
+    "motion",
     "ramp.pmul",
     "ramp.s",
     "ramp.sixpoint",
@@ -29,8 +30,9 @@ Capability = Literal[
 ]
 
 TITLES: dict[Capability, str] = {
-    "registers": "motion controller chips with registers",
+    "registers": "chips with registers",
     "parameters": "modules with parameters",
+    "motion": "devices that move a motor",
     "ramp.pmul": "chips that ramp by pmul and pdiv",
     "ramp.s": "chips with S-ramps",
     "ramp.sixpoint": "chips with SixPoint ramps",

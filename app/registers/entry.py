@@ -6,10 +6,27 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .capabilities import Capability
+from .evaluation_board import ADDRESS, REGISTER_ADDRESS_BITS
 from .model import RegisterTable
 from .wires import Wire
 
 Tier = Literal["full", "names"]
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """How the maker's evaluation board leads to a chip.
+
+    side : whether it stands in the slot of the motion controller or in that of the driver
+    module : the TMCL address that answers
+    address_bits : of a register's address; the rest of the type and motor bytes is the chip's block of registers
+    blocks : whether it has several, whose number stands above these bits in the addresses of its table
+    """
+
+    side: Literal["controller", "driver"] = "controller"
+    module: int = ADDRESS
+    address_bits: int = REGISTER_ADDRESS_BITS
+    blocks: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +54,8 @@ class Model:
     kind: Literal["chip", "module"] = "chip"
     """A chip has registers; a module speaks TMCL and has parameters."""
     datagram_bits: int = 32
-    """Length of one datagram on the wire of a chip; 0 for a module, whose frames TMCL tells."""
+    """Length of one datagram on the SPI of a chip; 0 for a module, whose frames TMCL tells, and for a chip whose
+    datagrams are not known or that has no SPI."""
     fetch_address: int = 0
     """What is read to fetch the answer to the datagram before, where answers come one later: reading it clears
     nothing."""
@@ -45,6 +63,8 @@ class Model:
     """A chip's UART besides SPI: none, datagrams of one chip on a line, or with the address of one of several."""
     board: str = ""
     """What the maker's evaluation board calls the chip in its slot; empty where it takes none."""
+    slot: Slot = Slot()
+    """How that board leads to it."""
     tier: Tier = "full"
     """How deep it is known: with calculators and a physical emulator, or by the names of its parameters alone."""
     version: int | None = None

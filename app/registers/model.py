@@ -16,6 +16,9 @@ from types import MappingProxyType
 from typing import Literal
 
 Stored = Literal["", "auto", "on request", "unknown"]
+Untold = Literal["width", "access", "reset", "clearing"]
+"""What a source may leave open of a register: how many bits it has, whether it can be read or written, what it holds
+after power-on, and whether a reading clears it."""
 GLOBAL_AXIS = None
 """The `axis` of a register that belongs to the whole chip."""
 
@@ -63,6 +66,8 @@ class Access(StrEnum):
     """Read; a write works or acts only under the condition that `write_note` tells."""
     R_W1C = "R+WC"
     """Read; writing 1 clears, writing 0 leaves."""
+    UNKNOWN = "?"
+    """No source tells. Both are tried: what a read brings may mean nothing, and a write may leave no trace."""
 
     @property
     def readable(self) -> bool:
@@ -187,6 +192,8 @@ class Register(Bits):
     """Whether EEPROM keeps it: "auto" as it is written, "on request" by a command of its own; empty: it does not."""
     read_clears: bool = False
     """Reading it changes it, so only somebody who asks for it by name may."""
+    untold: frozenset[Untold] = frozenset()
+    """What no source tells of it: where the width is not told, it is that of the datagram."""
     internal_range: tuple[int, int] | None = None
     """Of a TMCL parameter in pps or pps^2: what is allowed while unit mode is 0 (the driver chip's own units)."""
     fields: tuple[Field, ...] = ()

@@ -92,6 +92,7 @@ async def can(made: Bench) -> set[Capability]:
     shown: dict[Capability, bool] = {
         "registers": device.part(RegisterFile) is not None,
         "parameters": device.part(TmclCommands) is not None,
+        "motion": bool(device.axes),
         "ramp.pmul": any("pmul" in (row.name.lower(), *(f.name.lower() for f in row.fields)) for row in model.table),
         "ramp.s": _has_row(model, "BOW1", "BOW2", "BOW3", "BOW4"),
         "ramp.sixpoint": _has_row(model, "VSTART", "A1", "V1", "AMAX", "VMAX", "DMAX", "D1", "VSTOP"),

@@ -15,6 +15,8 @@ from app.links import datagram40, datagram_uart, tmcl
 from app.links.datagram_uart import IFCNT, UartForm
 from app.links.register_access import BoardAccess, RegisterAccess, Spi40Access, UartAccess, access_of
 from app.registers.catalog import MODELS
+from app.registers.entry import Slot
+from app.registers.evaluation_board import BoardOpcode
 
 X_COMPARE, X_TARGET, VIRTUAL_LEFT, VERSION = 0x32, 0x37, 0x33, 0x7F
 WORDS = st.integers(0, 0xFFFF_FFFF)
@@ -176,11 +178,24 @@ def test_a_chain_ends_with_a_register_that_reading_leaves_alone() -> None:
             assert not register.read_clears, model
 
 
-def test_models_that_links_know_are_those_of_the_catalog() -> None:
-    """Links know names only: they need no tables."""
-    assert {name for name, model in MODELS.items() if model.datagram_bits == 40} == datagram40.MODELS
-    assert {name for name, model in MODELS.items() if model.uart == "node"} == datagram_uart.NODE_MODELS
-    assert {name for name, model in MODELS.items() if model.uart == "plain"} == datagram_uart.PLAIN_MODELS
+def test_links_ask_the_catalog_how_a_chip_is_spoken_to() -> None:
+    for name, model in MODELS.items():
+        assert datagram40.speaks(name) is (model.datagram_bits == 40)
+        assert datagram_uart.kind_of(name) == model.uart
+    assert not datagram40.speaks("what nobody has")
+
+
+@pytest.mark.parametrize("address", [0x000, 0x7F, 0x385, 0x7FF])
+def test_a_driver_in_its_slot_and_blocks_of_registers(address: int) -> None:
+    driver = BoardAccess(slot=Slot("driver"))
+    read, write = driver.read_frames([address])[0], driver.write_frame(address, 5)
+    assert (read[1], write[1]) == (BoardOpcode.READ_DRV, BoardOpcode.WRITE_DRV)
+    assert (driver.address_of(read), driver.address_of(write)) == (address, address)
+    blocks = BoardAccess(slot=Slot(module=3, address_bits=11, blocks=True))
+    frame = blocks.read_frames([2 << 11 | address])[0]
+    # As PyTrinamic sends it: the block below, the upper bits of the address above it.
+    assert frame[:4] == bytes((3, BoardOpcode.READ_MC, address & 0xFF, 2 | address >> 8 << 5))
+    assert blocks.address_of(frame) == 2 << 11 | address
 
 
 def test_a_uart_is_believed_only_with_the_right_register_and_crc() -> None:

@@ -83,7 +83,7 @@ def suited(link: AnyLink, model: str) -> AnyLink:
 def require_suited(link: Link, model: str) -> AnyLink:
     """`suited` for a link as it is kept."""
     family = MODELS[model]
-    kind = "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if model in datagram40.MODELS else family.kind
+    kind = "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if datagram40.speaks(model) else family.kind
     links = _LINKS[family.tier if family.tier == "names" else kind]
     try:
         return links.validate_python(dict(link))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from ...devices.core.tmcl_frames import spelled
 from ...errors import BadReply
 from ...links import datagram32, datagram40, datagram_uart, tmcl
-from ...registers.catalog import MODELS
-from ...registers.evaluation_board import BoardOpcode
+from ...links.register_access import BoardAccess
+from ...registers import catalog
+from ...registers.catalog import MODELS, Model
 from ...registers.model import Register, RegisterTable
 from ...registers.tmcl.commands import Opcode, Status
 
@@ -14,10 +15,10 @@ from ...registers.tmcl.commands import Opcode, Status
 def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
     """One transaction with a `model`: the question, and the answer where there is one."""
     if len(tx) == tmcl.FRAME_BYTES:
-        return _board(MODELS[model].table, tx, rx) if model in datagram40.MODELS else _tmcl(tx, rx)
+        return _board(catalog.find_model(model), tx, rx) if catalog.find_model(model).kind == "chip" else _tmcl(tx, rx)
     if len(tx) == datagram40.FRAME_BYTES:
         return _datagram40(MODELS[model].table, tx, rx)
-    if model in datagram_uart.MODELS:
+    if datagram_uart.kind_of(model):
         return _uart(model, tx, rx)
     if len(tx) == datagram32.FRAME_BYTES:
         return _datagram(MODELS[model].table, tx, rx)
@@ -72,14 +73,15 @@ def _uart(model: str, tx: bytes, rx: bytes | None) -> str:
     return f"{asked} (write {data & 0xFF} of the chip)" if write else f"{asked} -> {_shown(register, data)}"
 
 
-def _board(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+def _board(model: Model, tx: bytes, rx: bytes | None) -> str:
     """Registers through an evaluation board; anything else that is asked of it is TMCL."""
-    request = tmcl.Request.decode(tx)
-    if request.opcode not in (BoardOpcode.READ_MC, BoardOpcode.WRITE_MC):
+    request, access = tmcl.Request.decode(tx), BoardAccess(slot=model.slot)
+    if request.opcode not in (access.read_opcode, access.write_opcode):
         return _tmcl(tx, rx)
-    write = request.opcode == BoardOpcode.WRITE_MC
-    register = table.at(request.type, write=write)
-    name = f"{request.type:#04x}" if register is None else register.name
+    write = request.opcode == access.write_opcode
+    address = access.address_of(tx)
+    register = model.table.at(address, write=write)
+    name = f"{address:#04x}" if register is None else register.name
     asked = f"{name} := {_shown(register, request.value & datagram40.DATA_MASK)}" if write else f"read {name}"
     if not rx:
         return asked

@@ -26,7 +26,6 @@ _Look = Callable[
 
 MODELS = {module.number: name for name, module in MODULES.items()}
 """What modules call themselves, and the catalog."""
-CHIPS = {board: model for model, board in evaluation_board.MODELS.items()}
 """What boards call their chips, and the catalog."""
 
 
@@ -103,7 +102,7 @@ def _module(number: int) -> str | None:
 
 
 def _found(module: FoundModule) -> ProbeFound:
-    model = CHIPS.get(module.chip) if module.board or module.uart else _module(module.number)
+    model = evaluation_board.chip_of(module.chip) if module.board or module.uart else _module(module.number)
     return ProbeFound(
         kind="chip" if module.uart else "board" if module.board else "module",
         port=module.port,

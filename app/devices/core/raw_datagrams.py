@@ -12,8 +12,7 @@ from typing import Protocol
 from ...errors import OutOfRange, UsageError
 from ...links import datagram40, tmcl
 from ...links.datagram_uart import UartForm
-from ...links.register_access import UartAccess
-from ...registers.evaluation_board import BoardOpcode
+from ...links.register_access import BoardAccess, UartAccess
 from ...registers.model import Register
 from .capabilities import RawFrames
 from .changes import BY_HAND, register_changed
@@ -66,7 +65,9 @@ class RawDatagrams(RawFrames):
         if len(frame) != size:
             raise OutOfRange("frame length", len(frame), size, size, "bytes")
         self._session.require_connected()
-        return await (self._datagram(frame) if size == datagram40.FRAME_BYTES else self._board_command(frame))
+        if isinstance(access, BoardAccess):
+            return await self._board_command(access, frame)
+        return await self._datagram(frame)
 
     async def _datagram(self, frame: bytes) -> RawExchange:
         request = datagram40.Request.decode(frame)
@@ -88,12 +89,13 @@ class RawDatagrams(RawFrames):
         }
         return RawExchange(replies[0].encode(), decoded)
 
-    async def _board_command(self, frame: bytes) -> RawExchange:
+    async def _board_command(self, access: BoardAccess, frame: bytes) -> RawExchange:
         """A TMCL command to the evaluation board; its register access is decoded."""
         request = tmcl.Request.decode(frame)
-        write = request.opcode == BoardOpcode.WRITE_MC
-        known = write or request.opcode == BoardOpcode.READ_MC
-        register = self._link.table.at(request.type, write=write) if known else None
+        write = request.opcode == access.write_opcode
+        known = write or request.opcode == access.read_opcode
+        address = access.address_of(frame)
+        register = self._link.table.at(address, write=write) if known else None
         async with self._link.command(self._axis_touched(register)) as turn:
             reply = await turn.exchange(frame)
             time_s = turn.last_exchange_s
@@ -104,7 +106,7 @@ class RawDatagrams(RawFrames):
         elif not known:
             for axis in self._session.axes:
                 self._session.commanded(axis.index, f"TMCL {request.opcode}")
-        decoded = self._decoded(request.type if known else None, register, data, write=write)
+        decoded = self._decoded(address if known else None, register, data, write=write)
         return RawExchange(reply, decoded | {"status": answer.status, "flags": {}})
 
     async def _uart_datagram(self, form: UartForm, frame: bytes) -> RawExchange:

@@ -66,6 +66,10 @@ class RegisterRules(Protocol):
     async def after_write(self, register: Register) -> None:
         """A write to `register` has happened, and its turn is over."""
 
+    def may_read(self, register: Register) -> bool:
+        """Whether a write may read it: before, to change some fields of it, and after, to see what came of it."""
+        return register.access.readable
+
     def kept_word(self, register: Register) -> int | None:
         """What a register that cannot be read holds, as far as is known; None where nobody knows."""
         del register
@@ -193,7 +197,7 @@ class RegisterFile(Registers):
         async with self.link.command(register.axis) as turn:
             words = self.link.words(turn)
             done = await self._write(words, register, word, changes)
-            await self._rules.settle(words, register, read_back=register.access.readable)
+            await self._rules.settle(words, register, read_back=self._rules.may_read(register))
         await self._rules.after_write(register)
         return _renamed(done, part)
 
@@ -202,7 +206,7 @@ class RegisterFile(Registers):
         if changes is not None and _needs_old(register, changes):
             held = await self._held(words, register)
             word = modify(register, self._rules.as_written(register, held), changes)
-            old = held if register.access.readable else self._rules.kept_word(register)
+            old = held if self._rules.may_read(register) else self._rules.kept_word(register)
         else:
             old = await self._old(words, register)
             word = word if changes is None else modify(register, 0, changes)
@@ -214,7 +218,7 @@ class RegisterFile(Registers):
             if outcome is not None:
                 self._session.tell(register_changed(register, old, word, words.time_s, outcome))
             raise
-        new = done.raw if done.verified and register.access.readable else word
+        new = done.raw if done.verified and self._rules.may_read(register) else word
         self._session.tell(register_changed(register, old, new, words.time_s, outcome_of(done.verified, done.note)))
         return done
 
@@ -222,7 +226,7 @@ class RegisterFile(Registers):
         """Send `word`, and judge what came of it."""
         arrived = await words.write(register, word)
         self._rules.sent(register, word)
-        if not register.access.readable:
+        if not self._rules.may_read(register):
             if not arrived:
                 raise BadReply(
                     self._session.port.name, f"what was sent to {register.name} may have arrived otherwise", b""
@@ -313,7 +317,7 @@ class RegisterFile(Registers):
 
     async def _held(self, words: Words, register: Register) -> int:
         """What the chip holds, before some fields of it are written."""
-        return await words.read(register) if register.access.readable else self._rules.held_unread(register)
+        return await words.read(register) if self._rules.may_read(register) else self._rules.held_unread(register)
 
 
 def _needs_old(register: Register, changes: Changes) -> bool:

@@ -1,4 +1,5 @@
-"""Modules that an installed package lists: what the layer of drivers knows of them, and a driver's parts."""
+"""Chips and modules of which names are known and no more: what the layer of drivers knows of them, and the parts of a
+module's driver; those of a chip's are in `chips`."""
 
 from __future__ import annotations
 
@@ -9,16 +10,19 @@ from ...clock import Clock
 from ...errors import UsageError
 from ...links.port import FramePort
 from ...links.queue import LinkQueue
+from ...registers.catalog import MODELS
 from ...registers.listed.models import FAMILY as NAME
 from ..core.axis_limits import AxisLimits
 from ..core.background_tasks import OwnTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
+from ..core.limit_rules.rules import Rules
 from ..core.session import COUNTER_WRITES, Session
 from ..core.start_up import StartPlan, Wanted
 from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
+from .chips import compose as chips
 from .configuration import ListedConfiguration
 from .console import ListedSender
 from .identity import ListedIdentity
@@ -37,6 +41,8 @@ def compose(
     device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, queue: LinkQueue | None = None
 ) -> Device:
     """A device of this family."""
+    if MODELS[config.model].kind == "chip":
+        return chips.compose(device_id, config, port, clock, queue)
     session = Session(device_id, config, port, clock, queue=queue)
     tasks = OwnTasks()
     state = ListedState(session)
@@ -67,8 +73,10 @@ def compose(
     )
 
 
-def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> ListedRules:
-    """What its parameters mean for soft limits."""
+def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> Rules:
+    """What its parameters or registers mean for soft limits."""
+    if device.family.kind == "chip":
+        return chips.limit_rules(device, limits, clock_hz)
     state, link, motions = _own(device, ListedState), _own(device, TmclLink), _own(device, ListedMotions)
     return ListedRules(device.session, state, link, motions, limits, clock_hz)
 
@@ -78,7 +86,7 @@ async def start_plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     del wanted
     raise UsageError(
         f"what a {device.family.title} needs to move is not known here: set current, speed and acceleration by its "
-        "parameters, as its manual says"
+        f"{'registers' if device.family.kind == 'chip' else 'parameters'}, as its manual says"
     )
 
 

@@ -7,14 +7,16 @@ from pathlib import Path
 from ...clock import Clock
 from ...registers.catalog import find_model
 from ..core.family import EmulatorFamily
+from .chip import PlainChip
 from .module import ListedModule
 from .options import ListedOptions, ListedPatch, ListedState
 
 
-def build(model: str, clock: Clock, options: ListedOptions, eeprom: Path | None = None) -> ListedModule:
-    """A module that has just been switched on; what it stores it forgets with the process."""
+def build(model: str, clock: Clock, options: ListedOptions, eeprom: Path | None = None) -> ListedModule | PlainChip:
+    """One that has just been switched on; what it stores it forgets with the process."""
     del eeprom
-    return ListedModule(find_model(model), clock, options)
+    known = find_model(model)
+    return (PlainChip if known.kind == "chip" else ListedModule)(known, clock, options)
 
 
 def warm_up() -> None:

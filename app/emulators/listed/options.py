@@ -12,21 +12,28 @@ from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
 PLAIN = (
     "plain: parameters hold what was written, and axes move by their own speed and acceleration; no motor, no driver"
 )
+PLAIN_CHIP = (
+    "plain: registers hold what was written, and a ramp generator moves by its own speed and acceleration; no motor, "
+    "no driver, no flags"
+)
 
 
 class ListedOptions(Closed):
-    """How a plain emulated module is made: the `link` of an emulated device."""
+    """How a plain emulated chip or module is made: the `link` of an emulated device."""
 
     model_config = ConfigDict(json_schema_extra=form(fold="time"))
 
     time_scale: TimeScale = Field(
         default=1.0,
         title="Time runs at",
-        description="how fast the module's time passes; 0 stands still",
+        description="how fast its time passes; 0 stands still",
         json_schema_extra=form(unit="x real time"),
     )
     address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
         default=1, description="serial address", json_schema_extra=REST_ONLY
+    )
+    node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
+        default=0, description="of a chip with a UART: its node address", json_schema_extra=REST_ONLY
     )
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
         Field(
@@ -53,7 +60,7 @@ class ListedFaultsChange(Closed):
 
 
 class ListedPatch(Closed):
-    """A change to a plain emulated module; what is left out stays. A power cycle comes first."""
+    """A change to a plain emulated chip or module; what is left out stays. A power cycle comes first."""
 
     time_scale: TimeScale | None = None
     faults: ListedFaultsChange = Field(default_factory=ListedFaultsChange)
@@ -69,12 +76,12 @@ class ListedFaultsState(BaseModel):
 
 
 class ListedAxisState(BaseModel):
-    position: float = Field(description="where the axis is, in the module's counts")
+    position: float = Field(description="where the axis is, in its counts")
     velocity: float = Field(description="how fast it goes [counts/s]")
 
 
 class ListedState(BaseModel):
-    """Everything that GET .../emulator answers for a module of which only names are known."""
+    """Everything that GET .../emulator answers for a chip or module of which only names are known."""
 
     model: str
     depth: str = Field(description="what is emulated, and what is not")
@@ -83,6 +90,6 @@ class ListedState(BaseModel):
     time_skipped_s: float = Field(
         description="how long it stood still because more had to be worked out than this machine can in time [s]"
     )
-    address: int
+    address: int = Field(description="of a chip its node")
     plain_axes: list[ListedAxisState]
     faults: ListedFaultsState

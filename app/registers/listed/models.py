@@ -14,7 +14,7 @@ from .package import EXTRA, Listing, listings, version
 FAMILY = "listed"
 CLOCK_HZ = 16e6
 """Of the motion controller inside; nothing is computed from it [Hz]."""
-CAPABILITIES: frozenset[Capability] = frozenset({"parameters"})
+CAPABILITIES: frozenset[Capability] = frozenset({"parameters", "motion"})
 
 _lock = threading.Lock()
 _read: dict[str, Model | UnreadableModel] = {}

@@ -22,6 +22,7 @@ MODELS = (
         capabilities=frozenset(
             {
                 "registers",
+                "motion",
                 "ramp.s",
                 "microsteps.mslut",
                 "current",

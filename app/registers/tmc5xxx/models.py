@@ -13,6 +13,7 @@ FAMILY = "tmc5xxx"
 _COMMON: frozenset[Capability] = frozenset(
     {
         "registers",
+        "motion",
         "ramp.sixpoint",
         "microsteps.mslut",
         "chopper",

@@ -14,7 +14,6 @@ from app.emulators.board.sixpoint import BOARD_IDS
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel
 from app.errors import UsageError
 from app.links.datagram40 import Request as Datagram
-from app.links.evaluation_board import MODELS as ON_BOARDS
 from app.links.tmcl import Reply, Request
 from app.registers.catalog import MODELS as CATALOG
 from app.registers.evaluation_board import CHANNEL_1_BOARDS, BoardOpcode
@@ -84,7 +83,7 @@ def bench(request: pytest.FixtureRequest) -> Bench:
 
 def test_every_board_is_known_by_its_number() -> None:
     for model in MODELS:
-        assert CHANNEL_1_BOARDS[BOARD_IDS[model]] == ON_BOARDS[model] == model.upper()
+        assert CHANNEL_1_BOARDS[BOARD_IDS[model]] == CATALOG[model].board == model.upper()
         assert isinstance(build_board(model, VirtualClock(), {"clock_hz": 12e6}).chip, EmulatedTmc5xxx)
 
 

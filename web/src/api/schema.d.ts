@@ -2891,7 +2891,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -2956,7 +2956,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3035,7 +3035,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -5935,7 +5935,7 @@ export interface components {
         ListedAxisState: {
             /**
              * Position
-             * @description where the axis is, in the module's counts
+             * @description where the axis is, in its counts
              */
             position: number;
             /**
@@ -5979,7 +5979,7 @@ export interface components {
         ListedEmulatorLink: {
             /**
              * Time runs at
-             * @description how fast the module's time passes; 0 stands still
+             * @description how fast its time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
@@ -5989,6 +5989,12 @@ export interface components {
              * @default 1
              */
             address?: number;
+            /**
+             * Node
+             * @description of a chip with a UART: its node address
+             * @default 0
+             */
+            node?: number;
             /**
              * Unknown Parameters
              * @description axis parameters that its firmware, as another version, does not have: answered with status 3
@@ -6052,7 +6058,7 @@ export interface components {
         };
         /**
          * ListedPatch
-         * @description A change to a plain emulated module; what is left out stays. A power cycle comes first.
+         * @description A change to a plain emulated chip or module; what is left out stays. A power cycle comes first.
          */
         ListedPatch: {
             /** Time Scale */
@@ -6067,7 +6073,7 @@ export interface components {
         };
         /**
          * ListedState
-         * @description Everything that GET .../emulator answers for a module of which only names are known.
+         * @description Everything that GET .../emulator answers for a chip or module of which only names are known.
          */
         ListedState: {
             /** Model */
@@ -6086,7 +6092,10 @@ export interface components {
              * @description how long it stood still because more had to be worked out than this machine can in time [s]
              */
             time_skipped_s: number;
-            /** Address */
+            /**
+             * Address
+             * @description of a chip its node
+             */
             address: number;
             /** Plain Axes */
             plain_axes: components["schemas"]["ListedAxisState"][];

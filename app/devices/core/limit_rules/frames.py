@@ -24,7 +24,7 @@ def decoder_of(access: RegisterAccess) -> Decoder:
     if isinstance(access, UartAccess):
         return _uart(access.form)
     if isinstance(access, BoardAccess):
-        return board_writes
+        return _board(access)
     return spi32_writes if isinstance(access, Spi32Access) else spi40_writes
 
 
@@ -40,10 +40,13 @@ def spi40_writes(frame: bytes) -> Sequence[tuple[int, int]]:
     return ((frame[0] & datagram40.ADDRESS_MAX, int.from_bytes(frame[1:], "big")),)
 
 
-def board_writes(frame: bytes) -> Sequence[tuple[int, int]]:
-    if len(frame) != tmcl.FRAME_BYTES or frame[1] != BoardOpcode.WRITE_MC:
-        return ()
-    return ((frame[2] | frame[3] >> 4 << 8, int.from_bytes(frame[4:8], "big")),)
+def _board(access: BoardAccess) -> Decoder:
+    def writes(frame: bytes) -> Sequence[tuple[int, int]]:
+        if len(frame) != tmcl.FRAME_BYTES or frame[1] != access.write_opcode:
+            return ()
+        return ((access.address_of(frame), int.from_bytes(frame[4:8], "big")),)
+
+    return writes
 
 
 def moves_by_board(frame: bytes) -> bool:

@@ -1,0 +1,84 @@
+"""How an axis is now, and where its counter stands, by the registers of its ramp generator."""
+
+from __future__ import annotations
+
+from ....links.queue import Priority
+from ....registers.listed.ramp import BACKWARD, FORWARD, HOLD, POSITION
+from ...core.capabilities import AxisMonitor, PositionCounter
+from ...core.counter import CounterLook
+from ...core.register_link import RegisterLink
+from ...core.results import AxisState, MotionEnd, Switches
+from ...core.session import Session
+from ...core.signs import NO_SIGNS, Evidence, Sign, Signs
+from .ongoing import ChipMotions
+from .state import ChipState
+
+MODES = {POSITION: "position", FORWARD: "velocity", BACKWARD: "velocity", HOLD: "hold"}
+
+
+class ChipMonitor(AxisMonitor):
+    """Asks the chip for the state of an axis; `motions` hears what it tells of the motion under way."""
+
+    def __init__(self, session: Session, link: RegisterLink, state: ChipState, motions: ChipMotions) -> None:
+        self._session = session
+        self._link = link
+        self._state = state
+        self._motions = motions
+
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
+        """Velocities are the chip's own numbers."""
+        ramp = self._state.ramps[self._session.axis(axis).index]
+        self._session.require_connected()
+        async with self._session.queue.turn(priority) as turn:
+            look = await self._motions.look(self._link.words(turn), ramp)
+        speed = self._state.word(ramp.max_speed)
+        way = {FORWARD: 1, BACKWARD: -1}.get(look.mode)
+        return AxisState(
+            position=look.position,
+            target_position=look.target if look.mode == POSITION else None,
+            velocity_pps=float(look.speed),
+            target_velocity_pps=None if way is None or speed is None else float(way * speed),
+            acceleration_pps2=None,
+            position_reached=look.reached,
+            moving=look.moves,
+            mode=MODES[look.mode],
+            switches=Switches(None, None, None),
+            flags={},
+            time_s=look.time_s,
+        )
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        """Zeros that keep it from moving; what its flags mean is not known."""
+        ramp = self._state.ramps[self._session.axis(axis).index]
+        if state.moving:
+            return NO_SIGNS
+        blocks = tuple(
+            Sign(f"{row.name} is 0: it does not move", (Evidence(row.name, "0", state.time_s),))
+            for row in (ramp.max_speed, ramp.acceleration)
+            if self._state.wanted(row) == 0
+        )
+        return Signs(blocks=blocks) if blocks else NO_SIGNS
+
+    def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
+        return self._motions.watches[self._session.axis(axis).index].ends
+
+
+class ChipCounter(PositionCounter):
+    """XACTUAL, which counts as many bits as it has."""
+
+    def __init__(self, session: Session, link: RegisterLink, state: ChipState) -> None:
+        self._session = session
+        self._link = link
+        self._state = state
+
+    async def look(self, axis: int) -> CounterLook:
+        ramp = self._state.ramps[self._session.axis(axis).index]
+        self._session.require_connected()
+        async with self._link.turn() as turn:
+            words = self._link.words(turn)
+            count, asked_at_s = await words.value(ramp.position), words.asked_s
+        self._session.saw_position(axis, count, asked_at_s)
+        return CounterLook(count, asked_at_s, None)
+
+    def counter_bits(self, axis: int) -> int | None:
+        return self._state.ramps[self._session.axis(axis).index].position.width

@@ -1,0 +1,104 @@
+"""The motions under way: why each axis came to rest, and the looks that find it out while one moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ....errors import BenchError, LinkDown, LinkTimeout
+from ....links.queue import Priority
+from ....registers.listed.ramp import HOLD, POSITION, Ramp
+from ....registers.model import Register
+from ...core.background_tasks import OwnTasks
+from ...core.motion_watch import Look, MotionWatch
+from ...core.polling import Looking
+from ...core.register_io import Held, Words
+from ...core.register_link import RegisterLink
+from ...core.results import DeviceState
+from ...core.session import Session
+from .state import ChipState
+
+
+@dataclass(frozen=True, slots=True)
+class AxisLook:
+    """One axis as its ramp generator tells, in its own numbers."""
+
+    time_s: float
+    mode: int
+    position: int
+    speed: int
+    target: int
+    moves: bool
+    """It moves, or is about to."""
+
+    @property
+    def reached(self) -> bool:
+        """At its target, and meant to be there."""
+        return self.mode == POSITION and self.position == self.target and not self.speed
+
+
+class ChipMotions:
+    """Of all axes."""
+
+    def __init__(self, session: Session, link: RegisterLink, state: ChipState, tasks: OwnTasks) -> None:
+        self._session = session
+        self._link = link
+        self._state = state
+        self._looking = Looking(session, tasks, self._poll, self._to_poll)
+        self.watches = tuple(MotionWatch(ramp.axis, session.tell, self._looking.begin) for ramp in state.ramps)
+
+    def mark_unknown(self, axis: int) -> None:
+        """A command that may have moved or stopped the axis failed: what it does is not known."""
+        self.watches[axis].began("unknown", self._session.device_time_s())
+
+    def written(self, ramp: Ramp, register: Register, time_s: float) -> None:
+        """A register that may set the axis in motion was written by hand."""
+        mode = self._state.word(ramp.mode.register)
+        positioning = mode is not None and ramp.mode.unpack(mode) == POSITION
+        target = self._state.word(ramp.target)
+        if positioning and register in (ramp.target, ramp.mode.register):
+            self.watches[ramp.axis].began("position", time_s, None if target is None else ramp.target.decode(target))
+        else:
+            self.watches[ramp.axis].began("unknown", time_s)
+
+    def on_state(self, state: DeviceState, problem: BenchError | None) -> None:
+        """`Session.state_hooks`: what moved while the link failed nobody saw to its end."""
+        if state == "connected" and self.watches:
+            self._looking.begin()
+        elif state == "failed" and isinstance(problem, LinkDown | LinkTimeout):
+            for watch in self.watches:
+                if watch.under_way is not None:
+                    watch.end("lost_link", f"the link failed while it moved; what it did then is not known: {problem}")
+
+    async def look(self, words: Words, ramp: Ramp) -> AxisLook:
+        """Read what tells how an axis is, in one turn, and heed it. Raises LinkError."""
+        state = self._state
+        asked = [ramp.mode.register, ramp.target, ramp.max_speed, ramp.acceleration, ramp.speed, ramp.position]
+        asked = [row for row in asked if row.access.readable]
+        held = Held(asked, await words.read_many(asked))
+        for row in asked:
+            state.saw(row, held.word(row))
+        self._session.saw_position(ramp.axis, held.value(ramp.position), words.asked_s)
+        look = self._told(held, ramp, words.time_s)
+        seen = Look(look.time_s, look.position, look.speed or int(look.moves), look.reached)
+        self.watches[ramp.axis].look(seen, words.time_s - words.asked_s)
+        return look
+
+    def _told(self, held: Held, ramp: Ramp, time_s: float) -> AxisLook:
+        mode = ramp.mode.unpack(held.word(ramp.mode.register))
+        position, speed, target = (held.value(row) for row in (ramp.position, ramp.speed, ramp.target))
+        able = all(self._state.word(row) != 0 for row in (ramp.max_speed, ramp.acceleration))
+        going = mode != HOLD and (mode != POSITION or position != target)
+        return AxisLook(time_s, mode, position, speed, target, bool(speed) or (going and able))
+
+    # --- polling --------------------------------------------------------------------------------
+
+    def _to_poll(self) -> bool:
+        return any(watch.under_way is not None for watch in self.watches)
+
+    async def _poll(self) -> None:
+        for ramp in self._state.ramps:
+            watch = self.watches[ramp.axis]
+            async with self._session.queue.turn(Priority.SAMPLE) as turn:
+                await self.look(self._link.words(turn), ramp)
+            if watch.at_rest(self._session.device_time_s()) is not None:
+                watch.end("unknown", "the axis rests, and nothing that its registers tell by standard names says why")

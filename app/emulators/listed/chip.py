@@ -1,0 +1,215 @@
+"""A plain emulated chip: every register of its table holds what was written, and ramp generators move.
+
+Nothing here knows what a register does, but for those of a ramp generator, told by name. Their numbers are taken
+for counts, counts/s and counts/s^2. After power-on a register holds what the table says, and 0 where it says nothing;
+speed and acceleration of a ramp generator hold something with which it can move.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from dataclasses import asdict
+
+from ...clock import Clock
+from ...links import datagram40
+from ...links.datagram_uart import IFCNT, SYNC, WRITE_BIT, UartForm, crc8
+from ...registers.entry import Model
+from ...registers.listed.ramp import BACKWARD, FORWARD, POSITION, Ramp, ramps_of
+from ...registers.model import Access, Register, to_raw
+from ..core.base import FarEnd
+from ..core.ground_truth import GroundTruth
+from .axis import Axis
+from .board import BoardEnd
+from .module import ACCELERATION, FULL_STEP, SPEED, ListedFaults
+from .options import PLAIN_CHIP, ListedAxisState, ListedFaultsState, ListedOptions, ListedPatch, ListedState
+
+
+class PlainChip(FarEnd):
+    """Registers, and what leads to them: datagrams of 40 bits, a UART, an evaluation board. Safe to use from several
+    threads."""
+
+    reply_delay_bits = 8
+
+    def __init__(self, model: Model, clock: Clock, options: ListedOptions) -> None:
+        """A chip that has just been switched on."""
+        super().__init__(clock, options.time_scale)
+        self._model = model
+        self.options = options
+        self.faults = ListedFaults()
+        self._noise = random.Random(options.seed)
+        self._ramps = ramps_of(model.table)
+        self._rows: Mapping[int, tuple[Register, ...]] = {
+            row.address: model.table.meanings(row.address) for row in model.table
+        }
+        self._board = BoardEnd(model, self.read, self.write)
+        self._held: dict[int, int] = {}
+        self._axes: tuple[Axis, ...] = ()
+        self._data = 0
+        """What the next datagram brings: it belongs to the latest."""
+        self._writes = 0
+        self._power_on()
+
+    @property
+    def model(self) -> str:
+        """The name in the catalog."""
+        return self._model.name
+
+    # --- wires -----------------------------------------------------------------------------------
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """Answer one datagram of 40 bits, or a command of an evaluation board where the chip has no such datagrams.
+
+        Raises ValueError for a frame of another length, ConnectionError while unplugged, and TimeoutError while silent.
+        """
+        self.faults.require_plugged(self.model)
+        if not datagram40.speaks(self.model):
+            reply = self._board.receive(frame, at_s)
+            if reply is None:
+                raise TimeoutError(f"an emulated {self.model} does not answer this")
+            return self.faults.pass_on(self.model, reply, self._noise)
+        request = datagram40.Request.decode(frame)
+        with self._lock:
+            self._run_until(at_s)
+            reply = datagram40.Reply(0, self._data).encode()
+            if request.write:
+                self._write(request.address, request.data)
+            self._data = request.data if request.write else self._read(request.address)
+        return self.faults.pass_on(self.model, reply, self._noise)
+
+    def uart(self, datagram: bytes, at_s: float | None = None) -> bytes:
+        """Answer one datagram of the single-wire UART; b"" where no answer is due: a write, another node, a wrong CRC.
+
+        Raises ConnectionError while unplugged, and TimeoutError while silent.
+        """
+        self.faults.require_plugged(self.model)
+        form = UartForm(None if self._model.uart == "plain" else self.options.node)
+        head = form.read_bytes - 2
+        sound = len(datagram) in (form.read_bytes, form.write_bytes) and crc8(datagram[:-1]) == datagram[-1]
+        if not sound or datagram[0] & 0xF != SYNC or (head == 2 and datagram[1] != self.options.node):
+            return b""
+        address, write = datagram[head] & ~WRITE_BIT, bool(datagram[head] & WRITE_BIT)
+        if write is not (len(datagram) == form.write_bytes):
+            return b""
+        with self._lock:
+            self._run_until(at_s)
+            if write:
+                self._writes += 1
+                self._write(address, int.from_bytes(datagram[-5:-1], "big"))
+                return b""
+            word = self._writes & 0xFF if address == IFCNT else self._read(address)
+        return self.faults.pass_on(self.model, form.reply(address, word), self._noise)
+
+    def board(self, frame: bytes, at_s: float | None = None) -> bytes | None:
+        """Answer one command of the evaluation board that the chip stands on; None where it is for another one."""
+        return self._board.receive(frame, at_s)
+
+    def read(self, address: int, at_s: float | None = None) -> int:
+        """The word that a bus reads at `address`."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._read(address)
+
+    def write(self, address: int, data: int, at_s: float | None = None) -> None:
+        """Write 32 bits as a bus does."""
+        with self._lock:
+            self._run_until(at_s)
+            self._write(address, data)
+
+    # --- registers -------------------------------------------------------------------------------
+
+    def _read(self, address: int) -> int:
+        for ramp, axis in zip(self._ramps, self._axes, strict=True):
+            if address == ramp.position.address:
+                return to_raw(axis.counter, ramp.position.width)
+            if address == ramp.speed.address:
+                return to_raw(round(axis.speed), ramp.speed.width)
+        rows = self._rows.get(address, ())
+        return self._held.get(address, 0) if any(row.access.readable for row in rows) else 0
+
+    def _write(self, address: int, data: int) -> None:
+        row = next((row for row in self._rows.get(address, ()) if row.access.writable), None)
+        if row is None:
+            return
+        held, mask = self._held.get(address, 0), row.write_mask
+        for part in row.fields or (row,):
+            if part.access is Access.R_W1C:
+                flags = getattr(part, "mask", row.mask)
+                data = (data & ~flags) | (held & flags & ~data)
+        self._held[address] = (held & ~mask) | (data & mask)
+        for ramp, axis in zip(self._ramps, self._axes, strict=True):
+            if row in ramp.moving:
+                self._drive(ramp, axis, row)
+
+    def _drive(self, ramp: Ramp, axis: Axis, written: Register) -> None:
+        """Have the axis do what its registers say."""
+        if written is ramp.position:
+            axis.position = float(ramp.position.decode(self._held[ramp.position.address]))
+        axis.max_speed = self._held.get(ramp.max_speed.address, 0)
+        axis.acceleration = self._held.get(ramp.acceleration.address, 0)
+        mode = ramp.mode.unpack(self._held.get(ramp.mode.register.address, 0))
+        if mode == POSITION:
+            axis.go_to(ramp.target.decode(self._held.get(ramp.target.address, 0)))
+        elif mode in (FORWARD, BACKWARD):
+            axis.turn(axis.max_speed if mode == FORWARD else -axis.max_speed)
+        else:
+            axis.turn(round(axis.speed))
+
+    def _power_on(self) -> None:
+        self._held = {row.address: row.reset for row in self._model.table if row.reset is not None and not row.when}
+        self._axes = tuple(Axis() for _ in self._ramps)
+        self._data = self._writes = 0
+        for ramp, axis in zip(self._ramps, self._axes, strict=True):
+            for row, value in ((ramp.max_speed, SPEED), (ramp.acceleration, ACCELERATION)):
+                self._held[row.address] = min(value, row.maximum)
+            self._drive(ramp, axis, ramp.mode.register)
+
+    # --- the world around ------------------------------------------------------------------------
+
+    def state(self, at_s: float | None = None) -> ListedState:
+        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    def patch(self, change: ListedPatch, at_s: float | None = None) -> ListedState:
+        """Change it at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            if change.power_cycle:
+                self._power_on()
+            self.faults.change(change.faults)
+            if change.time_scale is not None:
+                self.clock.scale = change.time_scale
+            return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """Where the counter is: there is no motor that could be elsewhere."""
+        with self._lock:
+            self._run_until(at_s)
+            moving = self._axes[axis]
+            return GroundTruth(moving.position / FULL_STEP, speed_fullsteps_s=moving.speed / FULL_STEP)
+
+    def _describe(self) -> ListedState:
+        return ListedState(
+            model=self.model,
+            depth=PLAIN_CHIP,
+            time_scale=self.clock.scale,
+            chip_time_s=self._latest_s,
+            time_skipped_s=self.clock.skipped_s,
+            address=self.options.node,
+            plain_axes=[ListedAxisState(position=axis.position, velocity=axis.speed) for axis in self._axes],
+            faults=ListedFaultsState(**asdict(self.faults)),
+        )
+
+    # --- within ----------------------------------------------------------------------------------
+
+    def _run(self, until_s: float) -> None:
+        if until_s > self._latest_s:
+            for axis in self._axes:
+                axis.run(until_s - self._latest_s)
+            self._latest_s = until_s
+
+    @property
+    def _quiet(self) -> bool:
+        return True  # each axis is worked out at once, however long it was
