@@ -65,7 +65,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Compile what servers of tests need: else they would do it behind their answers, as on a user's first start."""
-    if session.config.option.collectonly or not any(item.get_closest_marker("slow") for item in session.items):
-        return
-    if not all_compiled():
+    serve = any(item.get_closest_marker(name) for item in session.items for name in ("slow", "e2e"))
+    if serve and not session.config.option.collectonly and not all_compiled():
         compile_kernels()
