@@ -19,7 +19,19 @@ def test_rows_and_fields_tell_it() -> None:
     assert TABLES["tmc5160"].get("VDCMIN", 0).behaviour
     chopconf = TABLES["tmc5062"].get("CHOPCONF", 1)
     silent = {part.name for part in chopconf.fields if not part.behaviour}
-    assert silent == {"toff", "tbl", "vsense", "mres", "intpol16"}
+    assert silent == {
+        "toff",
+        "tfd_2_0",
+        "fd3",
+        "offset",
+        "chm",
+        "tbl",
+        "vsense",
+        "vhighfs",
+        "vhighchm",
+        "mres",
+        "intpol16",
+    }
     for table in TABLES.values():
         for row in table:
             for part in (row, *row.fields):

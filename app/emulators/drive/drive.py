@@ -70,9 +70,9 @@ class Drive:
     Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
     instead of TSTEP's, an N line, pins of switches that are taken, another full scale or least supply, StallGuard4.
 
-    Not modelled: DcStep, vhighfs and vhighchm, pins and buses. With StealthChop the coils get a voltage, which is what
-    PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there. StallGuard4 goes by the same figures as
-    StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
+    Not modelled: DcStep, ripple of the choppers, pins and buses. With StealthChop the coils get a voltage, which is
+    what PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there. StallGuard4 goes by the same figures
+    as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
@@ -244,6 +244,7 @@ class Drive:
                 s[k.FIELD] = (int(s[k.FIELD]) >> mres << mres) + (1 << mres >> 1)
                 per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
                 self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256
+                self._set_chopper(value)
                 self._set_pwm_floor()
                 self._bridges_changed()
             case "COOLCONF":
@@ -307,6 +308,18 @@ class Drive:
         if not s[k.AUTOSCALE]:
             s[k.OFS_AUTO], s[k.GRAD_AUTO], self._f[k.PWM_AUTO] = s[k.PWM_OFS], s[k.PWM_GRAD], 0.0
         self._set_pwm_floor()
+
+    def _set_chopper(self, conf: int) -> None:
+        """CHOPCONF: with constant off time a cycle is on for the blank time or more, decays fast for TFD, slowly for
+        TOFF (DS-TMC5160 8.2): the mean voltage that lowers a current is what is left of TFD (INFERRED)."""
+        s, f = self._s, self._f
+        s[k.CHM], s[k.VHIGHFS], s[k.VHIGHCHM] = bits(conf, 14, 1), bits(conf, 18, 1), bits(conf, 19, 1)
+        s[k.T_OFF], s[k.T_BLANK] = 24 + 32 * bits(conf, 0, 4), _BLANK_CLOCKS[bits(conf, 15, 2)]
+        fast = 32 * (bits(conf, 4, 3) | bits(conf, 11, 1) << 3)
+        blank, off = int(s[k.T_BLANK]), int(s[k.T_OFF])
+        f[k.FALL_CHM] = max(fast - blank, 0) / (blank + fast + off)
+        f[k.SINE_OFFSET] = (bits(conf, 7, 4) - 3) / 512
+        k.at_high_velocity(s)
 
     def _set_pwm_floor(self) -> None:
         """t_blank f_PWM V / R: the mean current of the shortest pulse that can be measured (DS-TMC5160 7.3.1)."""
@@ -452,6 +465,7 @@ class Drive:
         CoolStep and a stop by StallGuard2 work from `cool` to `high`, StealthChop below `cool`; only bits 22..8 count.
         """
         self._s[k.COOL_V], self._s[k.HIGH_V] = cool << k.VELOCITY_BITS, high << k.VELOCITY_BITS
+        k.at_high_velocity(self._s)
         self._changed()
 
     @property

@@ -113,7 +113,11 @@ PWM_KIND, AUTOSCALE, AUTOGRAD, PWM_OFS, PWM_GRAD, PWM_REG, PWM_LIM = range(134, 
 OFS_AUTO, GRAD_AUTO, PWM_WAIT, PWM_STEPS, PWM_CS, PWM_TUNED, TUNING = range(141, 148)
 """What it has found by itself; ticks and full steps until it looks again; current scale at the latest look at rest, and
 whether that changed nothing; it is still looking, so nothing is quiet."""
-INTEGERS = 148
+CHM, VHIGHFS, VHIGHCHM, T_OFF, T_BLANK, AT_HIGH = range(148, 154)
+"""CHOPCONF's choppers, its slow decay and blank time [clocks], and whether any of them hangs on velocity."""
+CHOPPER, FULL, SLOW_ONLY = range(154, 157)
+"""How the bridges are driven outside StealthChop, full steps, and no fast decay: what holds now."""
+INTEGERS = 157
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -137,11 +141,15 @@ RATIO_I, BOUND_I, RATIO_E, BOUND_E = range(46, 50)
 PWM_AUTO, PWM_SUM, PWM_FLOOR = range(50, 53)
 """StealthChop: what the regulation adds to the amplitude, the amplitude [1/256 of the supply, about], and the least
 current that the regulation sees [A]."""
-REALS = 53
+FALL_CHM, FALL, SINE_OFFSET = range(53, 56)
+"""Constant off time: share of the supply with which it can lower a current, as set and now, and what is added to the
+wave."""
+REALS = 56
 
-REGULATED, OPEN, SHORTED, VOLTAGE = range(4)
-"""What the bridges do; the last: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
-are volts."""
+REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
+"""What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
+are volts. CLASSIC: a chopper with constant off time, whose current falls only as fast as its fast decay lets it.
+IN_FULL_STEPS: as REGULATED, apart so that microsteps ask nothing more."""
 TUNED, AMPLITUDE, FIXED = range(3)
 """Kinds of StealthChop: PWM_OFS and PWM_GRAD that it tunes itself; PWM_AMPL and PWM_GRAD; the same, where velocity adds
 nothing to a fixed amplitude."""
@@ -423,6 +431,24 @@ def _sequence(s: Cells, steps: int) -> None:
 
 
 @inlined
+def _compared(velocity: int) -> int:
+    """What velocity thresholds look at: bits 22..8 of a velocity (9 fraction bits)."""
+    return velocity >> VELOCITY_BITS + 8
+
+
+@compiled
+def at_high_velocity(s: Cells) -> None:
+    """What is different from the high velocity on: full steps, and another chopper."""
+    high = s[TSTEP] <= s[THIGH]
+    if s[COOL_V] >= 0:
+        high = s[V] != 0 and _compared(abs(s[V])) >= _compared(s[HIGH_V])
+    s[FULL] = high and s[VHIGHFS]
+    s[SLOW_ONLY] = high and s[VHIGHCHM]
+    s[CHOPPER] = CLASSIC if s[CHM] or s[SLOW_ONLY] else IN_FULL_STEPS if s[FULL] else REGULATED
+    s[AT_HIGH] = s[VHIGHFS] or s[VHIGHCHM]
+
+
+@inlined
 def _thresholds(s: Cells) -> None:
     """TSTEP and what hangs on it."""
     u = abs(s[V]) << s[MRES]
@@ -437,12 +463,8 @@ def _thresholds(s: Cells) -> None:
             and (tstep > s[TCOOLTHRS] or s[SG4] != 0)
             and tstep > s[THIGH]
         )
-
-
-@inlined
-def _compared(velocity: int) -> int:
-    """What velocity thresholds look at: bits 22..8 of a velocity (9 fraction bits)."""
-    return velocity >> VELOCITY_BITS + 8
+    if s[AT_HIGH]:
+        at_high_velocity(s)
 
 
 @inlined
@@ -507,7 +529,7 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
                 s[CS] += 1
     elif s[PHASE] == HOLD:
         s[CS] = s[IHOLD]
-    bridges = REGULATED
+    bridges = s[CHOPPER]
     if s[STEALTH]:
         bridges = VOLTAGE
         if s[PHASE] == HOLD and s[IHOLD] == 0 and s[FREEWHEEL]:
@@ -523,7 +545,9 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
 def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
     """Current of a coil one physics step later: the regulator's wish within what the supply can do.
 
-    An open bridge leads what is left of the current back into the supply; a shorted one is no voltage at all.
+    An open bridge leads what is left of the current back into the supply; a shorted one is no voltage at all. With
+    constant off time a current rises with the whole supply, and falls with its share `FALL` besides what resistance
+    and back-EMF take.
     """
     free = f[KEEP] * i - f[GAIN] * emf
     if bridges == SHORTED:
@@ -537,6 +561,9 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
         wanted = i + f[ALPHA] * (goal - i)
         if abs(goal - wanted) < NANO_AMPERE:
             wanted = goal
+        if bridges == CLASSIC:
+            away, back = (free + reach, free - reach * f[FALL]) if i > 0.0 else (free - reach, free + reach * f[FALL])
+            return min(max(wanted, min(away, back)), max(away, back))
     return min(max(wanted, free - reach), free + reach)
 
 
@@ -709,12 +736,20 @@ def _stealth_in_motion(s: Cells, f: Floats, current: float) -> None:
 
 
 @compiled
-def _drive_by_voltage(s: Cells, f: Floats, table: Floats) -> None:
-    """The same where a PWM sets the coils' voltage."""
-    scale = _stealth_volts(s, f)
+def _drive_otherwise(s: Cells, f: Floats, table: Floats) -> None:
+    """The same where a PWM sets the coils' voltage, in full steps, and with constant off time."""
+    bridges = s[BRIDGES]
+    scale = _stealth_volts(s, f) if bridges == VOLTAGE else f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
+    if s[FULL]:  # both coils alike: the middle of the full step
+        look = look & ~255 | 128
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
+    if bridges == CLASSIC:
+        f[FALL] = 0.0 if s[SLOW_ONLY] else f[FALL_CHM]
+        if not s[SLOW_ONLY]:
+            ref_a += scale * f[SINE_OFFSET] * math.copysign(1.0, ref_a)
+            ref_b += scale * f[SINE_OFFSET] * math.copysign(1.0, ref_b)
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
         turn(s, f, ref_a, ref_b)
 
@@ -865,6 +900,8 @@ def driver_stat(s: Cells) -> int:
     word = s[SG] | s[CS] << 16
     if s[STEALTH]:
         word |= 1 << 14
+    if s[FULL]:
+        word |= 1 << 15
     if stalled(s):
         word |= 1 << 24
     if s[STILL] >= s[STILL_LIMIT]:
@@ -1291,8 +1328,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     events |= _standing(s, f, steps)
     if s[RIGID]:
         _follow(s, f, table)
-    elif s[BRIDGES] == VOLTAGE:
-        _drive_by_voltage(s, f, table)
+    elif s[BRIDGES] >= VOLTAGE:
+        _drive_otherwise(s, f, table)
     else:
         _drive_motor(s, f, table)
     pressed = physical(s, f)

@@ -8,7 +8,14 @@ from . import kernel as k
 from .options import DriveOptions, MotorOptions
 from .world import Truth
 
-_BRIDGES = {k.REGULATED: "regulated", k.OPEN: "open", k.SHORTED: "shorted", k.VOLTAGE: "voltage"}
+_BRIDGES = {
+    k.REGULATED: "regulated",
+    k.CLASSIC: "regulated",
+    k.IN_FULL_STEPS: "regulated",
+    k.OPEN: "open",
+    k.SHORTED: "shorted",
+    k.VOLTAGE: "voltage",
+}
 
 
 def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int) -> None:
