@@ -22,6 +22,7 @@ from .api.health.vitals import Vitals
 from .api.http.problems import findings
 from .api.http.sessions import Sessions
 from .api.links.port_routes import serial_ports
+from .api.register_maps.shelf import MapShelf
 from .api.schemas import Port
 from .audit.listener import Ear, lease_words
 from .clock import BackgroundClock, Clock, WallClock
@@ -202,6 +203,7 @@ def create_app(
         preparation.progress,
         Tokens(TokenStore(settings.data_dir), tokens_changed),
         sessions,
+        MapShelf(settings.data_dir, manager),
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)

@@ -45,6 +45,7 @@ from .programs import debug_routes as debugged_programs
 from .programs import routes as programs
 from .programs import watch_routes as watched_programs
 from .recordings import routes as recordings
+from .register_maps import routes as register_maps
 from .registers import routes as registers
 from .start_up import routes as start_up
 from .tables import routes as tables
@@ -76,6 +77,7 @@ SUBJECTS = (
     emulator,
     calc,
     catalog,
+    register_maps,
     ports,
     recordings,
     profile_scripts,

@@ -29,6 +29,7 @@ from .health.vitals import Vitals
 from .http.sessions import Sessions
 from .links.probing import Probing
 from .programs.watch import ProgramWatch
+from .register_maps.shelf import MapShelf
 from .schemas import Port
 
 
@@ -61,6 +62,7 @@ class Bench:
     """Of what a first start compiles."""
     tokens: Tokens
     sessions: Sessions
+    maps: MapShelf
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -23,6 +23,7 @@ from .motion import axis, move, rotate, stop
 from .profile_scripts import script
 from .profiles import profile
 from .programs import tmcl
+from .register_maps import maps
 from .start_up import start_up
 from .tokens import tokens
 
@@ -49,5 +50,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "doctor", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
-GROUPS: Sequence[typer.Typer] = (lease, profile, tmcl, tokens)
+GROUPS: Sequence[typer.Typer] = (lease, maps, profile, tmcl, tokens)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

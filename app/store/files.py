@@ -86,6 +86,7 @@ OURS = (
     "recordings",
     "emulators",
     "unfinished-*",
+    "register-maps",
 )
 """What a data directory of stepscope holds, as patterns."""
 

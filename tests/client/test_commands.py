@@ -177,3 +177,25 @@ async def test_the_audit_log(server: str) -> None:
     wrong = await run(server, "audit", "--since", "yesterday")
     assert wrong.exit_code == 2
     assert "how long ago" in wrong.output
+
+
+async def test_register_maps(server: str, tmp_path: Path) -> None:
+    file, table = tmp_path / "Ramp_Core.toml", tmp_path / "table.csv"
+    file.write_text('format = 1\ntitle = "Ramp core"\n[[register]]\nname = "MODE"\naddress = 300\n')
+    checked = await run(server, "maps", "check", str(file))
+    assert (checked.exit_code, f"{file}:5: register MODE, address" in checked.output) == (1, True)
+    refused = await run(server, "maps", "add", str(file))
+    assert (refused.exit_code, f"{file}:5: register MODE, address" in refused.output) == (1, True)
+    file.write_text(file.read_text().replace("300", "3"))
+    assert "1 registers, nothing wrong" in said(await run(server, "maps", "check", str(file)))
+    assert "ramp-core: Ramp core" in said(await run(server, "maps", "add", str(file)))
+    table.write_text("register,address\nA,1\n")
+    said(await run(server, "maps", "add", str(table), "--name", "other"))
+    assert [line.split()[0] for line in said(await run(server, "maps", "list")).splitlines()] == [
+        "name",
+        "other",
+        "ramp-core",
+    ]
+    assert said(await run(server, "maps", "get", "ramp-core")) == file.read_text()
+    said(await run(server, "maps", "delete", "other"))
+    assert (await run(server, "maps", "get", "other")).exit_code == 1

@@ -33,7 +33,7 @@ def taken_apart(method: str, path: str, query: bytes, plain: Container[tuple[str
             axis = int(number) if re.fullmatch("[0-9]{1,2}", number) else None
         elif parts[2:3] == ["registers"] and len(parts) > 3:
             _name(parts, 3, names)
-    elif parts[:1] in (["recordings"], ["profiles"], ["tokens"]) and len(parts) > 1:
+    elif parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"]) and len(parts) > 1:
         _name(parts, 1, names)
     asked = dict(parse_qsl(query.decode("latin-1"), keep_blank_values=True))
     if axis is None and re.fullmatch("[0-9]{1,2}", asked.get("axis", "")):
@@ -145,7 +145,9 @@ def named(action: str) -> Callable[[Call], Said]:
 
     def worded(call: Call) -> Said:
         name = call.body.get("name")
-        rest = {key: value for key, value in call.body.items() if key not in ("name", "document", "link", "axes")}
+        rest = {
+            key: value for key, value in call.body.items() if key not in ("name", "document", "link", "axes", "text")
+        }
         subject = call.names[-1] if call.names else str(name or "")
         new = value_of(name) if call.names and name else None
         return Said(action, subject, new=new, detail=compact(rest))

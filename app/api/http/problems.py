@@ -41,6 +41,7 @@ from ...errors import (
 from ...lease.errors import BenchNotTaken, BenchTaken
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.scripts.errors import ScriptFailed
+from ...registers.maps.findings import UnreadableMap
 from ...twin.process import TwinFailed
 from ..conditions.views import condition_out, remedy_out
 from ..schemas import AxisProblem, Condition, Problem, Remedy
@@ -86,6 +87,7 @@ KINDS: dict[type[Exception], Kind] = {
     SoftLimit: Kind(422, "/problems/soft-limit", "Beyond a soft limit of the axis"),
     UnencodableWave: Kind(422, "/problems/unencodable-wave", "The chip's table cannot hold this wave"),
     UnreadableModel: Kind(422, "/problems/unreadable-model", "This model cannot be read from its package"),
+    UnreadableMap: Kind(422, "/problems/unreadable-map", "This is no register map, or says what cannot be"),
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
     LinkError: Kind(502, "/problems/link-failed", "The link to the device failed"),

@@ -1622,6 +1622,56 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/register-maps": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Register Maps
+         * @description Every register map of this server, also those that cannot be read, and what is wrong with them.
+         */
+        get: operations["list_register_maps"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/register-maps/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Register Map
+         * @description The file of a register map.
+         */
+        get: operations["get_register_map"];
+        /**
+         * Put Register Map
+         * @description Keep a register map, instead of the one of that name: a model of that name is in the catalog from then on.
+         *
+         *     One that a connected device is made of stays as it is: disconnect first.
+         */
+        put: operations["put_register_map"];
+        post?: never;
+        /**
+         * Delete Register Map
+         * @description Delete a register map that no device is made of, and the model of that name.
+         */
+        delete: operations["delete_register_map"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ports": {
         parameters: {
             query?: never;
@@ -6156,6 +6206,24 @@ export interface components {
              */
             lag_ms_by_second: (number | null)[];
         };
+        /**
+         * MapFinding
+         * @description Something in a register map that cannot be.
+         */
+        MapFinding: {
+            /** Line */
+            line: number;
+            /**
+             * Where
+             * @description of which register, field or key; empty where it is the file
+             */
+            where: string;
+            /**
+             * What
+             * @description what is wrong, and what is allowed
+             */
+            what: string;
+        };
         /** MarkOut */
         MarkOut: {
             /**
@@ -9076,6 +9144,98 @@ export interface components {
              * @default
              */
             why: string;
+        };
+        /**
+         * RegisterMapFile
+         * @description A register map as its file has it.
+         */
+        RegisterMapFile: {
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
+        };
+        /**
+         * RegisterMapInfo
+         * @description A file in the folder of register maps.
+         */
+        RegisterMapInfo: {
+            /**
+             * Name
+             * @description of the file without its ending, and of the model
+             */
+            name: string;
+            /**
+             * Title
+             * @description empty where the file cannot be read
+             */
+            title: string;
+            /** Summary */
+            summary: string;
+            /** Axes */
+            axes: number;
+            /** Registers */
+            registers: number;
+            /** Bytes */
+            bytes: number;
+            /**
+             * Findings
+             * @description what is wrong with it; empty: it can be used
+             */
+            findings: components["schemas"]["MapFinding"][];
+            /**
+             * More
+             * @description mistakes beyond those that are told
+             * @default 0
+             */
+            more: number;
+            /**
+             * Behind
+             * @description why its devices go by what the file said earlier; empty: they go by what it says
+             * @default
+             */
+            behind: string;
+            /**
+             * Devices
+             * @description ids of the devices that are made of it
+             */
+            devices: string[];
+        };
+        /**
+         * RegisterMapList
+         * @description The folder of register maps.
+         */
+        RegisterMapList: {
+            /**
+             * Folder
+             * @description on the server: a file that is put there is found at the next look
+             */
+            folder: string;
+            /** Maps */
+            maps: components["schemas"]["RegisterMapInfo"][];
+            /**
+             * Passed Over
+             * @description files there that are no maps by their name, and why
+             */
+            passed_over: string[];
+        };
+        /**
+         * RegisterMapText
+         * @description A register map as its file has it.
+         */
+        RegisterMapText: {
+            /**
+             * Text
+             * @description the file: docs/register-maps.md says what may stand in it
+             */
+            text: string;
+            /**
+             * Format
+             * @description csv: a table, which becomes a map
+             * @default toml
+             * @enum {string}
+             */
+            format?: "toml" | "csv";
         };
         /**
          * RegisterPart
@@ -19940,6 +20100,253 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_register_maps: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterMapList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_register_map: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description small letters, digits and dashes; the model is called so */
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterMapFile"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_register_map: {
+        parameters: {
+            query?: {
+                /** @description only say what is wrong with it */
+                dry_run?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description small letters, digits and dashes; the model is called so */
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RegisterMapText"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterMapInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is no register map, or says what cannot be (/problems/unreadable-map); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_register_map: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description small letters, digits and dashes; the model is called so */
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,0 +1,1 @@
+"""Register maps: kept, looked at, fetched and deleted."""

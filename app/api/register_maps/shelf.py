@@ -1,0 +1,55 @@
+"""The register maps of a bench, beside the devices that are made of them."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from ...devices.manager import DeviceManager
+from ...registers.catalog import is_model
+from ...store.register_maps import KeptMap, RegisterMaps
+
+
+class MapShelf:
+    """The maps in the folder. Files are read in a thread."""
+
+    def __init__(self, data_dir: Path, manager: DeviceManager) -> None:
+        self._maps = RegisterMaps(data_dir, is_model)
+        self._manager = manager
+        self._turn = asyncio.Lock()
+
+    @property
+    def folder(self) -> Path:
+        return self._maps.folder
+
+    @property
+    def passed_over(self) -> list[str]:
+        """Files in the folder that are none, for people."""
+        return self._maps.passed_over
+
+    def users(self) -> dict[str, dict[str, bool]]:
+        """By model, the ids of its devices, and whether each is connected or tries to be."""
+        found: dict[str, dict[str, bool]] = {}
+        for device in self._manager.devices:
+            found.setdefault(device.model, {})[device.id] = device.state != "disconnected"
+        return found
+
+    async def look(self) -> list[KeptMap]:
+        """What there is now. Raises StoreUnavailable."""
+        async with self._turn:
+            return await asyncio.to_thread(self._maps.look, self.users())
+
+    async def content(self, name: str) -> bytes:
+        """The file. Raises UnknownThing, StoreUnavailable."""
+        await self.look()
+        return await asyncio.to_thread(self._maps.content, name)
+
+    async def put(self, name: str, content: bytes, *, csv: bool, dry_run: bool) -> KeptMap:
+        """Keep one. Raises what `RegisterMaps.put` does."""
+        async with self._turn:
+            return await asyncio.to_thread(self._maps.put, name, content, self.users(), csv=csv, dry_run=dry_run)
+
+    async def delete(self, name: str) -> None:
+        """Delete one that no device is made of. Raises what `RegisterMaps.delete` does."""
+        async with self._turn:
+            await asyncio.to_thread(self._maps.delete, name, self.users())
