@@ -195,6 +195,18 @@ def apply(
         typer.echo(what + (f", {changed[1]} settings changed" if changed[1] else ""))
 
 
+@profile.command(name="try", no_args_is_help=True)
+def try_(device: DeviceName, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
+    """Find out what of a device can be set, by writing what it holds: where its list of parameters does not tell."""
+    with connected(url, token) as bench:
+        tried = bench.call("POST", f"devices/{device}/profile/try")
+        if as_json:
+            print_json(tried)
+            return
+        refused = ", ".join(each["name"] for each in tried["refused"])
+        typer.echo(f"{tried['settable']} parameters can be set{f'; not {refused}' if refused else ''}")
+
+
 @profile.command(name="way-back", no_args_is_help=True)
 def way_back(device: DeviceName, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
     """Bring back what a profile has written that was cut off, or whose own way back failed."""

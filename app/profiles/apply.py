@@ -21,10 +21,11 @@ from .capture import Held, read_held, read_item
 from .diff import Diff, difference_of, require_fit
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft, ProfileTakenBack
+from .items import Key
 from .preconditions import hold_still, require_rest
 from .rollback import WayBack
 from .steps import Step, steps_between
-from .words import Key, Want, wants_of
+from .words import Want, wants_of
 from .writing import Progress, change_of, told_of, unexpected, write_item
 
 
@@ -86,7 +87,7 @@ class Transaction:
         require_fit(device, self.document)
         wants = wants_of(self.document)
         states = await require_rest(device)
-        held = await read_held(device)
+        held = await read_held(device, wants)
         difference = difference_of(device, held, self.document, wants)
         keys = _keys(difference, wants)
         steps = steps_between(held, wants, keys)
@@ -180,7 +181,7 @@ class Transaction:
         """Whether all is as it should be: what was written, and what was not."""
         expected = {**held.words, **self._now}
         restated = any(not step.steady for step in steps)
-        after = await read_held(self.device)
+        after = await read_held(self.device, held.words)
         for item, was, is_ in await unexpected(self.device, expected, after):
             if restated and item.row.internal_range is not None:
                 continue  # the module shows it in other units now

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass
 
 from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
 from ..errors import WrongState
 from .document import AxisPart, Limits, ProfileDocument
-from .families import rules_of
-from .items import Item, items_by_key
-from .words import Key, parameter_parts, register_parts, tables_of, unknown_parts
+from .items import Item, Key, items_by_key, key_of
+from .words import parameter_parts, register_parts, tables_of, unknown_parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,21 +32,20 @@ class Held:
         return self.words.get(item.key)
 
 
-async def read_held(device: Device) -> Held:
-    """Ask for all of it. Nothing is written. Raises BenchError."""
-    if not rules_of(device.model).known:
-        raise WrongState(
-            f"which parameters of a {device.family.title} are configuration is not known, so there is no profile of it",
-            "read them all: GET .../registers",
-        )
+async def read_held(device: Device, wanted: Collection[Key] = ()) -> Held:
+    """Ask for all of it, `wanted` also where nobody has seen yet that it can be set. Nothing is written.
+
+    Raises BenchError.
+    """
     device.session.require_connected()
     for axis in device.axes:
         await device.monitor.axis_state(axis.index)  # tells of a reset, after which more is known than can be read
-    items = items_by_key(device.model)
+    settable = device.configuration.settable
+    items = {key: item for key, item in items_by_key(device.model).items() if key in wanted or settable(item.row)}
     words: dict[Key, int | None] = dict.fromkeys(items)
     for reading in await device.registers.read_all():
         item = _item_of(device, reading.name, reading.axis)
-        if item is not None:
+        if item is not None and item.key in words:
             words[item.key] = as_configured(device, item, reading.raw)
     for key, item in items.items():
         if words[key] is None and not item.row.access.readable:
@@ -85,13 +83,24 @@ def _item_of(device: Device, name: str, axis: int | None) -> Item | None:
     found = device.family.table.find(name, axis)
     if found is None or found[1] is not None:
         return None
-    item = items_by_key(device.model).get((found[0].space, found[0].address))
+    item = items_by_key(device.model).get(key_of(found[0]))
     return item if item is not None and item.row is found[0] else None
 
 
-async def capture(device: Device, name: str = "", note: str = "", unix_s: float | None = None) -> ProfileDocument:
-    """The device's whole configuration as a document, called `name` (by default as the device). Raises BenchError."""
-    return document_of(device, await read_held(device), name, note, time.time() if unix_s is None else unix_s)
+async def capture(
+    device: Device, name: str = "", note: str = "", unix_s: float | None = None, wanted: Collection[Key] = ()
+) -> ProfileDocument:
+    """The device's whole configuration as a document, called `name` (by default as the device), with all `wanted`.
+
+    Raises WrongState where it is not known yet of anything whether it is configuration; BenchError.
+    """
+    held = await read_held(device, wanted)
+    if not held.words:
+        raise WrongState(
+            f"of no parameter of {device.name} it is known yet whether it can be set: that makes it configuration",
+            "write some, or have all tried: POST .../profile/try",
+        )
+    return document_of(device, held, name, note, time.time() if unix_s is None else unix_s)
 
 
 def document_of(device: Device, held: Held, name: str, note: str, unix_s: float) -> ProfileDocument:
@@ -109,7 +118,7 @@ def document_of(device: Device, held: Held, name: str, note: str, unix_s: float)
             "registers": register_parts(device.model, held.word, but=held.state),
             "parameters": parameter_parts(device.model, held.word, device.configuration.unit_of),
             "tables": tables_of(device.model, held.word),
-            "unknown": unknown_parts(device.model, held.word),
+            "unknown": unknown_parts(device.model, held.words),
         }
     )
 

@@ -17,13 +17,13 @@ from ..registers.model import Space
 from .capture import Held, axis_part, read_held
 from .document import AxisPart, ProfileDocument
 from .errors import ProfileMisfit
-from .items import Item, items_of
+from .items import Item, Key, items_of
 from .physical import Physical, World
-from .words import Key, Want, wants_of
+from .words import Want, wants_of
 
 CLOCK_TOLERANCE = 0.005
 """By how much two clocks may differ and count as the same: a crystal's error and some rounding."""
-UNIT_MODE = (Space.AXIS, 255)
+UNIT_MODE = (Space.AXIS, 255, 0)
 """AP 255: in which units a module counts speeds."""
 
 Kind = Literal["register", "parameter", "table", "mechanics", "limits", "clock"]
@@ -141,7 +141,7 @@ async def diff(device: Device, document: ProfileDocument) -> Diff:
     """What `apply` would change. Nothing is written. Raises ProfileMisfit, UnreadableProfile, BenchError."""
     require_fit(device, document)
     wants = wants_of(document)
-    return difference_of(device, await read_held(device), document, wants)
+    return difference_of(device, await read_held(device, wants), document, wants)
 
 
 def difference_of(device: Device, held: Held, document: ProfileDocument, wants: Mapping[Key, Want]) -> Diff:

@@ -24,7 +24,7 @@ from pydantic import (
 )
 
 from ..registers.catalog import MODELS
-from ..registers.names import ModelName
+from ..registers.names import ListedName
 from .errors import UnreadableProfile
 
 FORMAT: Final = "stepscope-profile"
@@ -55,6 +55,10 @@ Word = Annotated[
 """A pattern of bits: written as "0xAAAAB554", read as a number too."""
 Text = Annotated[str, StringConstraints(strict=True, max_length=200)]
 Cell = Annotated[int, Field(strict=True, ge=0, le=63)]
+
+
+AXES_MAX = 16
+"""Of a document: twice as many as any module that is known."""
 
 
 class Part(BaseModel):
@@ -109,6 +113,7 @@ class ParameterPart(Part):
 
     name: Text
     alias: Text = Field(default="", description="its kind and number, e.g. ap4: for readers, and checked")
+    axis: Index | None = Field(default=None, description="of a module with several axes")
     value: Int
     unit: Text = Field(default="", description="for readers: what `value` counts in")
     meaning: Text = Field(default="", description="for readers: what the value stands for")
@@ -155,12 +160,12 @@ class ProfileDocument(Part):
     version: Literal[1] = VERSION
     name: Annotated[str, StringConstraints(strict=True, max_length=NAME_MAX, strip_whitespace=True)] = ""
     note: Annotated[str, StringConstraints(strict=True, max_length=NOTE_MAX)] = ""
-    model: ModelName
+    model: ListedName
     clock_hz: Annotated[float, Field(strict=True, gt=0, le=1e9, allow_inf_nan=False)]
     device: Text = Field(default="", description="name of the device that it was taken from")
     firmware: Text = Field(default="", description="of a module")
     captured_unix_s: Number = 0.0
-    axes: Annotated[list[AxisPart], Field(max_length=3)] = Field(default_factory=list)
+    axes: Annotated[list[AxisPart], Field(max_length=AXES_MAX)] = Field(default_factory=list)
     registers: Annotated[list[RegisterPart], Field(max_length=1000)] = Field(default_factory=list)
     parameters: Annotated[list[ParameterPart], Field(max_length=1000)] = Field(default_factory=list)
     tables: Tables = Field(default_factory=Tables)

@@ -37,6 +37,15 @@ LAST = ("IF_CONFIGURATION_4210", "CHOPCONF", "velocity_vstart", "START_CONF")
 """Registers that come first or last of their group."""
 
 
+Key = tuple[Space, int, int]
+"""Space, address, and the axis of a module's axis parameter; 0 of all others, whose address tells."""
+
+
+def key_of(row: Register) -> Key:
+    """What tells a register or parameter from others of its model."""
+    return row.space, row.address, (row.axis or 0) if row.space is Space.AXIS else 0
+
+
 @dataclass(frozen=True, slots=True)
 class Item:
     """A register or parameter that belongs to a profile."""
@@ -52,9 +61,9 @@ class Item:
     """Where it comes in the order of writing."""
 
     @property
-    def key(self) -> tuple[Space, int]:
+    def key(self) -> Key:
         """What tells it from others of its model."""
-        return self.row.space, self.row.address
+        return key_of(self.row)
 
     @property
     def place(self) -> str:
@@ -76,8 +85,8 @@ def items_of(model: str) -> tuple[Item, ...]:
 
 
 @cache
-def items_by_key(model: str) -> Mapping[tuple[Space, int], Item]:
-    """The same by space and address."""
+def items_by_key(model: str) -> Mapping[Key, Item]:
+    """The same by key."""
     return {item.key: item for item in items_of(model)}
 
 
@@ -103,6 +112,8 @@ def _item(rules: ProfileRules, row: Register) -> Item | None:
 
 def _is_configuration(rules: ProfileRules, row: Register) -> bool:
     if row.access not in (Access.RW, Access.W) or row.when or row.name in rules.state:
+        return False
+    if rules.is_state is not None and rules.is_state(row):
         return False
     if row.access is Access.W and row.reset is None:  # writing it does something instead of setting something
         return False

@@ -23,7 +23,7 @@ from typing import Any, Literal, TextIO
 from ..devices.core.actor import actor
 from ..devices.core.device import Device
 from ..errors import WrongState
-from ..registers.catalog import MODELS
+from ..registers.catalog import is_model
 from .document import ProfileDocument
 from .errors import Change
 from .steps import Step
@@ -140,7 +140,7 @@ def read(path: Path) -> Unfinished | None:
 
 
 def _parsed(head: dict[str, Any], lines: Sequence[str]) -> Unfinished:
-    if head["format"] != FORMAT or head["version"] != VERSION or head["model"] not in MODELS:
+    if head["format"] != FORMAT or head["version"] != VERSION or not is_model(head["model"]):
         raise ValueError("of another version")
     reached = -1
     for line in lines:

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from ..calc.units.mechanics import Mechanics
 from ..number_text import plain
 from ..registers.catalog import MODELS
-from ..registers.model import Register, Space
+from ..registers.model import Register
 from .document import AxisPart
 from .families import rules_of
-
-Key = tuple[Space, int]
+from .items import Key, key_of
 
 MICROSTEPS = "microsteps"
 CLOCKS = {"tCLK": 1, "512 tCLK": 512, "2^18 tCLK": 1 << 18}
@@ -109,7 +108,7 @@ class World:
         if found is None:
             return None
         row, part = found
-        word = self.words.get((row.space, row.address))
+        word = self.words.get(key_of(row))
         if word is None:
             return None
         return row.decode(word) if part is None else part.unpack(word)

@@ -9,10 +9,9 @@ from ..devices.core.device import Device
 from ..errors import BenchError, LinkDown, LinkTimeout, WriteRefused
 from .capture import Held, as_configured, read_held, read_item
 from .errors import Change
-from .items import Item
+from .items import Item, Key
 from .preconditions import hold_still, require_rest
 from .steps import Step
-from .words import Key
 from .writing import Progress, change_of, told_of, unexpected, write_item
 
 log = logging.getLogger("stepscope.profiles")
@@ -105,7 +104,7 @@ class WayBack:
     async def _look_over(self, before: Held, left: dict[Key, Change]) -> None:
         """Whether everything else is as before too: on a line without checksums a write may have gone astray."""
         try:
-            after = await read_held(self._device)
+            after = await read_held(self._device, before.words)
             astray = await unexpected(self._device, before.words, after)
         except BenchError as error:
             self.unchecked = f"whether all else is as before could not be read: {error}"

@@ -56,7 +56,7 @@ class ProfileRules:
     busy : what has to be 0 first
     gates : what makes writes wait for a start signal, where there is that
     physical : what numbers in units of its own mean
-    known : whether it is known what of a device is configuration; of modules known by name alone it is not
+    is_state : whether a register is state, where names alone do not tell
     """
 
     state: frozenset[str]
@@ -67,4 +67,4 @@ class ProfileRules:
     busy: tuple[Busy, ...] = ()
     gates: Gates | None = None
     physical: PhysicalOf | None = None
-    known: bool = True
+    is_state: Callable[[Register], bool] | None = None

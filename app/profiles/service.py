@@ -21,6 +21,7 @@ from .document import ProfileDocument
 from .errors import Change, ProfileLeft
 from .journal import FileJournal, Unfinished
 from .rollback import way_back
+from .trial import Tried, try_writes
 from .writing import Progress
 
 log = logging.getLogger("stepscope.profiles")
@@ -106,6 +107,10 @@ class ProfileService:
             return Outcome(applied, told, time.perf_counter() - began_s)
 
         return await self._alone(device, progress, work)
+
+    async def try_writes(self, device: Device) -> Tried:
+        """Find out what can be set: see `trial`. Raises WrongState, LinkError."""
+        return await self._alone(device, Progress(), lambda: try_writes(device))
 
     async def take_back(self, device: Device) -> list[Change]:
         """Bring back what an unfinished transaction has left; what it was that is as before now.

@@ -15,12 +15,12 @@ from ..devices.core.results import WriteItem
 from ..devices.core.start_up import Chosen, Figures, StartPlan, Wanted
 from ..devices.families import family_of
 from ..errors import UsageError
-from ..registers.model import Register, Space, to_raw
+from ..registers.model import Register, to_raw
 from .capture import axis_part, unread
 from .diff import Diff, Difference, diff
 from .document import ParameterPart, ProfileDocument, RegisterPart, Tables
 from .errors import Change
-from .items import items_by_key
+from .items import Key, items_by_key, key_of
 from .service import ProfileService
 from .steps import steps_of
 
@@ -120,13 +120,13 @@ def _with_motor(settings: AxisSettings, motor: Motor) -> AxisSettings:
 def _document(device: Device, wanted: Sequence[Wanted], plan: StartPlan) -> ProfileDocument:
     """The plan as a profile of these registers alone; what is no configuration is left out."""
     table, items = device.family.table, items_by_key(device.model)
-    rows: dict[tuple[Space, int], Register] = {}
-    values: dict[tuple[Space, int], WriteItem] = {}
+    rows: dict[Key, Register] = {}
+    values: dict[Key, WriteItem] = {}
     for item in plan.items:
         found = table.find(item.name, item.axis)
         if found is None:
             raise UsageError(f"a {device.family.title} has no register {item.name}")
-        key = (found[0].space, found[0].address)
+        key = key_of(found[0])
         known = items.get(key)
         if known is None or known.row is not found[0]:
             continue  # state: the transaction itself keeps the axis where it stands
@@ -164,7 +164,7 @@ def _register(row: Register, item: WriteItem) -> RegisterPart:
 
 def _unknown_fields(device: Device, row: Register) -> dict[str, int | str]:
     """All fields, as after a reset, of a register that cannot be read and of which nobody knows what it holds."""
-    item = items_by_key(device.model)[(row.space, row.address)]
+    item = items_by_key(device.model)[key_of(row)]
     if row.access.readable or unread(device, item) is not None:
         return {}
     return {part.name: part.unpack(row.reset or 0) for part in item.fields}

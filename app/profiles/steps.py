@@ -13,8 +13,8 @@ from .diff import UNIT_MODE
 from .document import ProfileDocument
 from .errors import ProfileMisfit
 from .families import rules_of
-from .items import Item, items_by_key
-from .words import Key, Want, check_range, wants_of
+from .items import Item, Key, items_by_key, key_of
+from .words import Want, check_range, wants_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ def _ungated(held: Held, steps: list[Step]) -> list[Step]:
     if gates is None or not steps:
         return steps
     register = MODELS[held.model].table.get(gates.register, 0)
-    item = items_by_key(held.model)[(register.space, register.address)]
+    item = items_by_key(held.model)[key_of(register)]
     before = held.word(item)
     if before is None or not before & gates.mask:
         return steps

@@ -12,9 +12,8 @@ from ..registers.catalog import MODELS
 from ..registers.model import Field, Register, Space, to_raw
 from .document import MslutPart, ParameterPart, ProfileDocument, RegisterPart, Tables, UnknownPart
 from .errors import UnreadableProfile
-from .items import Item, TableName, items_by_key, items_of, place_of
+from .items import Item, Key, TableName, items_by_key, items_of, key_of, place_of
 
-Key = tuple[Space, int]
 RAM_MASK = 0x3F3F
 """Two cells of six bits; the other bits of a RAM word mean nothing."""
 MSLUT_WORDS = 10
@@ -101,7 +100,7 @@ def _item(document: ProfileDocument, name: str, axis: int | None, place: str) ->
         raise UnreadableProfile(f"{place}.name", f"a {document.title} has no {place_of(name, axis)}")
     if found[1] is not None:
         raise UnreadableProfile(f"{place}.name", f"{name} is a field of {found[0].name}: tell it among its fields")
-    item = items_by_key(document.model).get((found[0].space, found[0].address))
+    item = items_by_key(document.model).get(key_of(found[0]))
     if item is None or item.row is not found[0]:
         also = f"; its address is told as {item.row.name}" if item is not None else ""
         raise UnreadableProfile(f"{place}.name", f"{found[0].name} is not configuration, no profile holds it{also}")
@@ -170,7 +169,7 @@ def _word_of_fields(item: Item, fields: Mapping[str, int | str], place: str) -> 
 
 
 def _parameter(document: ProfileDocument, entry: ParameterPart, place: str) -> Want:
-    item = _item(document, entry.name, None, place)
+    item = _item(document, entry.name, entry.axis, place)
     if entry.alias and entry.alias.casefold() != item.row.alias:
         raise UnreadableProfile(f"{place}.alias", f"{item.row.name} is {item.row.alias}, not {entry.alias}")
     return Want(item, _word_of(item, entry.value, f"{place}.value"), item.mask, place)
@@ -259,9 +258,15 @@ def parameter_parts(model: str, word: Said, unit_of: Callable[[Register], str]) 
         if item.table is not None or held is None or MODELS[model].kind == "chip":
             continue
         row, value = item.row, item.row.decode(held)
-        meaning = row.values.get(value, "")
         parts.append(
-            ParameterPart(name=row.name, alias=row.alias, value=value, unit=unit_of(row), meaning=meaning[:200])
+            ParameterPart(
+                name=row.name,
+                alias=row.alias,
+                axis=row.axis if MODELS[model].axes > 1 else None,
+                value=value,
+                unit=unit_of(row),
+                meaning=row.values.get(value, "")[:200],
+            )
         )
     return parts
 
@@ -292,9 +297,10 @@ def tables_of(model: str, word: Said) -> Tables:
 TABLES: tuple[TableName, ...] = ("microstep", "driver_chain", "mslut", "user_variables")
 
 
-def unknown_parts(model: str, word: Said) -> list[UnknownPart]:
-    """What nobody knows."""
-    return [UnknownPart(name=item.row.name, axis=item.row.axis) for item in _sorted(model) if word(item) is None]
+def unknown_parts(model: str, words: Mapping[Key, int | None]) -> list[UnknownPart]:
+    """What nobody knows, of what was asked for."""
+    unknown = {key for key, word in words.items() if word is None}
+    return [UnknownPart(name=item.row.name, axis=item.row.axis) for item in _sorted(model) if item.key in unknown]
 
 
 def _sorted(model: str) -> list[Item]:

@@ -13,9 +13,8 @@ from ..errors import BenchError, WriteRefused
 from ..registers.model import to_raw
 from .capture import Held, as_configured, read_item
 from .errors import Change
-from .items import Item, items_by_key
+from .items import Item, Key, items_by_key
 from .steps import Step
-from .words import Key
 
 log = logging.getLogger("stepscope.profiles")
 

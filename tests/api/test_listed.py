@@ -89,10 +89,32 @@ async def test_a_connection_is_changed_to_a_listed_model_and_back(client: httpx.
 async def test_what_is_not_known_is_said(client: httpx.AsyncClient, module: str) -> None:
     profile = await client.get(f"{module}/profile")
     assert (profile.status_code, profile.json()["type"].split("/")[-1]) == (409, "wrong-state"), profile.text
-    assert "no profile" in profile.json()["detail"]
+    assert "profile/try" in profile.json()["way_out"]
     started = await client.post(f"{module}/start-up", json={"dry_run": True})
     assert started.status_code == 422
     assert "parameters" in started.json()["detail"]
+
+
+async def test_a_profile_is_captured_kept_compared_applied_and_exported(client: httpx.AsyncClient, module: str) -> None:
+    tried = (await client.post(f"{module}/profile/try")).json()
+    assert (tried["settable"] > 60, tried["refused"]) == (True, [])
+    speed = named("max_speed")
+    assert (await client.put(f"{module}/registers/{speed}?axis=1", json={"value": 1500})).status_code == 200
+    kept = (await client.post("profiles", json={"device": "module", "name": "quiet"})).json()
+    assert (kept["model"], kept["title"], kept["registers"]) == (SEVERAL.name, SEVERAL.title, tried["settable"])
+    document = (await client.get(f"profiles/{kept['id']}")).json()["document"]
+    assert (await client.put(f"{module}/registers/{speed}?axis=1", json={"value": 1600})).status_code == 200
+    dry = (await client.put(f"{module}/profile?dry_run=true", json=document)).json()
+    assert [(each["name"], each["axis"], each["left"], each["right"]) for each in dry["differences"]] == [
+        (speed, 1, 1600, 1500)
+    ]
+    assert (await client.put(f"{module}/profile", json=document)).json()["state"] == "applied"
+    assert (await client.get(f"{module}/registers/{speed}?axis=1")).json()["value"] == 1500
+    small = {**document, "parameters": [each for each in document["parameters"] if each["name"] == speed]}
+    for language in ("python", "curl", "tmcl"):
+        script = await client.post("profiles/script", json={"document": small, "language": language})
+        assert script.status_code == 200, script.text
+        assert speed in script.json()["text"]
 
 
 async def test_without_the_package_the_cure_is_told(client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch) -> None:

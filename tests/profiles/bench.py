@@ -25,9 +25,8 @@ from app.links import datagram32, tmcl
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort, Wire
 from app.links.registry import Link
-from app.profiles.items import Item, items_of
+from app.profiles.items import Item, Key, items_of
 from app.profiles.steps import write_of
-from app.profiles.words import Key
 from app.registers.catalog import MODELS
 from app.registers.model import Space, to_raw
 from app.registers.tmcl.modules import MODULES

@@ -16,9 +16,8 @@ from app.profiles.apply import Transaction
 from app.profiles.capture import as_configured, capture
 from app.profiles.document import ProfileDocument
 from app.profiles.errors import Change, ProfileLeft, ProfileTakenBack
-from app.profiles.items import Item, items_of
+from app.profiles.items import Item, Key, items_of
 from app.profiles.steps import Step
-from app.profiles.words import Key
 from app.registers.model import Space, to_raw
 from app.registers.tmcl.commands import Opcode
 from app.registers.tmcl.modules import MODULES
@@ -63,12 +62,12 @@ def written_to(model: str, frame: bytes) -> tuple[Key, int] | None:
         if request.opcode not in _WRITES:
             return None
         space = _BANKS[request.motor] if request.opcode == Opcode.SGP else _WRITES[Opcode(request.opcode)]
-        return (space, request.type), to_raw(request.value, 32)
+        return (space, request.type, 0), to_raw(request.value, 32)
     if len(frame) == datagram40.FRAME_BYTES:
         write = frame[0] & datagram40.WRITE_BIT
-        return ((Space.REGISTER, frame[0] & 0x7F), int.from_bytes(frame[1:], "big")) if write else None
+        return ((Space.REGISTER, frame[0] & 0x7F, 0), int.from_bytes(frame[1:], "big")) if write else None
     asked = datagram32.Request.decode(frame)
-    return None if asked.read else ((Space.REGISTER, asked.address), asked.data)
+    return None if asked.read else ((Space.REGISTER, asked.address, 0), asked.data)
 
 
 def rewritten(model: str, frame: bytes, word: int) -> bytes:
@@ -251,7 +250,7 @@ def _what_is_wrong(
 
 def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) -> dict[Key, int]:
     """What is held, as it reads in the units of before: a unit mode that is left shows every speed as another."""
-    mode = (Space.AXIS, 255)
+    mode = (Space.AXIS, 255, 0)
     if b.device.model not in MODULES or before[mode] == after[mode]:
         return after
     far_end = b.wire.far_end

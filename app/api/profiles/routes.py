@@ -30,6 +30,8 @@ from .schemas import (
     ProfilePair,
     ProfileSave,
     TakenBack,
+    TriedParameter,
+    TriedWrites,
 )
 from .views import applied, detail, dry_run, info, progress_of, taken_back
 
@@ -72,6 +74,19 @@ async def put_profile(
     if dry_run_:
         return dry_run(await diff(device, body))
     return applied(await bench.profiles.apply(device, body, with_limits=limits))
+
+
+@router.post("/devices/{device}/profile/try", responses=problems(*DEVICE_PROBLEMS))
+@policy(audit="told by drivers", words=wording.done("try what can be set"))
+async def try_profile(device: CurrentDevice, bench: CurrentBench) -> TriedWrites:
+    """Find out what is configuration, of a device whose table does not tell what can be written.
+
+    Each parameter that may be configuration is written the value that it holds, once, and read back; the motors have to
+    stand. What the device takes is what a profile of it has from then on, until it is connected with another firmware.
+    """
+    tried = await bench.profiles.try_writes(device)
+    refused = [TriedParameter(name=name, axis=axis) for name, axis in tried.refused]
+    return TriedWrites(settable=tried.settable, refused=refused)
 
 
 @router.get("/devices/{device}/profile/apply", responses=problems(UnknownThing))

@@ -8,7 +8,6 @@ from pydantic import ConfigDict, Field, JsonValue, StringConstraints, model_vali
 
 from ...profiles.diff import Diff, Difference
 from ...profiles.document import NAME_MAX, NOTE_MAX, ProfileDocument
-from ...registers.names import ModelName
 from ..schemas import Answer, Body
 
 ProfileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=NAME_MAX, strip_whitespace=True)]
@@ -134,13 +133,25 @@ class ProfileInfo(Answer):
 
     id: int
     name: str
-    model: ModelName
+    model: str
     title: str = Field(description="of the model, for people")
     device: str = Field(description="name of the device that it was taken from")
     note: str
     created_unix_s: float
     version: int
     registers: int = Field(description="registers, parameters and table words that it speaks of")
+
+
+class TriedParameter(Answer):
+    name: str
+    axis: int | None
+
+
+class TriedWrites(Answer):
+    """What a device took of what it holds."""
+
+    settable: int = Field(description="parameters of which it is known that they can be set: those a profile has")
+    refused: list[TriedParameter] = Field(description="what it lacks, does not let be written, or changes by itself")
 
 
 class ProfileDetail(ProfileInfo):

@@ -11,7 +11,7 @@ from ...profiles.errors import Change
 from ...profiles.journal import Unfinished
 from ...profiles.service import Outcome
 from ...profiles.writing import Progress
-from ...registers.catalog import MODELS
+from ...registers.catalog import MODELS, listings
 from ...store.profiles import SavedProfile
 from .schemas import (
     ApplyProgress,
@@ -90,13 +90,14 @@ def detail(saved: SavedProfile) -> ProfileDetail:
 
 
 def _info(saved: SavedProfile) -> dict[str, object]:
+    titles = {model.name: model.title for model in (*MODELS.values(), *listings())}
     tables = saved.document.get("tables") or {}
     words = sum(len(table) for table in tables.values() if isinstance(table, list | dict))
     return {
         "id": saved.id,
         "name": saved.name,
         "model": saved.model,
-        "title": MODELS[saved.model].title if saved.model in MODELS else saved.model,
+        "title": titles.get(saved.model, saved.model),
         "device": str(saved.document.get("device", "")),
         "note": saved.note,
         "created_unix_s": saved.created_unix_s,

@@ -267,6 +267,10 @@ class ConfigurationRules(Protocol):
         """What the numbers of `register` count in, as the device is set now."""
         return register.unit
 
+    def settable(self, register: Register, /) -> bool:
+        """Whether a write of `register` is known to set it: so says its table, or it was seen."""
+        return register.access.writable
+
     def as_set(self, register: Register, word: int, /) -> int:
         """`word`, read from `register`, as its user has set it and as one would have to write it again."""
         del register

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...registers.model import Register
 from ..core.capabilities import ConfigurationRules
 from ..core.results import AxisState
 from .motion import ListedMotion
@@ -9,7 +10,7 @@ from .state import ListedState
 
 
 class ListedConfiguration(ConfigurationRules):
-    """Which of its parameters are settings nobody here knows."""
+    """Its settings are what it was seen to take."""
 
     def __init__(self, state: ListedState, motion: ListedMotion) -> None:
         self._state = state
@@ -18,6 +19,9 @@ class ListedConfiguration(ConfigurationRules):
     @property
     def firmware(self) -> str:
         return self._state.firmware
+
+    def settable(self, register: Register, /) -> bool:
+        return self._state.has_taken(register)
 
     async def require_idle(self) -> None:
         """Whether a program runs in it nobody here knows."""

@@ -34,7 +34,8 @@ class ListedIdentity(Identity):
         session, state, address = self._session, self._state, self._link.address
         async with self._link.calls() as calls:
             reply = await calls.do(Request(address, Opcode.GET_VERSION, 1))
-        number, state.firmware = module_version(reply.value)
+        number, firmware = module_version(reply.value)
+        state.answered(firmware)
         own = session.family.title
         state.calls_itself = ""
         if str(number) not in re.findall(r"\d+", own):

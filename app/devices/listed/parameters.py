@@ -96,6 +96,8 @@ class ListedParameters(Registers):
             except BenchError as error:
                 self._tell(register, old, value, outcome_of_failure(error))
                 raise
+        if written.verified:
+            self._state.took(register)
         self._tell(register, old, value, outcome_of(written.verified, written.note))
         return written
 

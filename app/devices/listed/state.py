@@ -67,6 +67,7 @@ class ListedState:
         """What it says that it is, where that is not what its title says."""
         self.saw_hooks: list[Callable[[Register, int], None]] = []
         self._known: dict[tuple[int, int], int] = {}
+        self._taken: set[tuple[Space, int | None, int]] = set()
 
     def _axis_rows(self, axis: int) -> AxisRows:
         return AxisRows(**{role: row for row in self.table if row.axis == axis and (role := role_of(row)) is not None})
@@ -97,6 +98,20 @@ class ListedState:
                 self._session.limiter.saw(limit_address(axis, register.address), value)
         for hook in self.saw_hooks:
             hook(register, value)
+
+    def took(self, register: Register) -> None:
+        """A write of it was read back."""
+        self._taken.add((register.space, register.axis, register.address))
+
+    def has_taken(self, register: Register) -> bool:
+        """Whether this module, with this firmware, was seen to take a write of it."""
+        return (register.space, register.axis, register.address) in self._taken
+
+    def answered(self, firmware: str) -> None:
+        """It told its firmware: of another one nothing has been seen yet."""
+        if firmware != self.firmware:
+            self._taken.clear()
+        self.firmware = firmware
 
     def forget(self, axis: int, number: int) -> None:
         """Nobody knows any more what an axis parameter holds."""

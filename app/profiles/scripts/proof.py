@@ -21,6 +21,7 @@ from ...errors import BenchError
 from ...links.tmcl import Request, check_reply, has_reply
 from ..capture import capture
 from ..document import ProfileDocument, parse
+from ..items import key_of
 from ..preconditions import require_rest
 from . import c
 from .bench import NAME, emulated, emulator_link
@@ -132,7 +133,7 @@ async def _read_curl(plan: Plan, text: str) -> Trial:
         result = await device.registers.write_many(writes_of_curl(text))
         if result.failed is not None:
             raise result.failed
-        return Trial("read", await _captured(device))
+        return Trial("read", await _captured(device, plan))
 
 
 # --- in this process --------------------------------------------------------------------------------
@@ -160,13 +161,14 @@ async def _frames(plan: Plan, frames: Iterable[bytes]) -> ProfileDocument:
     async with emulated(plan.model, plan.clock_hz) as device:
         for frame in frames:
             await _send(device, frame)
-        return await _captured(device)
+        return await _captured(device, plan)
 
 
-async def _captured(device: Device) -> ProfileDocument:
-    """What it holds. Raises WrongState where the script has set a motor off."""
+async def _captured(device: Device, plan: Plan) -> ProfileDocument:
+    """What it holds, of all that the script writes at least. Raises WrongState where the script has set a motor off."""
     await require_rest(device)
-    return await capture(device)
+    wanted = {key_of(write.register) for part in plan.parts for write in part.writes}
+    return await capture(device, wanted=wanted)
 
 
 async def _send(device: Device, frame: bytes) -> None:

@@ -13,7 +13,8 @@ from ...devices.tmcl import units
 from ...errors import WrongState
 from ...registers.model import Register
 from ..document import ProfileDocument, text_of
-from ..words import Key, Want, wants_of
+from ..items import Key
+from ..words import Want, wants_of
 from . import c, curl, python, tmcl
 from .errors import ScriptFailed
 from .plan import Plan, mechanics_of, plan_of

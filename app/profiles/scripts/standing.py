@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ...registers.catalog import MODELS
-from ...registers.model import Field, Register, Space
+from ...registers.model import Field, Register
 from ..families import rules_of
-from ..items import Item
+from ..items import Item, Key, key_of
 from ..rules import Busy
-from ..words import Key, Want
+from ..words import Want
 
 
 def target_of(model: str) -> str:
@@ -60,5 +60,5 @@ def _open_gates(model: str, wants: Mapping[Key, Want]) -> list[Want]:
     if gates is None:
         return []
     start = MODELS[model].table.get(gates.register, 0)
-    want = wants.get((Space.REGISTER, start.address))
+    want = wants.get(key_of(start))
     return [] if want is None else [replace(want, word=want.word & ~gates.mask)]

@@ -1215,6 +1215,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/profile/try": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Try Profile
+         * @description Find out what is configuration, of a device whose table does not tell what can be written.
+         *
+         *     Each parameter that may be configuration is written the value that it holds, once, and read back; the motors have to
+         *     stand. What the device takes is what a profile of it has from then on, until it is connected with another firmware.
+         */
+        post: operations["try_profile"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/profile/apply": {
         parameters: {
             query?: never;
@@ -7297,6 +7320,11 @@ export interface components {
              * @default
              */
             alias?: string;
+            /**
+             * Axis
+             * @description of a module with several axes
+             */
+            axis?: number | null;
             /** Value */
             value: number;
             /**
@@ -7325,6 +7353,11 @@ export interface components {
              * @default
              */
             alias: string;
+            /**
+             * Axis
+             * @description of a module with several axes
+             */
+            axis: number | null;
             /** Value */
             value: number;
             /**
@@ -7732,11 +7765,8 @@ export interface components {
             id: number;
             /** Name */
             name: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            /** Model */
+            model: string;
             /**
              * Title
              * @description of the model, for people
@@ -7789,11 +7819,8 @@ export interface components {
              * @default
              */
             note: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            /** Model */
+            model: string;
             /** Clock Hz */
             clock_hz: number;
             /**
@@ -7875,11 +7902,8 @@ export interface components {
              * @default
              */
             note?: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            /** Model */
+            model: string;
             /** Clock Hz */
             clock_hz: number;
             /**
@@ -7921,11 +7945,8 @@ export interface components {
             id: number;
             /** Name */
             name: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            /** Model */
+            model: string;
             /**
              * Title
              * @description of the model, for people
@@ -10979,6 +11000,29 @@ export interface components {
             role: "look" | "drive" | "administer";
             /** Token */
             token: string;
+        };
+        /** TriedParameter */
+        TriedParameter: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+        };
+        /**
+         * TriedWrites
+         * @description What a device took of what it holds.
+         */
+        TriedWrites: {
+            /**
+             * Settable
+             * @description parameters of which it is known that they can be set: those a profile has
+             */
+            settable: number;
+            /**
+             * Refused
+             * @description what it lacks, does not let be written, or changes by itself
+             */
+            refused: components["schemas"]["TriedParameter"][];
         };
         /**
          * TruthState
@@ -18537,6 +18581,83 @@ export interface operations {
             };
             /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    try_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TriedWrites"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -11,7 +11,7 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { dateTimeOf } from "../../lib/time";
 import { useSelection } from "../../live/selection";
 import css from "./profiles.module.css";
-import { type Saved, useProfiles, useSave } from "./useProfiles";
+import { type Saved, useProfiles, useSave, useTry } from "./useProfiles";
 
 interface Props {
   selected: number | null;
@@ -25,6 +25,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
   const [asked] = useDebouncedValue(search.trim(), 150);
   const profiles = useProfiles(asked);
   const save = useSave();
+  const tries = useTry();
   const [unreadable, setUnreadable] = useState<Problem | null>(null);
   const again = useRef<() => void>(null);
   const field = useRef<HTMLInputElement>(null);
@@ -76,6 +77,31 @@ export function SavedProfiles({ selected, onSelect }: Props) {
           )}
         </FileButton>
       </Group>
+      {device?.about.tier === "names" && (
+        <div className="mb-8">
+          <p className="hint m-0">
+            Of its parameters no list tells which can be set. A profile has those that {device.name} was seen to take.
+          </p>
+          <Button
+            size="compact-xs"
+            mt={4}
+            variant="default"
+            disabled={!connected}
+            loading={tries.isPending}
+            title="Writes each parameter what it holds, once, while the motors stand"
+            onClick={() => tries.mutate(device.id)}
+          >
+            Find out what can be set
+          </Button>
+          {tries.isError && <ProblemAlert error={tries.error} doing="Trying" onClose={() => tries.reset()} />}
+          {tries.isSuccess && (
+            <p className="m-0 mt-4 text-12" role="status">
+              <span className="num">{fixed(tries.data.settable)}</span> parameters can be set,{" "}
+              <span className="num">{fixed(tries.data.refused.length)}</span> cannot.
+            </p>
+          )}
+        </div>
+      )}
       {!connected && (
         <Text className="hint" mb={6}>
           {device ? (

@@ -40,6 +40,14 @@ export function useSave() {
   });
 }
 
+/** Finds out what of a device can be set, where its list of parameters does not tell. */
+export function useTry() {
+  return useMutation({
+    mutationFn: async (device: string) =>
+      unwrap(await api.POST("/api/v1/devices/{device}/profile/try", { params: { path: { device } } })),
+  });
+}
+
 export function useRename(id: number) {
   const refresh = useRefresh();
   return useMutation({
