@@ -16,7 +16,8 @@ def test_each_entry_names_something_that_can_be_written() -> None:
 
 
 def test_rows_and_fields_tell_it() -> None:
-    assert TABLES["tmc5160"].get("VDCMIN", 0).behaviour
+    assert TABLES["tmc5240"].get("VDCMIN", 0).behaviour
+    assert not TABLES["tmc5160"].get("VDCMIN", 0).behaviour
     chopconf = TABLES["tmc5062"].get("CHOPCONF", 1)
     silent = {part.name for part in chopconf.fields if not part.behaviour}
     assert silent == {

@@ -70,7 +70,7 @@ class Drive:
     Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
     instead of TSTEP's, an N line, pins of switches that are taken, another full scale or least supply, StallGuard4.
 
-    Not modelled: DcStep, ripple of the choppers, pins and buses. With StealthChop the coils get a voltage, which is
+    Not modelled: ripple of the choppers, pins and buses. With StealthChop the coils get a voltage, which is
     what PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there. StallGuard4 goes by the same figures
     as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
 
@@ -253,6 +253,11 @@ class Drive:
                 s[k.SGT], s[k.SFILT] = signed(value >> 16, 7), bits(value, 24, 1)
                 s[k.SG_SUM] = s[k.SG_COUNT] = 0
                 s[k.COOL_CS] = s[k.IRUN]
+            case "VDCMIN":
+                s[k.VDCMIN] = (value if value >= 256 and not self.options.rigid else 0) << k.VELOCITY_BITS
+                k.at_high_velocity(s)
+            case "DCCTRL":
+                s[k.DC_TIME], s[k.DC_SG] = bits(value, 0, 10), 16 * bits(value, 16, 8)
             case "PWMCONF":
                 self._set_stealth_chop(value)
             case "X_ENC":

@@ -117,7 +117,11 @@ CHM, VHIGHFS, VHIGHCHM, T_OFF, T_BLANK, AT_HIGH = range(148, 154)
 """CHOPCONF's choppers, its slow decay and blank time [clocks], and whether any of them hangs on velocity."""
 CHOPPER, FULL, SLOW_ONLY = range(154, 157)
 """How the bridges are driven outside StealthChop, full steps, and no fast decay: what holds now."""
-INTEGERS = 157
+VDCMIN, DC_TIME, DC_SG, DCSTEP, DC_TICKS, DC_HELD, DC_LOST, MORE = range(157, 165)
+"""DcStep: its least velocity (0: off), longest and shortest time that current is let in [clocks], whether it works,
+ticks that this full step lasts, whether the motor was waited for in it, and it does not follow; whether V2, TVMAX or
+DcStep have a part in the ramp."""
+INTEGERS = 165
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -141,10 +145,10 @@ RATIO_I, BOUND_I, RATIO_E, BOUND_E = range(46, 50)
 PWM_AUTO, PWM_SUM, PWM_FLOOR = range(50, 53)
 """StealthChop: what the regulation adds to the amplitude, the amplitude [1/256 of the supply, about], and the least
 current that the regulation sees [A]."""
-FALL_CHM, FALL, SINE_OFFSET = range(53, 56)
-"""Constant off time: share of the supply with which it can lower a current, as set and now, and what is added to the
-wave."""
-REALS = 56
+FALL_CHM, FALL, SINE_OFFSET, DC_MARK = range(53, 57)
+"""Constant off time: share of the supply with which it can lower a current, as set and now, what is added to the
+wave; electrical angle of the rotor at DcStep's last full step."""
+REALS = 57
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -155,6 +159,9 @@ TUNED, AMPLITUDE, FIXED = range(3)
 nothing to a fixed amplitude."""
 PWM_PEAK = 248.0 / 256.0 / 256.0
 """Share of the supply that an amplitude of 1 is at the wave's peak (DS-TMC5160 7.4: 374 = 256 sqrt(2) 256 / 248)."""
+DC_EARLY, DC_LATE = math.pi / 4.0, math.pi / 7.2
+"""How much less and more than 45 degrees the rotor may lag as DcStep makes the next full step: to no lag, and to 70
+degrees, which leaves a third of the torque (INFERRED)."""
 TUNING_TICKS, REGULATION_TICKS = TICKS_A_DELAY, 64
 """Between two looks at a standing motor: 2^18 clocks where PWM_OFS is tuned (the sheet gives two of them to it), about
 a millisecond where the amplitude is regulated (INFERRED)."""
@@ -375,12 +382,6 @@ def _ramp(s: Cells) -> int:
 
 
 @compiled
-def _ramp_with_more(s: Cells) -> int:
-    """One tick of a ramp in which V2 or TVMAX have a part: apart, for every look at them costs each tick of all."""
-    return _ramp_by(s, True)
-
-
-@compiled
 def _keep_slope(s: Cells, before: int, u: int) -> None:
     """Note which way the speed changed to `u`: TVMAX counts from there."""
     if u == 0:
@@ -438,14 +439,21 @@ def _compared(velocity: int) -> int:
 
 @compiled
 def at_high_velocity(s: Cells) -> None:
-    """What is different from the high velocity on: full steps, and another chopper."""
+    """What is different from the high velocity on: full steps, and another chopper; DcStep from its least velocity."""
+    speed = _compared(abs(s[V]))
+    s[DCSTEP] = s[VDCMIN] != 0 and speed >= _compared(s[VDCMIN])
     high = s[TSTEP] <= s[THIGH]
     if s[COOL_V] >= 0:
-        high = s[V] != 0 and _compared(abs(s[V])) >= _compared(s[HIGH_V])
-    s[FULL] = high and s[VHIGHFS]
+        high = s[V] != 0 and speed >= _compared(s[HIGH_V])
+    if s[DCSTEP]:  # "triggers the same actions as exceeding THIGH" (DS-TMC5160, VDCMIN)
+        high = True
+        s[STEALTH] = 0
+    else:
+        s[DC_TICKS] = s[DC_HELD] = s[DC_LOST] = 0
+    s[FULL] = s[DCSTEP] or (high and s[VHIGHFS])
     s[SLOW_ONLY] = high and s[VHIGHCHM]
     s[CHOPPER] = CLASSIC if s[CHM] or s[SLOW_ONLY] else IN_FULL_STEPS if s[FULL] else REGULATED
-    s[AT_HIGH] = s[VHIGHFS] or s[VHIGHCHM]
+    s[AT_HIGH] = s[VHIGHFS] or s[VHIGHCHM] or s[VDCMIN]
 
 
 @inlined
@@ -472,7 +480,7 @@ def _in_range(s: Cells) -> bool:
     """Whether CoolStep may work."""
     if s[COOL_V] >= 0:
         return _compared(s[COOL_V]) <= _compared(abs(s[V])) <= _compared(s[HIGH_V])
-    return s[TSTEP] <= s[TCOOLTHRS] and s[TSTEP] > s[THIGH]
+    return s[TSTEP] <= s[TCOOLTHRS] and s[TSTEP] > s[THIGH] and s[DCSTEP] == 0
 
 
 @compiled
@@ -562,7 +570,8 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
         if abs(goal - wanted) < NANO_AMPERE:
             wanted = goal
         if bridges == CLASSIC:
-            away, back = (free + reach, free - reach * f[FALL]) if i > 0.0 else (free - reach, free + reach * f[FALL])
+            on = reach if goal > 0.0 else -reach
+            away, back = free + on, free - on * f[FALL]
             return min(max(wanted, min(away, back)), max(away, back))
     return min(max(wanted, free - reach), free + reach)
 
@@ -613,6 +622,70 @@ def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
     ref_b = scale * table[(look + 256) & 1023]
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
         turn(s, f, ref_a, ref_b)
+
+
+# --- DcStep --------------------------------------------------------------------------------------
+
+
+@compiled
+def _commutate(s: Cells, f: Floats, steps: int) -> int:
+    """DcStep: the next full step waits until the motor has followed; returns the steps that are made.
+
+    The chip sees it by how long current is let in: what slow decay takes out of a coil, (R i + e) t_off, the supply
+    brings back with what it has above that. In the coil that turns round next the back-EMF e is Kt w sin(lag - 45 deg)
+    against the current, so its time falls below DC_TIME at a certain lag of the rotor, 45 degrees where DC_TIME is that
+    of a coil at rest. That lag is waited for here, within `DC_EARLY` and `DC_LATE`, with the rotor's mean speed since
+    the last full step: so a ringing rotor does not mislead it. From then on the velocity is that at which the full step
+    went by.
+
+    A full step waits no longer than VDCMIN allows. The motor does not follow where the coil turned round last needs
+    current for less than DC_SG: there is no back-EMF.
+    """
+    s[DC_TICKS] += 1
+    way = s[SHAFT] if steps > 0 else -s[SHAFT]
+    a_step = 1 << s[MRES]
+    at = s[FIELD] >> 8
+    if steps == 0 or (s[FIELD] + way * abs(steps) * a_step) >> 8 == at:
+        return steps
+    angle = f[TEETH] * f[THETA]
+    emf = way * f[KT] * (angle - f[DC_MARK]) / (f[TEETH] * s[DC_TICKS] * s[SUBSTEPS] * f[DT])
+    drop = abs(f[REF_A]) * (1.0 - f[KEEP]) / f[GAIN]
+    t_off = s[T_OFF] * (2.0 if s[SLOW_ONLY] else 1.0)
+    speed = (256 >> s[MRES] << STEP_BITS) // s[DC_TICKS]
+    if speed > s[VDCMIN]:
+        spare = f[SUPPLY] * s[DC_TIME] / (t_off + s[DC_TIME]) - drop
+        late = DC_LATE if spare > 0.0 else -DC_EARLY
+        if abs(spare) < abs(emf):
+            late = min(max(math.asin(spare / abs(emf)), -DC_EARLY), DC_LATE)
+        lag = way * ((at * 256 + 128) * (math.pi / 512.0) - angle)
+        if s[DC_TIME] < s[T_BLANK] or lag > math.pi / 4.0 + late:
+            left = (255 - (s[FIELD] & 255) if way > 0 else s[FIELD] & 255) // a_step
+            made = left if steps > 0 else -left
+            s[X] = wrap32(s[X] - steps + made)
+            s[ACC] = (1 << STEP_BITS) - 1
+            s[DC_HELD] = 1
+            return made
+    used = drop + 0.9 * emf  # the mean of the cosine about its peak
+    spare = f[SUPPLY] - used
+    s[DC_LOST] = spare > 0.0 and max(t_off * used / spare, float(s[T_BLANK])) < s[DC_SG]
+    if s[DC_HELD]:
+        speed = max(min(abs(s[V]), speed), s[VDCMIN])
+        s[V] = speed if s[V] > 0 else -speed
+    s[DC_TICKS] = s[DC_HELD] = 0
+    f[DC_MARK] = angle
+    return steps
+
+
+@compiled
+def _ramp_with_more(s: Cells, f: Floats) -> int:
+    """One tick of a ramp in which V2, TVMAX or DcStep have a part: apart, for looks at them cost each tick of all."""
+    before = abs(s[V])
+    steps = _ramp_by(s, True) if s[V2] or s[TVMAX] else _ramp(s)
+    if s[DCSTEP]:
+        steps = _commutate(s, f, steps)
+    if s[TVMAX]:
+        _keep_slope(s, before, abs(s[V]))
+    return steps
 
 
 # --- StealthChop ---------------------------------------------------------------------------------
@@ -742,7 +815,7 @@ def _drive_otherwise(s: Cells, f: Floats, table: Floats) -> None:
     scale = _stealth_volts(s, f) if bridges == VOLTAGE else f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
     if s[FULL]:  # both coils alike: the middle of the full step
-        look = look & ~255 | 128
+        look = s[FIELD] & ~255 | 128
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
     if bridges == CLASSIC:
@@ -852,7 +925,9 @@ def _cool_step(s: Cells) -> None:
 @inlined
 def stalled(s: Cells) -> bool:
     """DRV_STATUS.stallGuard: a value of 0 while the motor is driven with SpreadCycle, with StealthChop one of
-    StallGuard4 up to twice its threshold. Not at standstill (a reading)."""
+    StallGuard4 up to twice its threshold, with DcStep what DC_SG finds. Not at standstill (a reading)."""
+    if s[DCSTEP]:
+        return s[DC_LOST] != 0
     if s[STEALTH]:
         return s[SG4] != 0 and s[SG_VALID] != 0 and s[V] != 0 and s[SG] <= 2 * s[SG4_THRS]
     return s[SG_VALID] != 0 and s[SG] == 0 and s[V] != 0
@@ -1281,10 +1356,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         events |= _EV_SWITCH_STOP
     s[STOPPING] = stopping
     waiting = s[ZWAIT]
-    steps = _ramp_with_more(s) if s[V2] or s[TVMAX] else _ramp(s)
+    steps = _ramp_with_more(s, f) if s[MORE] else _ramp(s)
     now = s[V]
-    if s[TVMAX]:
-        _keep_slope(s, abs(before), abs(now))
     s[ACTUAL] = now - before
     if now != before:
         _thresholds(s)
@@ -1392,6 +1465,7 @@ def refresh(s: Cells, f: Floats) -> None:
         ahead = f[THETA] * f[TEETH] * 512.0 / math.pi - s[LOOK]
         s[OFFSET] = 1024 * math.floor(ahead / 1024.0 + 0.5)
         s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
+    s[MORE] = s[V2] != 0 or s[TVMAX] != 0 or s[VDCMIN] != 0
     s[VSEEN] = 0
     if s[VIRTUAL]:
         _see_virtual_stops(s, f)

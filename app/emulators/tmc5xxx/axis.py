@@ -89,6 +89,12 @@ class Axis:
                     drive.sense_share = self._kind.ranges[bits(word, 0, 2)]
             case "OTW_OV_VTH":
                 self._warn_at = bits(word, _WARN_AT, 13)
+            case "DCCTRL":
+                parts = row.unpack(word)
+                drive.write("DCCTRL", parts["DC_TIME"] | parts["DC_SG"] << 16)
+            case "VDCMIN":
+                if self._kind.dc_step:
+                    drive.write("VDCMIN", word)
             case "PWMCONF":
                 self.has_stealth_chop = self._kind.single or bits(word, 0, 8) > 0
                 drive.write("PWMCONF", word)

@@ -39,6 +39,8 @@ class Kind:
     """Load is measured with StealthChop too."""
     least_supply_v: float = UNDERVOLTAGE_V
     """The supply below which the bridges do not work [V]."""
+    dc_step: bool = True
+    """VDCMIN switches DcStep on."""
     stealth_chop: int = TUNED
     """Its kind, as the kernel names them."""
     scale_shift: int = 0
@@ -65,6 +67,7 @@ CHIPS: dict[Tmc5xxxModel, Kind] = {
         clock_hz=12.5e6,
         ranges=(11.75 / 36, 24 / 36, 1.0, 1.0),
         stall_guard_4=True,
+        dc_step=False,
         least_supply_v=4.5,
         scale_shift=2,
     ),

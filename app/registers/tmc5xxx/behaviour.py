@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from ..model import Register
 
-NO_DCSTEP = "the emulated driver has no DcStep"
 LAG = "the emulated chopper is a lag of first order without ripple"
 NO_PINS = "nothing is connected to the pins of the emulated chip that show this"
 NO_STEP_DIR = "the emulated motors follow the ramp generators alone"
@@ -28,8 +27,6 @@ _DIAGNOSTICS = (
 )
 _STEALTH = ("pwm_symmetric", "pwm_meas_sd_enable", "pwm_dis_reg_stst")
 REGISTERS = {
-    "VDCMIN": NO_DCSTEP,
-    "DCCTRL": NO_DCSTEP,
     "SHORT_CONF": NO_SHORTS,
     "OTP_PROG": NO_FUSES,
     "FACTORY_CONF": OWN_CLOCK,
@@ -48,7 +45,7 @@ FIELDS = {
         **dict.fromkeys(("I_scale_analog", "internal_Rsense", "recalibrate"), OWN_SCALE),
         "single_driver": "each emulated driver has a motor of its own",
         "direct_mode": NO_STEP_DIR,
-        "dc_sync": NO_DCSTEP,
+        "dc_sync": "the emulated motors have DcStep each for itself",
     },
     "CHOPCONF": {
         **dict.fromkeys(_CHOPPER, LAG),

@@ -31,6 +31,9 @@ MONITOR = "monitor"
 KLIPPER = f"{VENDOR}; KLIPPER (unit)"
 
 
+NO_DCSTEP = "the emulated chip has no DcStep: whether the silicon has it is not known"
+
+
 def _readable(*rows: Register) -> tuple[Register, ...]:
     """Rows of the sisters, which can only write some of them."""
     return tuple(replace(row, access=Access.RW) if row.access is Access.W else row for row in rows)
@@ -211,7 +214,7 @@ RAMP = (
     _acceleration("A2", 0x2F, "acceleration from V1 to V2"),
     _acceleration("D2", 0x30, "deceleration from V2 to V1; never 0 while positioning, not even with V2 = 0", 10),
     _reading("AACTUAL", 24, "acceleration now", 0x31, "ramp", unit=ACCELERATION_UNIT, signed=True),
-    *_readable(motion.VDCMIN),
+    *_readable(replace(motion.VDCMIN, behaviour=NO_DCSTEP)),
     _word(
         "SW_MODE",
         15,
@@ -319,7 +322,7 @@ DRIVER = (
         fields=(*driver.CHOPCONF_5160.fields, driver.RANDOM),
         source=f"{VENDOR}; rndtf: API alone; reset inferred: as a TMC5160",
     ),
-    *_readable(driver.COOLCONF, driver.dcctrl(10, 16)),
+    *_readable(driver.COOLCONF, replace(driver.dcctrl(10, 16), behaviour=NO_DCSTEP)),
     driver.DRV_STATUS_5160,
     *_readable(
         replace(
