@@ -273,7 +273,7 @@ class DeviceInfo(Answer):
     model: AnyModelName
     title: str
     link: dict[str, object] = Field(
-        description="`kind` and its options: emulator, tcp; for chips of 40-bit datagrams also spidev and "
+        description="`kind` and its options: emulator, tcp, spidev; for chips of 40-bit datagrams also "
         "landungsbruecke, for those with a UART uart, for a PD42-1241 serial and can. As in DeviceCreate"
     )
     clock_hz: float

@@ -24,7 +24,9 @@ PortFactory = Callable[[str, Link, Clock], FramePort]
 """(model, link, clock) to a port, not yet open. Raises UsageError for options that cannot be."""
 
 SPEED_HZ_MAX = 16_000_000
-"""Half of the fastest clock that any of the chips may have (DS-TMC4361 5.3)."""
+"""Half of the fastest clock that any chip of 40-bit datagrams may have (DS-TMC4361 5.3)."""
+CLOCKS_A_BIT_32 = 8
+"""Of a chip with 32-bit datagrams: its answer is valid four clocks after the falling edge (DS-TMC428 6.2)."""
 UART_BAUD_MIN = 9000
 """Slower than this no chip can measure (TMC5160A data sheet 1.14, 5.1.1)."""
 
@@ -65,12 +67,15 @@ def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "spidev", "bus", "device", "speed_hz"?, "mode"?}`: a chip select of this machine."""
     _only_over("spidev", model)
     _only(link, "bus", "device", "speed_hz", "mode")
+    pipelined = model in datagram40.MODELS
+    fastest_hz = SPEED_HZ_MAX if pipelined else int(catalog.find_model(model).clock_hz_max / CLOCKS_A_BIT_32)
     return spidev_port.SpidevPort(
         _whole(link, "bus", None, 0, 255),
         _whole(link, "device", None, 0, 255),
         frame_bytes=frame_bytes_of(model),
-        speed_hz=_whole(link, "speed_hz", spidev_port.SPEED_HZ, 10_000, SPEED_HZ_MAX),
+        speed_hz=_whole(link, "speed_hz", spidev_port.SPEED_HZ, 10_000, fastest_hz),
         mode=_whole(link, "mode", spidev_port.MODE, 0, 3),
+        pipelined=pipelined,
         clock=clock,
     )
 

@@ -18,7 +18,8 @@ from ..errors import BadReply, LinkDown
 from .port import PortTraits
 
 SPEED_HZ = 1_000_000
-"""Well below what the chips allow: half of their clock (DS-TMC4361 5.3), a quarter in later revisions."""
+"""What all chips allow: half of their clock (DS-TMC4361 5.3), a quarter in later revisions, an eighth of those with
+32-bit datagrams (DS-TMC428 6.2)."""
 MODE = 3
 """Clock idles high; data are taken over on its rising edge (DS-TMC4361 5.2)."""
 

@@ -61,7 +61,7 @@ async def test_its_links_and_options_are_checked(client: httpx.AsyncClient) -> N
     assert await status({"kind": "spidev", "bus": 0}) == 422
     assert await status({"kind": "landungsbruecke", "port": "/dev/none", "motor": 16}) == 422
     assert await status({"kind": "serial", "port": "/dev/none"}) == 422
-    assert await status({"kind": "spidev", "bus": 0, "device": 0}, "tmc428") == 422
+    assert await status({"kind": "landungsbruecke", "port": "/dev/none"}, "tmc428") == 422
 
 
 async def test_an_spi_bus_that_is_not_there_says_what_helps(client: httpx.AsyncClient) -> None:

@@ -11,11 +11,18 @@ import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from types import ModuleType
 from typing import cast
 
 import pytest
 
 from app.clock import VirtualClock
+from app.devices.core.config import DeviceConfig
+from app.devices.core.register_file import RegisterFile
+from app.devices.manager import DeviceManager
+from app.emulators.build import build_emulator
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorOptions
 from app.errors import BadReply, LinkDown, OutOfRange, UnknownThing, UsageError
 from app.links import datagram40
 from app.links.registry import spidev_factory
@@ -87,6 +94,44 @@ def test_options_that_cannot_be(options: dict[str, object], error: type[Exceptio
 def test_a_module_has_no_such_link() -> None:
     with pytest.raises(UsageError, match="a pd42-1241 has no spidev link"):
         spidev_factory("pd42-1241", {"kind": "spidev", "bus": 0, "device": 0}, VirtualClock())
+
+
+@pytest.mark.parametrize(
+    ("model", "fastest_hz"), [("tmc428", 2_000_000), ("tmc429", 4_000_000), ("tmc4210", 4_000_000)]
+)
+def test_a_chip_of_32_bit_datagrams_is_asked_no_faster_than_it_answers(model: str, fastest_hz: int) -> None:
+    """An eighth of its fastest clock: the answer is valid four clocks after the falling edge."""
+    link = {"kind": "spidev", "bus": 0, "device": 0, "speed_hz": fastest_hz}
+    made = cast("SpidevPort", spidev_factory(model, link, VirtualClock()))
+    assert (made.frame_bytes, made.speed_hz, made.traits.chains) == (4, fastest_hz, None)
+    with pytest.raises(OutOfRange):
+        spidev_factory(model, {**link, "speed_hz": fastest_hz + 1}, VirtualClock())
+
+
+@pytest.mark.sheet("DS-TMC428", "6.2")
+@pytest.mark.parametrize("model", ["tmc428", "tmc429", "tmc4210"])
+async def test_a_chip_of_32_bit_datagrams_at_the_bus_is_driven_like_any_other(
+    model: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The driver over the real port; only `spidev.SpiDev` is not the kernel's: its far end is an emulated chip."""
+    clock = VirtualClock()
+    chip = cast("EmulatedDevice", build_emulator(model, clock, EmulatorOptions()))
+    spi = Spi()
+    spi.answer = lambda values: chip.exchange(bytes(values))
+    module = ModuleType("spidev")
+    vars(module)["SpiDev"] = lambda: spi
+    monkeypatch.setitem(sys.modules, "spidev", module)
+    manager = DeviceManager({"spidev": spidev_factory}, clock)
+    device = await manager.add(DeviceConfig("chip", model, {"kind": "spidev", "bus": 1, "device": 2}))
+    try:
+        assert device.state == "connected", device.problem
+        registers = device.part(RegisterFile)
+        assert registers is not None
+        written = await registers.write("V_MAX" if model == "tmc4210" else "v_max", 0, 1234)
+        assert (written.value, written.verified) == (1234, True)
+        assert (spi.mode, spi.max_speed_hz, spi.bits_per_word) == (3, 1_000_000, 8)
+    finally:
+        await manager.close()
 
 
 @pytest.mark.sheet("DS-TMC4361", "5.2")

@@ -150,7 +150,9 @@ class SpidevLink(Body):
         title="Chip select", description="D of /dev/spidevB.D", json_schema_extra=form(proposed="0")
     )
     speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
-        default=1_000_000, title="Clock of the bus", description="a quarter of the chip's clock is safe [Hz]"
+        default=1_000_000,
+        title="Clock of the bus",
+        description="a quarter of the chip's clock is safe, of a chip with 32-bit datagrams an eighth [Hz]",
     )
     mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
         default=3, title="SPI mode", description="clock polarity and phase: the chips use 3"
@@ -207,7 +209,7 @@ class ListedEmulatorLink(ListedOptions):
     kind: Literal["emulator"]
 
 
-ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
+ChipLink = Annotated[EmulatorLink | TcpLink | SpidevLink, Field(discriminator="kind")]
 Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
 SixPointLink = Annotated[
     SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")

@@ -10,7 +10,7 @@ from . import tmc428, tmc429, tmc4210
 FAMILY = "tmc428"
 _DESCRIPTION = "a chip that ramps by pmul and pdiv"
 _COMMON: frozenset[Capability] = frozenset({"registers", "motion", "ramp.pmul", "home_switch", "position_latch"})
-_WIRES: frozenset[Wire] = frozenset({"emulator", "tcp"})
+_WIRES: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev"})
 
 MODELS = (
     Model(

@@ -3384,7 +3384,7 @@ export interface components {
              */
             model: "tmc428" | "tmc429" | "tmc4210";
             /** Link */
-            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
+            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"];
         };
         /**
          * ChipFaultsChange
@@ -3430,7 +3430,7 @@ export interface components {
              */
             model: "tmc428" | "tmc429" | "tmc4210";
             /** Link */
-            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
+            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"];
         };
         /**
          * Chopper
@@ -4133,7 +4133,7 @@ export interface components {
             title: string;
             /**
              * Link
-             * @description `kind` and its options: emulator, tcp; for chips of 40-bit datagrams also spidev and landungsbruecke, for those with a UART uart, for a PD42-1241 serial and can. As in DeviceCreate
+             * @description `kind` and its options: emulator, tcp, spidev; for chips of 40-bit datagrams also landungsbruecke, for those with a UART uart, for a PD42-1241 serial and can. As in DeviceCreate
              */
             link: {
                 [key: string]: unknown;
@@ -10113,7 +10113,7 @@ export interface components {
             device: number;
             /**
              * Clock of the bus
-             * @description a quarter of the chip's clock is safe [Hz]
+             * @description a quarter of the chip's clock is safe, of a chip with 32-bit datagrams an eighth [Hz]
              * @default 1000000
              */
             speed_hz?: number;

@@ -230,7 +230,7 @@ describe("a TMC4361", () => {
       "spidev",
     ]);
     expect(linkOf(named)).toEqual({ kind: "emulator" });
-    expect(withModel({ ...named, kind: "spidev" }, about("tmc428")).kind).toBe("emulator");
+    expect(withModel({ ...named, kind: "landungsbruecke" }, about("tmc428")).kind).toBe("emulator");
   });
 
   it("is reached over a board once the port is said", () => {
