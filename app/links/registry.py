@@ -67,7 +67,7 @@ def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "spidev", "bus", "device", "speed_hz"?, "mode"?}`: a chip select of this machine."""
     _only_over("spidev", model)
     _only(link, "bus", "device", "speed_hz", "mode")
-    pipelined = model in datagram40.MODELS
+    pipelined = datagram40.speaks(model)
     fastest_hz = SPEED_HZ_MAX if pipelined else int(catalog.find_model(model).clock_hz_max / CLOCKS_A_BIT_32)
     return spidev_port.SpidevPort(
         _whole(link, "bus", None, 0, 255),
