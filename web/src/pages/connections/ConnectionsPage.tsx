@@ -62,7 +62,8 @@ export default function ConnectionsPage() {
               <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
                 <Text size="sm" className="dim" maw={420}>
                   An emulated device needs no hardware and behaves like the real one, motor and switches included. A
-                  module answers on a serial port, over TCP or on CAN; a chip speaks its datagrams at an SPI bus or over TCP.
+                  module answers on a serial port, over TCP or on CAN; a chip speaks its datagrams at an SPI bus or over
+                  TCP.
                 </Text>
                 <Group justify="center">
                   {chip && (
