@@ -31,6 +31,7 @@ PAGES = {
     "parameters": ("/parameters", MODULE),
     "encoder": ("/encoder", MODULE),
     "stallguard": ("/stallguard", MODULE),
+    "program": ("/program", MODULE),
     "console": ("/console", MODULE),
     "servo-bench": ("/", SERVO),
     "servo-registers": ("/registers", SERVO),

@@ -27,6 +27,7 @@ Capability = Literal[
     "position_compare",
     "position_latch",
     "store",
+    "programs",
 ]
 
 TITLES: dict[Capability, str] = {
@@ -52,5 +53,6 @@ TITLES: dict[Capability, str] = {
     "position_compare": "chips that compare the position with a register",
     "position_latch": "chips that latch the position at a switch",
     "store": "modules with an EEPROM",
+    "programs": "modules that execute programs",
 }
 """Whom a page that needs it is for: "This page is for chips with S-ramps"."""

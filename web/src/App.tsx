@@ -17,6 +17,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/microsteps": page(() => import("./pages/microsteps/MicrostepsPage")),
   "/encoder": page(() => import("./pages/encoder/EncoderPage")),
   "/stallguard": page(() => import("./pages/stallguard/StallGuardPage")),
+  "/program": page(() => import("./pages/program/ProgramPage")),
   "/rotary": page(() => import("./pages/rotary/RotaryPage")),
   "/twin": page(() => import("./pages/twin/TwinPage")),
   "/health": page(() => import("./pages/health/HealthPage")),

@@ -19,7 +19,9 @@ MODELS = (
         pd42.PD42,
         clock_hz_default=pd42.CLOCK_HZ,
         clock_hz_max=pd42.CLOCK_HZ,
-        capabilities=frozenset({"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store"}),
+        capabilities=frozenset(
+            {"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store", "programs"}
+        ),
         wires=frozenset({"emulator", "serial", "tcp", "can"}),
         current_scale="full_scale",
         kind="module",
@@ -35,7 +37,9 @@ MODELS = (
         TMCM1161.table,
         clock_hz_default=TMCM1161.clock_hz,
         clock_hz_max=TMCM1161.clock_hz,
-        capabilities=frozenset({"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store"}),
+        capabilities=frozenset(
+            {"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store", "programs"}
+        ),
         wires=frozenset({"emulator", "serial", "tcp"}),
         current_scale="full_scale",
         kind="module",

@@ -36,6 +36,19 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
     ],
   ],
   [
+    "Program",
+    [
+      ["F5", "Run; by single steps where there are breakpoints"],
+      ["F6 Shift F5", "Pause; stop the program"],
+      ["F11 F10", "One command; over a subroutine"],
+      ["Shift F11", "Out of the subroutine"],
+      ["Ctrl F10", "Run to the cursor"],
+      ["F9", "A breakpoint in the cursor's line"],
+      ["Ctrl S", "Download"],
+      ["Tab", "Leave the text; Ctrl ] and Ctrl [ indent"],
+    ],
+  ],
+  [
     "Number fields",
     [
       ["↑ ↓", "Change by one step; with Shift by ten"],

@@ -20,6 +20,7 @@ describe("pages", () => {
       "StallGuard",
       "Rotary",
       "3D",
+      "Program",
       "Recordings",
       "Profiles",
       "Console",

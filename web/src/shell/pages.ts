@@ -1,5 +1,6 @@
 import {
   IconActivity,
+  IconCode,
   IconCube,
   IconFileStack,
   IconGauge,
@@ -36,6 +37,7 @@ export const PAGES: readonly PageEntry[] = [
   page(81, "/stallguard", "StallGuard", "Stall", IconGauge, { needs: ["stallguard"] }),
   page(82, "/rotary", "Rotary", "Rotary", IconRotate360),
   page(83, "/twin", "3D", "3D", IconCube),
+  page(84, "/program", "Program", "Program", IconCode, { needs: ["programs"] }),
   page(90, "/recordings", "Recordings", "Records", IconPlayerRecord, { alone: true }),
   page(91, "/profiles", "Profiles", "Profiles", IconFileStack, { alone: true }),
   page(92, "/console", "Console", "Console", IconTerminal2),
