@@ -80,7 +80,11 @@ it("tells what has happened between two looks", () => {
 describe("the socket", () => {
   function source() {
     const sent: string[] = [];
-    const socket = { readyState: WebSocket.OPEN, send: (text: string) => sent.push(text), close() {} } as unknown as WebSocket;
+    const socket = {
+      readyState: WebSocket.OPEN,
+      send: (text: string) => sent.push(text),
+      close() {},
+    } as unknown as WebSocket;
     const open: OpenSocket = () => socket;
     const made = new WatchSource("drive", open);
     made.start();
