@@ -43,6 +43,7 @@ FREE = {
     ("DELETE", "/devices/{device}/program/debug"),
     ("POST", "/devices/{device}/program/assemble"),
     ("POST", "/devices/{device}/program/disassemble"),
+    ("POST", "/devices/{device}/program/try"),
     # Who may come in moves no motor.
     ("POST", "/access/log-out"),
     ("POST", "/tokens"),

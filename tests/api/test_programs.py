@@ -235,3 +235,30 @@ async def test_what_programs_may_include(client: httpx.AsyncClient, motor: str) 
     files = (await client.get(f"{motor}/program/includes")).json()["files"]
     assert "APMaxPositioningSpeed = 4\n" in files["TMCLParam.tmc"]
     assert "TI_GLOBAL = 255\n" in files["Interrupts.inc"]
+
+
+async def test_a_program_is_tried_on_an_emulator_of_its_own(client: httpx.AsyncClient, motor: str) -> None:
+    set_up = await client.put(f"{motor}/registers/ap4", json={"value": 20_000})
+    assert set_up.status_code == 200, set_up.text
+    body = {"text": "GAP 4, 0\nAGP 7, 2\nMVP ABS, 0, 20000\nWAIT POS, 0, 0\nSTOP", "duration_s": 20}
+    tried = await client.post(f"{motor}/program/try", json=body)
+    assert tried.status_code == 200, tried.text
+    made = tried.json()
+    assert (made["ended"], made["status"], made["counter"]) == ("stopped", "stopped", 4)
+    assert made["variables"] == {"7": 20_000}  # it was set as the module is
+    assert (made["position"][0], made["position"][-1]) == (0, 20_000)
+    assert max(made["velocity_pps"]) == pytest.approx(20_000, rel=0.01)
+    assert set(made["counters"]) >= {3, 4}
+    # the module itself has neither moved nor got the program
+    assert (await client.get(f"{motor}/axes/0")).json()["position"] == 0
+    assert (await client.get(f"{motor}/emulator")).json()["application"]["commands"] == 0
+    endless = (await client.post(f"{motor}/program/try", json={"text": "L:\nJA L", "duration_s": 0.5})).json()
+    assert (endless["ended"], endless["status"], endless["time_s"][-1]) == ("time", "running", pytest.approx(0.5))
+    refused = await client.post(f"{motor}/program/try", json={"text": "STOP", "address": 1})
+    assert (refused.status_code, "0..0" in refused.json()["detail"]) == (422, True)
+
+
+async def test_what_soft_limits_forbid_is_not_even_tried(client: httpx.AsyncClient, motor: str) -> None:
+    await client.patch(motor, json={"axes": [{"limits": {"position_min": -1000, "position_max": 1000}}]})
+    refused = await client.post(f"{motor}/program/try", json={"text": "MVP ABS, 0, 5000\nSTOP"})
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/soft-limit")

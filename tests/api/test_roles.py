@@ -68,7 +68,7 @@ def expected(method: str, path: str) -> Role:
         and ((method == "POST" and short.endswith("/stop")) or (method == "DELETE" and short.endswith(PROCEDURES)))
     )
     computes = short.startswith("/calc/") or short in ("/recordings/compare", "/profiles/compare")
-    computes = computes or short.endswith(("/program/assemble", "/program/disassemble"))
+    computes = computes or short.endswith(("/program/assemble", "/program/disassemble", "/program/try"))
     return "look" if stops or (method == "POST" and (computes or short == "/access/log-out")) else "drive"
 
 

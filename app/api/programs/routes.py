@@ -13,7 +13,9 @@ from fastapi import APIRouter, Query
 from ...calc.tmcl.assembler import Assembly
 from ...calc.tmcl.binary import from_binary, to_binary
 from ...calc.tmcl.disassembler import disassemble, listing
-from ...errors import SoftLimit, UsageError, WriteRefused
+from ...errors import OutOfRange, SoftLimit, UsageError, WriteRefused
+from ...procedures.trial import Trial
+from ...profiles.capture import capture
 from ..abilities import CurrentProgram
 from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
@@ -30,6 +32,8 @@ from .schemas import (
     ProgramStart,
     ProgramText,
     ProgramToAssemble,
+    ProgramTrial,
+    ProgramTrialStart,
     StoredProgram,
 )
 
@@ -79,6 +83,36 @@ async def disassemble_program(program: CurrentProgram, body: ProgramBinary) -> P
     if len(commands) > program.instructions.memory:
         raise UsageError(f"the file has {len(commands)} commands, the device holds {program.instructions.memory}")
     return ProgramText(text=disassemble(commands, program.instructions))
+
+
+@router.post("/try", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+@policy(lease="free", role="look", audit="silent")
+async def try_program(device: CurrentDevice, program: CurrentProgram, body: ProgramTrialStart) -> ProgramTrial:
+    """Run a program on an emulated module that is set as this one is. This one is only read; nothing moves."""
+    made = await _aside(lambda: program.assemble(body.text, body.files, body.name))
+    _require_right(made)
+    if body.address >= len(made.commands):
+        raise OutOfRange("address of the program", body.address, 0, len(made.commands) - 1)
+    trial = Trial(device, await capture(device), made.commands, body.address, body.duration_s)
+    outcome = await _aside(trial.run)
+    state, truth = outcome.state, outcome.truth
+    assert state is not None
+    return ProgramTrial(
+        ended=outcome.ended,
+        status=state.status,
+        downloading=state.downloading,
+        counter=state.counter,
+        accumulator=state.accumulator,
+        x=state.x,
+        error=state.error,
+        variables={number: value for number, value in state.variables.items() if value},
+        flags=[] if truth is None else list(truth.flags),
+        stack=[] if truth is None else list(truth.stack),
+        time_s=outcome.time_s,
+        position=outcome.position,
+        velocity_pps=outcome.velocity_pps,
+        counters=outcome.counter,
+    )
 
 
 @router.get("/includes", responses=problems(*DEVICE_PROBLEMS))

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, RootModel, StringConstraints
 
 from ...procedures.debugging import BREAKPOINTS_MAX
+from ...procedures.trial import DURATION_MAX_S
 from ..schemas import Answer, Body, Problem
 
 TEXT_MAX = 500_000
@@ -98,6 +99,29 @@ class ProgramRun(Answer):
     x: int
     error: int | None = Field(description="status of the latest command that was refused; null where it is not told")
     variables: dict[int, int] = Field(description="those that were asked for, by number")
+
+
+class ProgramTrialStart(ProgramSource):
+    """A program to be tried on an emulator."""
+
+    address: Address = Field(default=0, description="where it begins")
+    duration_s: Annotated[float, Field(gt=0, le=DURATION_MAX_S)] = Field(
+        default=10.0, description="how long, of the emulator's time [s]"
+    )
+
+
+class ProgramTrial(ProgramRun):
+    """What an emulated module, set as this one is, did with a program; the columns have a row each 0.02 s."""
+
+    ended: Literal["stopped", "time", "work"] = Field(
+        description="by itself; when its time was over; when it had taken too much of the processor"
+    )
+    flags: list[str]
+    stack: list[int]
+    time_s: list[float]
+    position: list[int] = Field(description="[microsteps]")
+    velocity_pps: list[float]
+    counters: list[int] = Field(description="address of the command that was next, or waited")
 
 
 # --- debugger ---------------------------------------------------------------------------------------

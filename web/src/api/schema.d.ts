@@ -939,6 +939,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/program/try": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Try Program
+         * @description Run a program on an emulated module that is set as this one is. This one is only read; nothing moves.
+         */
+        post: operations["try_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/program/includes": {
         parameters: {
             query?: never;
@@ -8264,6 +8284,100 @@ export interface components {
              * @default false
              */
             binary?: boolean;
+        };
+        /**
+         * ProgramTrial
+         * @description What an emulated module, set as this one is, did with a program; the columns have a row each 0.02 s.
+         */
+        ProgramTrial: {
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "stopped" | "running" | "stepping" | "reset";
+            /** Downloading */
+            downloading: boolean;
+            /**
+             * Counter
+             * @description address of the command that is done next, or waits
+             */
+            counter: number;
+            /** Accumulator */
+            accumulator: number;
+            /** X */
+            x: number;
+            /**
+             * Error
+             * @description status of the latest command that was refused; null where it is not told
+             */
+            error: number | null;
+            /**
+             * Variables
+             * @description those that were asked for, by number
+             */
+            variables: {
+                [key: string]: number;
+            };
+            /**
+             * Ended
+             * @description by itself; when its time was over; when it had taken too much of the processor
+             * @enum {string}
+             */
+            ended: "stopped" | "time" | "work";
+            /** Flags */
+            flags: string[];
+            /** Stack */
+            stack: number[];
+            /** Time S */
+            time_s: number[];
+            /**
+             * Position
+             * @description [microsteps]
+             */
+            position: number[];
+            /** Velocity Pps */
+            velocity_pps: number[];
+            /**
+             * Counters
+             * @description address of the command that was next, or waited
+             */
+            counters: number[];
+        };
+        /**
+         * ProgramTrialStart
+         * @description A program to be tried on an emulator.
+         */
+        ProgramTrialStart: {
+            /**
+             * Text
+             * @description one command a line; labels, constants and #include as in the maker's manual
+             */
+            text: string;
+            /**
+             * Name
+             * @description what its file is called in messages
+             * @default program
+             */
+            name?: string;
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files?: {
+                [key: string]: string;
+            };
+            /**
+             * Address
+             * @description where it begins
+             * @default 0
+             */
+            address?: number;
+            /**
+             * Duration S
+             * @description how long, of the emulator's time [s]
+             * @default 10
+             */
+            duration_s?: number;
         };
         /**
          * PwmState
@@ -17011,6 +17125,105 @@ export interface operations {
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    try_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProgramTrialStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramTrial"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
