@@ -17,8 +17,10 @@ from ..emulators.core.pace import Pace
 from ..emulators.line.framing import TMCL
 from ..emulators.line.server import LineServer
 from ..errors import OutOfRange, WrongState
+from ..registers.catalog import is_model
 from .line import Far, LineOptions, line_of, of_chip
 from .line_control import Served, control_app
+from .listed.line import make_board_line
 
 
 class ControlledBoard(Served):
@@ -55,7 +57,9 @@ def change_emulator(far: CurrentBoard, body: BoardPatch) -> BoardState:
 
 
 def make_line(clock: Clock, options: LineOptions) -> Far:
-    """The board, alone on its line."""
+    """The board, alone on its line; a plain one with a chip of which only names are known."""
+    if options.chip and options.chip not in CHIPS and is_model(options.chip):
+        return make_board_line(clock, options)
     board = build_board(options.chip or CHIPS[0], clock, {**of_chip(options), "seed": options.seed})
     board.chip.pace = Pace(clock.now, share=1.0)
 

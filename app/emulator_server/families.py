@@ -8,12 +8,13 @@ from ..emulators.build import family_of
 from ..errors import UnknownThing
 from . import modules
 from .line import LineMaker
+from .listed import line as listed
 from .tmc5xxx import line as tmc5xxx
 
 LINES: Mapping[str, LineMaker] = {
     "tmc5xxx": tmc5xxx.make_line,
     "tmcl": modules.make_line,
-    "listed": modules.make_line,
+    "listed": listed.make_line,
 }
 
 

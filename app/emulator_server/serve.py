@@ -23,7 +23,7 @@ from ..emulators.line.server import LineServer
 from ..emulators.line.tcp import TcpEnd
 from ..emulators.server import Served, frame_bytes_of, serve_tcp
 from ..listening import CannotListen, host_and_port, listen, url_of, why
-from ..registers.catalog import MODELS, find_model, is_model
+from ..registers.catalog import find_model, is_model
 from .line import LineMaker, LineOptions
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def is_line(model: str) -> bool:
 
 def shows_uart(model: str, *, asked: bool) -> bool:
     """Whether an emulated `model` is to be reached by its UART, where that was `asked` for; else by raw frames."""
-    return asked and model in MODELS and MODELS[model].uart != ""
+    return asked and is_model(model) and find_model(model).uart != ""
 
 
 def emulate(
@@ -69,6 +69,8 @@ def emulate(
         raise ValueError("say where: --tcp HOST:PORT, or --pty PATH")
     if baud is not None and pty is None:
         raise ValueError("--baud is for a line: use it with --pty")
+    if is_model(model) and not find_model(model).datagram_bits:
+        raise ValueError(f"the datagrams of a {model} are not known: emulate {BOARD} --chip {model}")
     where = None if tcp is None else host_and_port("--tcp", tcp)
     with _killed_by_signals():
         from ..emulators.build import build_emulator, options_of
@@ -113,7 +115,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         raise ValueError("say where: --pty PATH, --tcp HOST:PORT, or both")
     if len(set(options.addresses)) != len(options.addresses):
         raise ValueError("whoever is on a line needs an address of its own")
-    if options.model in MODELS and MODELS[options.model].uart == "plain" and tuple(options.addresses) != (0,):
+    if is_model(options.model) and find_model(options.model).uart == "plain" and tuple(options.addresses) != (0,):
         raise ValueError(f"a {options.model} has no node address, and is alone on its line")
     with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
         far = _maker_of(options.model)(WallClock(), options)

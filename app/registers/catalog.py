@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from ..errors import UnknownThing
 from .entry import Model
 from .listed import models as listed
@@ -49,9 +51,15 @@ def is_model(name: str) -> bool:
     return name in MODELS or listed.known(name)
 
 
+def kind_of(name: str) -> Literal["chip", "module"] | None:
+    """What the model of that name is, without its having been read; None where there is none."""
+    known = dict.get(MODELS, name) or package.listings().get(name)
+    return None if known is None else known.kind
+
+
 def listings() -> tuple[Model, ...]:
     """Models that only the installed package lists, as far as they are known without having been read."""
     return tuple(listed.entry(listing) for name, listing in package.listings().items() if name not in MODELS)
 
 
-__all__ = ["CHIPS_32", "FAMILIES", "MODELS", "Model", "find_model", "is_model", "listings"]
+__all__ = ["CHIPS_32", "FAMILIES", "MODELS", "Model", "find_model", "is_model", "kind_of", "listings"]

@@ -20,7 +20,7 @@ from app.registers.listed.modules import read, role_of
 from app.registers.listed.package import Listing, listing_of
 from app.registers.model import Access, Space
 
-NAMES = [model.name for model in catalog.listings()]
+NAMES = [model.name for model in catalog.listings() if model.kind == "module"]
 
 
 def classes() -> dict[str, type[Any]]:

@@ -83,7 +83,9 @@ def _entry(model: Model, registers: int | None) -> CatalogEntry:
 
 def _wire(model: Model, kind: Wire) -> WireRow:
     known = WIRES[kind]
-    return WireRow(kind=kind, title=known.title, frames="tmcl" if model.kind == "module" else known.frames)
+    by_board = known.frames == "datagram" and not model.datagram_bits  # of an emulated chip whose SPI is not known
+    frames = "tmcl" if model.kind == "module" else "board" if by_board else known.frames
+    return WireRow(kind=kind, title=known.title, frames=frames)
 
 
 def _register(row: Register) -> RegisterRow:
@@ -96,6 +98,7 @@ def _register(row: Register) -> RegisterRow:
         group=row.group,
         write_note=row.write_note,
         volatile=row.volatile,
+        untold=sorted(row.untold),
         stored=row.stored,
         read_clears=row.read_clears,
         internal_range=None if row.internal_range is None else list(row.internal_range),

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ...registers.capabilities import Capability
 from ...registers.entry import Tier
+from ...registers.model import Untold
 from ...registers.wires import Wire
 from ..schemas import Answer, Space
 
@@ -47,6 +48,7 @@ class RegisterRow(Answer):
     help: str
     write_note: str
     volatile: bool
+    untold: list[Untold] = Field(default=[], description="what no source tells of it")
     stored: Literal["", "auto", "on request", "unknown"] = Field(
         default="", description="whether an EEPROM keeps it: with every write, when told to store it, or not at all"
     )
@@ -104,7 +106,8 @@ class CatalogEntry(Answer):
     tier: Tier = Field(
         default="full",
         description="full: with calculators and a physical emulator; names: an installed package lists the names of "
-        "its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters",
+        "its parameters or registers, there are no calculators, and its emulator holds what was written and moves by "
+        "them",
     )
     unreadable: str = Field(default="", description="why the package's list of its parameters cannot be read")
     clock_hz_default: float

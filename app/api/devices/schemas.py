@@ -12,6 +12,7 @@ from ...emulators.tmc428.options import EmulatorOptions
 from ...emulators.tmc4361.options import Tmc4361Options
 from ...emulators.tmcl.options import TmclOptions
 from ...form_hints import REST_ONLY, form
+from ...registers.catalog import kind_of
 from ...registers.names import AnyModelName, ListedName, ModuleName
 from ..calc.schemas import ClockHz
 from ..links.schemas import Address, Baud
@@ -204,7 +205,7 @@ class UartLink(Body):
 
 
 class ListedEmulatorLink(ListedOptions):
-    """A listed module emulated in this server: parameters hold what was written, axes move by their own."""
+    """Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration."""
 
     kind: Literal["emulator"]
 
@@ -219,6 +220,9 @@ ModuleLink = Annotated[
 ]
 ListedLink = Annotated[
     ListedEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
+]
+ListedChipLink = Annotated[
+    ListedEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
 ]
 AnyLink = (
     EmulatorLink
@@ -292,6 +296,13 @@ class ListedCreate(_Create):
     link: ListedLink
 
 
+class ListedChipCreate(_Create):
+    """A connection to a chip of which a table of registers is known. Axes that are not given get defaults."""
+
+    model: ListedName
+    link: ListedChipLink
+
+
 OF_MODELS: dict[str, object] = {
     "chip": ChipName,
     "chip40": Chip40Name,
@@ -303,7 +314,8 @@ OF_MODELS: dict[str, object] = {
 def _of_model(body: object) -> str:
     """Whose shape a body has, by its model; that of a listed one where no other knows it."""
     name = body.get("model") if isinstance(body, dict) else getattr(body, "model", None)
-    return next((tag for tag, names in OF_MODELS.items() if name in get_args(names)), "listed")
+    other = "listed-chip" if isinstance(name, str) and kind_of(name) == "chip" else "listed"
+    return next((tag for tag, names in OF_MODELS.items() if name in get_args(names)), other)
 
 
 class DeviceCreate(
@@ -313,7 +325,8 @@ class DeviceCreate(
             | Annotated[Chip40Create, Tag("chip40")]
             | Annotated[SixPointCreate, Tag("sixpoint")]
             | Annotated[ModuleCreate, Tag("module")]
-            | Annotated[ListedCreate, Tag("listed")],
+            | Annotated[ListedCreate, Tag("listed")]
+            | Annotated[ListedChipCreate, Tag("listed-chip")],
             Discriminator(_of_model),
         ]
     ]
@@ -356,6 +369,13 @@ class ListedTrial(Body):
     link: ListedLink
 
 
+class ListedChipTrial(Body):
+    """A link to a chip of which a table of registers is known, to be tried."""
+
+    model: ListedName
+    link: ListedChipLink
+
+
 class DeviceTrial(
     RootModel[
         Annotated[
@@ -363,7 +383,8 @@ class DeviceTrial(
             | Annotated[Chip40Trial, Tag("chip40")]
             | Annotated[SixPointTrial, Tag("sixpoint")]
             | Annotated[ModuleTrial, Tag("module")]
-            | Annotated[ListedTrial, Tag("listed")],
+            | Annotated[ListedTrial, Tag("listed")]
+            | Annotated[ListedChipTrial, Tag("listed-chip")],
             Discriminator(_of_model),
         ]
     ]

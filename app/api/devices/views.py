@@ -48,6 +48,8 @@ from .schemas import (
     Chip40Link,
     ChipCreate,
     ChipLink,
+    ListedChipCreate,
+    ListedChipLink,
     ListedCreate,
     ListedLink,
     ModuleCreate,
@@ -71,7 +73,8 @@ _LINKS: dict[str, TypeAdapter[AnyLink]] = {
     "chip40": TypeAdapter(Chip40Link),
     "sixpoint": TypeAdapter(SixPointLink),
     "module": TypeAdapter(ModuleLink),
-    "names": TypeAdapter(ListedLink),
+    "listed module": TypeAdapter(ListedLink),
+    "listed chip": TypeAdapter(ListedChipLink),
 }
 
 
@@ -84,7 +87,7 @@ def require_suited(link: Link, model: str) -> AnyLink:
     """`suited` for a link as it is kept."""
     family = MODELS[model]
     kind = "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if datagram40.speaks(model) else family.kind
-    links = _LINKS[family.tier if family.tier == "names" else kind]
+    links = _LINKS[f"listed {family.kind}" if family.tier == "names" else kind]
     try:
         return links.validate_python(dict(link))
     except ValidationError as error:
@@ -105,7 +108,7 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
 
 def with_memory(
     link: Link,
-    wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate | ListedCreate,
+    wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate | ListedCreate | ListedChipCreate,
     others: Sequence[Device],
 ) -> Link:
     """An emulated module of a new connection gets a memory of its own, unless it was told another one."""

@@ -97,7 +97,11 @@ class Probing:
 
 def _module(number: int) -> str | None:
     """What the catalog calls a module by the number that it calls itself by; a listed one has that in its title."""
-    listed = (model.name for model in listings() if re.findall(r"\d+", model.title) == [str(number)])
+    listed = (
+        model.name
+        for model in listings()
+        if model.kind == "module" and re.findall(r"\d+", model.title) == [str(number)]
+    )
     return MODELS.get(number) or next(listed, None)
 
 

@@ -11,7 +11,7 @@ from ...errors import UsageError
 from ...links.port import FramePort
 from ...links.queue import LinkQueue
 from ...registers.catalog import MODELS
-from ...registers.listed.models import FAMILY as NAME
+from ...registers.listed.chips import FAMILY as NAME
 from ..core.axis_limits import AxisLimits
 from ..core.background_tasks import OwnTasks
 from ..core.config import DeviceConfig

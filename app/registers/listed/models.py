@@ -1,19 +1,18 @@
-"""Modules of the installed package as the catalog has them: each is read when it is asked for by its name."""
+"""Modules and chips of the installed package as the catalog has them: each is read when it is asked for by its name."""
 
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 from ...errors import UnknownThing, UnreadableModel
 from ..capabilities import Capability
 from ..entry import Model
 from ..model import RegisterTable
-from .modules import read
+from . import ic, modules
+from .chips import CLOCK_HZ, FAMILY, chip
 from .package import EXTRA, Listing, listings, version
 
-FAMILY = "listed"
-CLOCK_HZ = 16e6
-"""Of the motion controller inside; nothing is computed from it [Hz]."""
 CAPABILITIES: frozenset[Capability] = frozenset({"parameters", "motion"})
 
 _lock = threading.Lock()
@@ -21,7 +20,10 @@ _read: dict[str, Model | UnreadableModel] = {}
 
 
 def entry(listing: Listing, table: RegisterTable | None = None) -> Model:
-    """The catalog's entry, with or without its parameters."""
+    """The catalog's entry, with or without its parameters or registers."""
+    known = RegisterTable(listing.name, ()) if table is None else table
+    if listing.kind == "chip":
+        return _chip(listing, known)
     return Model(
         listing.name,
         FAMILY,
@@ -29,7 +31,7 @@ def entry(listing: Listing, table: RegisterTable | None = None) -> Model:
         listing.summary or f"a module that PyTrinamic {version()} lists",
         "a module whose parameters are known by name",
         listing.axes,
-        RegisterTable(listing.name, ()) if table is None else table,
+        known,
         clock_hz_default=CLOCK_HZ,
         clock_hz_max=CLOCK_HZ,
         capabilities=CAPABILITIES,
@@ -40,23 +42,55 @@ def entry(listing: Listing, table: RegisterTable | None = None) -> Model:
     )
 
 
+def _chip(listing: Listing, table: RegisterTable) -> Model:
+    model = chip(
+        listing.name,
+        listing.title,
+        listing.summary or f"a chip that PyTrinamic {version()} lists",
+        table,
+        spi40=listing.spi40,
+        uart=listing.uart,
+        board=listing.title if listing.slot is not None else "",
+        slot=listing.slot,
+    )
+    if len(table):
+        return model
+    moves: frozenset[Capability] = frozenset({"motion"} if listing.axes else ())
+    return replace(model, axes=listing.axes, capabilities=model.capabilities | moves)
+
+
+def _read_table(listing: Listing) -> RegisterTable:
+    """Raises UnreadableModel."""
+    if listing.kind == "module":
+        return modules.read(listing)
+    if listing.slot is None:
+        raise _without_registers(listing)
+    return ic.read(listing)
+
+
+def _without_registers(listing: Listing) -> UnreadableModel:
+    return ic.unreadable(listing, "no registers of it, and no board that would lead to them")
+
+
 def known(name: str) -> bool:
-    """Whether the installed package lists a module of that name."""
+    """Whether the installed package lists a module or chip of that name."""
     return name in listings()
 
 
 def model(name: str) -> Model:
-    """The module of that name with its parameters. Some 0.2 s where it is the first of a process, which imports the
-    package. Raises UnknownThing, UnreadableModel."""
+    """The module or chip of that name with its parameters or registers. Some 0.2 s where it is the first of a process,
+    which imports the package. Raises UnknownThing, UnreadableModel."""
     listing = listings().get(name)
     if listing is None:
         raise UnknownThing("model", name, sorted(listings()))
     with _lock:  # two threads would import the package in turns
         if name not in _read:
             try:
-                _read[name] = entry(listing, read(listing))
+                _read[name] = entry(listing, _read_table(listing))
             except UnreadableModel as error:
                 _read[name] = error
+            except ValueError as error:  # its registers do not fit the datagrams that their names speak of
+                _read[name] = ic.unreadable(listing, str(error))
         found = _read[name]
     if isinstance(found, UnreadableModel):
         raise found
@@ -64,11 +98,14 @@ def model(name: str) -> Model:
 
 
 def why_not(name: str) -> str:
-    """Why a module that is listed cannot be used, where somebody has tried; empty where nobody has, or it can."""
-    found = _read.get(name)
+    """Why one that is listed cannot be used, as its files tell, or where somebody has tried; empty where nothing is known
+    against it."""
+    found, listing = _read.get(name), listings().get(name)
+    if listing is not None and listing.kind == "chip" and listing.slot is None:
+        return str(_without_registers(listing))
     return str(found) if isinstance(found, UnreadableModel) else ""
 
 
 def hint() -> str:
     """Where more models are to be had; empty where they are there."""
-    return "" if version() is not None else f"{EXTRA} adds the modules that the maker's package lists"
+    return "" if version() is not None else f"{EXTRA} adds the chips and modules that the maker's package lists"

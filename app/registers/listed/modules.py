@@ -100,15 +100,15 @@ def read(listing: Listing) -> RegisterTable:
 def _rows_of(made: Any, source: str) -> Iterator[Register]:
     """Those of each axis, then those of the module. Raises whatever a class that is made otherwise leads to."""
     for axis, motor in enumerate(made.motors):
-        yield from _rows(_numbers(motor.AP), Space.AXIS, axis, source, _numbers(getattr(motor, "ENUM", None)))
+        yield from _rows(numbers_of(motor.AP), Space.AXIS, axis, source, numbers_of(getattr(motor, "ENUM", None)))
     for name, kind in vars(type(made)).items():
         bank = _BANK.match(name)
         space = _SPACES.get(int(bank[1] or 0)) if bank is not None else None
         if space is not None and inspect.isclass(kind):
-            yield from _rows(_numbers(kind), space, None, source, {})
+            yield from _rows(numbers_of(kind), space, None, source, {})
 
 
-def _numbers(constants: object) -> dict[str, int]:
+def numbers_of(constants: object) -> dict[str, int]:
     """The numbers that a class names."""
     named = {} if constants is None else vars(constants)
     return {
@@ -133,7 +133,7 @@ def _rows(
             BITS,
             f"{standard.help}; reading it may clear it" if clears else standard.help,
             signed=True,
-            values=_choices(name, choices),
+            values=choices_of(name, choices),
             when=f"another name of {first[number]}" if number in first else "",
             address=number,
             axis=axis,
@@ -149,7 +149,7 @@ def _rows(
         first.setdefault(number, name)
 
 
-def _choices(parameter: str, choices: Mapping[str, int]) -> dict[int, str]:
+def choices_of(parameter: str, choices: Mapping[str, int]) -> dict[int, str]:
     """Names of values: constants whose name begins with the parameter's."""
     begin = _letters(parameter)
     named: dict[int, str] = {}

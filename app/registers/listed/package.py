@@ -1,7 +1,8 @@
 """What the installed package lists, told from its files alone: nothing of it is imported for that.
 
 The package is PyTrinamic (docs/sources.md), the extra `pytrinamic`. Each module is one class in a file of its own,
-which makes one object a motor.
+which makes one object a motor. Each chip is one too, in a file or in a folder with the map of its registers, and a
+second class tells how an evaluation board leads to it.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import metadata, util
 from pathlib import Path
+from typing import Literal
+
+from ..entry import Slot
 
 PACKAGE = "pytrinamic"
 EXTRA = f'pip install "stepscope[{PACKAGE}]"'
@@ -19,23 +23,39 @@ FILE_BYTES_MAX = 1 << 20
 
 _CLASS = re.compile(r"^class (\w+)\(TMCLModule\):\s*(?:\"\"\"(.*?)\"\"\")?", re.MULTILINE | re.DOTALL)
 _MOTORS = re.compile(r"self\.motors\s*=\s*\[(.*?)\]", re.DOTALL)
+_CHIP = re.compile(r"^class (\w+)\([^)]*\bTMCIc\b[^)]*\):\s*(?:\"\"\"(.*?)\"\"\")?", re.MULTILINE | re.DOTALL)
+_TARGET = re.compile(r"(?:\bM(\d)_)?XTARGET(?:_M(\d))?\s*=\s*(?:\((0x\w+, *0x\w+)\))?")
+"""Where a target is set: a motor's number in its name, or an address for each of two."""
+_DRIVER, _CONTROLLER = re.compile(r"read_drv", re.IGNORECASE), re.compile(r"read_mc", re.IGNORECASE)
+_MODULE = re.compile(r"module_id=(\d+)")
+_ADDRESS_BITS = re.compile(r"address_bit_width\s*=\s*(\d+)")
+WITHOUT_SPI = ("PDN_UART", "PDN_DISABLE", "UART_ENABLED")
+"""Names of pins or bits of chips that choose between their UART and standing alone: such a chip has no SPI."""
 _TITLE = re.compile(r"^([A-Z]+)(\d)")
 
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """A module as its file tells it, before its parameters were read."""
+    """A module or chip as its file tells it, before its parameters or registers were read.
+
+    spi40, uart, slot : of a chip what leads to it, as far as names in its files tell
+    """
 
     name: str
     title: str
     summary: str
     axes: int
     class_name: str
+    kind: Literal["module", "chip"] = "module"
+    where: str = "modules"
+    spi40: bool = False
+    uart: Literal["", "node"] = ""
+    slot: Slot | None = None
 
     @property
     def module(self) -> str:
-        """What has to be imported for its parameters."""
-        return f"{PACKAGE}.modules.{self.class_name}"
+        """What has to be imported for its parameters or registers."""
+        return f"{PACKAGE}.{self.where}.{self.class_name}"
 
 
 @cache
@@ -49,23 +69,20 @@ def version() -> str | None:
 
 @cache
 def listings() -> dict[str, Listing]:
-    """Every module of the installed package, by name; empty where it is not installed."""
+    """Every module and chip of the installed package, by name; empty where it is not installed."""
     found = util.find_spec(PACKAGE)
     if found is None or not found.submodule_search_locations:
         return {}
-    folder = Path(found.submodule_search_locations[0]) / "modules"
-    listed = (listing_of(path) for path in sorted(folder.glob("*.py")))
-    return {listing.name: listing for listing in listed if listing is not None}
+    folder = Path(found.submodule_search_locations[0])
+    modules = (listing_of(path) for path in sorted((folder / "modules").glob("*.py")))
+    ics = sorted((folder / "ic").glob("*.py")) + sorted((folder / "ic").glob("*/*.py"))
+    chips = (chip_listing_of(path, folder / "evalboards") for path in ics)
+    return {listing.name: listing for listing in (*modules, *chips) if listing is not None}
 
 
 def listing_of(path: Path) -> Listing | None:
     """The module that the file is about; None where it is about none, or cannot be read."""
-    try:
-        if path.stat().st_size > FILE_BYTES_MAX:
-            return None
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        return None
+    text = _text(path)
     declared = next((found for found in _CLASS.finditer(text) if found[1] == path.stem), None)
     if declared is None:
         return None
@@ -73,6 +90,69 @@ def listing_of(path: Path) -> Listing | None:
     motors = _MOTORS.search(text)
     axes = 0 if motors is None else motors[1].count("(")
     return Listing(title.lower(), title, _summary(declared[2] or ""), axes, path.stem)
+
+
+def chip_listing_of(path: Path, boards: Path) -> Listing | None:
+    """The chip that the file is about; None where it is about none, or cannot be read. `boards` has a file for each
+    evaluation board."""
+    text = _text(path)
+    declared = next((found for found in _CHIP.finditer(text) if found[1] == path.stem), None)
+    if declared is None:
+        return None
+    title, folder = path.stem, path.parent
+    where = "ic" if folder.name == "ic" else f"ic.{folder.name}"
+    summary = _summary(declared[2] or "").removeprefix(f"{title} - ")
+    maps = [_text(map_) for map_ in sorted(folder.glob("*map.py"))] if folder.name == title else []
+
+    def named(*words: str) -> bool:
+        """Whether one of these is a register or field: quoted in a map, else a name of the class."""
+        if maps:
+            return any(f'"{word}"' in map_ for map_ in maps for word in words)
+        return any(word in text and re.search(rf"\b{word}\b", text) is not None for word in words)
+
+    return Listing(
+        title.lower(),
+        title,
+        "" if "<" in summary else summary,
+        int(any('XTARGET"' in map_ for map_ in maps)) if maps else _axes(text),
+        title,
+        "chip",
+        where,
+        spi40=named("GCONF") and named("GSTAT") and not named(*WITHOUT_SPI),
+        uart="node" if named("IFCNT") and named("SLAVECONF", "NODECONF") else "",
+        slot=_slot(_text(boards / f"{title}_eval.py")),
+    )
+
+
+def _axes(text: str) -> int:
+    """How many ramp generators have a target, by name."""
+    found = [_TARGET.search(line) for line in text.splitlines() if "XTARGET" in line]
+    targets = [target for target in found if target is not None]
+    numbered = {number for target in targets for number in target.group(1, 2) if number}
+    return max(2 if any(target[3] for target in targets) else min(len(targets), 1), len(numbered))
+
+
+def _slot(text: str) -> Slot | None:
+    """How the board of that file leads to its chip; None where it says no registers."""
+    driver = _DRIVER.search(text) is not None
+    if not driver and _CONTROLLER.search(text) is None:
+        return None
+    module, bits = _MODULE.search(text), _ADDRESS_BITS.search(text)
+    plain = Slot()
+    return Slot(
+        "driver" if driver else "controller",
+        plain.module if module is None else int(module[1]),
+        plain.address_bits if bits is None else int(bits[1]),
+        blocks=bits is not None,
+    )
+
+
+def _text(path: Path) -> str:
+    """What the file holds; empty where it cannot be read, or is longer than any of the package is."""
+    try:
+        return path.read_text(encoding="utf-8") if path.stat().st_size <= FILE_BYTES_MAX else ""
+    except (OSError, UnicodeDecodeError):
+        return ""
 
 
 def _summary(docstring: str) -> str:

@@ -26,8 +26,8 @@ from app.registers.model import Register, Space
 from tests.links.test_can_port import can_module
 from tests.peers.served_line import served
 
-NAMES = [model.name for model in catalog.listings()]
-SEVERAL = next(model.name for model in catalog.listings() if model.axes > 1)
+NAMES = [model.name for model in catalog.listings() if model.kind == "module"]
+SEVERAL = next(model.name for model in catalog.listings() if model.kind == "module" and model.axes > 1)
 """One with several axes."""
 KINDS: dict[str, PortFactory] = {
     "emulator": emulator_port,

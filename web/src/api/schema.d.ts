@@ -3025,7 +3025,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
              * @default full
              * @enum {string}
              */
@@ -3104,7 +3104,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
              * @default full
              * @enum {string}
              */
@@ -4113,7 +4113,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4285,7 +4285,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -6038,6 +6038,44 @@ export interface components {
             velocity: number;
         };
         /**
+         * ListedChipCreate
+         * @description A connection to a chip of which a table of registers is known. Axes that are not given get defaults.
+         */
+        ListedChipCreate: {
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * ListedChipTrial
+         * @description A link to a chip of which a table of registers is known, to be tried.
+         */
+        ListedChipTrial: {
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+        };
+        /**
          * ListedCreate
          * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
          */
@@ -6067,7 +6105,7 @@ export interface components {
         };
         /**
          * ListedEmulatorLink
-         * @description A listed module emulated in this server: parameters hold what was written, axes move by their own.
+         * @description Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration.
          */
         ListedEmulatorLink: {
             /**
@@ -9508,6 +9546,12 @@ export interface components {
             write_note: string;
             /** Volatile */
             volatile: boolean;
+            /**
+             * Untold
+             * @description what no source tells of it
+             * @default []
+             */
+            untold: ("width" | "access" | "reset" | "clearing")[];
             /**
              * Stored
              * @description whether an EEPROM keeps it: with every write, when told to store it, or not at all

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ....errors import WrongState
+from ....registers.evaluation_board import ADDRESS
 from ....registers.model import Register
 from ...core.background_tasks import OwnTasks
 from ...core.capabilities import Identity
@@ -28,7 +29,10 @@ class ListedChipIdentity(Identity):
         self._tasks = tasks
 
     async def probe(self) -> str:
-        where = await on_board(self._link) if self._session.link.get("kind") != "emulator" else ""
+        session = self._session
+        # A chip with an address of its own answers by itself, as a module does, and not the board that it stands on.
+        asks_board = session.link.get("kind") != "emulator" and session.family.slot.module == ADDRESS
+        where = await on_board(self._link) if asks_board else ""
         rows = [row for row in self._link.table if row.access.readable and not row.read_clears and not row.when]
         title = self._session.family.title
         version = next((row for row in rows if _version_field(row)), None)

@@ -53,6 +53,7 @@ const ACCESS: Record<string, string> = {
   RW: "Read and write.",
   "RW*": "Readable. A write works, or acts, only under the condition below.",
   "R+WC": "Readable. Writing 1 clears it, writing 0 leaves it.",
+  "?": "No source tells. Both are tried, and what it reads after a write is shown.",
 };
 
 export function accessText(access: string): string {

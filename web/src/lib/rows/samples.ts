@@ -40,6 +40,7 @@ export function register(name: string, width: number, more: Partial<RegisterRow>
     help: `help of ${name}`,
     write_note: "",
     volatile: false,
+    untold: [],
     stored: "",
     internal_range: null,
     read_clears: false,

@@ -10,7 +10,7 @@ import { AxisFold, AxisTable, type Entry, FieldInput, type Row } from "./fields"
 import { axisForm, linkForm, NAME, needed, type Values } from "./form";
 import { LinkFields } from "./LinkFields";
 import { inMechanics } from "./mechanics";
-import { type Kind, kindsOf, NAMES_ONLY } from "./models";
+import { axesText, type Kind, kindsOf, NAMES_ONLY } from "./models";
 import { TestResult } from "./TestResult";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 
@@ -114,7 +114,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           classNames={{ label: "hint regular" }}
           data={(catalog.data ?? [draft.model]).map(({ name, title, axes, tier }) => ({
             value: name,
-            label: `${title} · ${axes === 1 ? "1 axis" : `${axes} axes`}${tier === "names" ? " · names only" : ""}`,
+            label: `${title} · ${axesText(axes)}${tier === "names" ? " · names only" : ""}`,
           }))}
           searchable
           nothingFoundMessage="No model of that name"

@@ -70,8 +70,10 @@ export const SEARCHED = {
 
 /** The form of a link of that kind to that model, as far as the model has its fields. */
 export function linkForm(model: Model, kind: Kind): Form {
-  // listed models have no names here: the last entry is theirs
-  const found = FORMS.models.find(({ names }) => names.includes(model.name)) ?? FORMS.models.at(-1);
+  // listed models have no names here: theirs is the entry that has all of their wires
+  const found =
+    FORMS.models.find(({ names }) => names.includes(model.name)) ??
+    FORMS.models.find(({ names, links }) => names.length === 0 && model.wires.every((wire) => wire.kind in links));
   return shownOf(FORMS.links[found?.links[kind] ?? ""] ?? { groups: [] }, model);
 }
 

@@ -4,7 +4,13 @@ export type { Model } from "../../api/queries";
 export type Kind = Model["wires"][number]["kind"];
 
 /** What it means that a model is known by the list of the maker's package. */
-export const NAMES_ONLY = "Names of parameters known, no calculators, no physical emulator";
+export const NAMES_ONLY = "Names of registers or parameters known, no calculators, no physical emulator";
+
+/** How many axes a model has; of one without any, what it has instead. */
+export function axesText(axes: number): string {
+  if (axes === 0) return "registers only";
+  return axes === 1 ? "1 axis" : `${axes} axes`;
+}
 
 export function canModel(model: Model, capability: Capability): boolean {
   return model.capabilities.includes(capability);

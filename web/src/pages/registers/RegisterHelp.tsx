@@ -1,4 +1,5 @@
 import { Button, Group, Text } from "@mantine/core";
+import { can } from "../../api/queries";
 import { fixed, hex } from "../../lib/format";
 import type { RowActions } from "../../lib/rows/actions";
 import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "../../lib/rows/bits";
@@ -65,8 +66,10 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
           <>
             <dt>Reading</dt>
             <dd>
-              Reading clears it, so this page does not poll it. What it tells is below the scope of the bench, where
-              nothing is lost.
+              {row.untold.includes("clearing")
+                ? "Reading may clear it: no source tells. So this page does not poll it."
+                : "Reading clears it, so this page does not poll it."}
+              {can(device, "events") && " What it tells is below the scope of the bench, where nothing is lost."}
               <ReadOnce key={keyOf(row)} device={device} row={row} />
             </dd>
           </>
@@ -85,7 +88,15 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
         )}
         <dt>Width</dt>
         <dd>
-          <span className="num">{row.width}</span> bits{row.signed ? ", two's complement" : ""}
+          {row.untold.includes("width") ? (
+            <>
+              no source tells: <span className="num">{row.width}</span> bits travel
+            </>
+          ) : (
+            <>
+              <span className="num">{row.width}</span> bits{row.signed ? ", two's complement" : ""}
+            </>
+          )}
         </dd>
         {row.fields.length === 0 && (
           <>

@@ -1,0 +1,132 @@
+"""Chips that the maker's package lists: all of them, by a reading of the package that shares nothing with ours."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytrinamic.ic
+from pytrinamic.ic import RegisterGroup, RegisterSet, TMCIc
+
+from app.errors import UnreadableModel
+from app.registers import catalog
+from app.registers.listed import package
+from app.registers.listed.ramp import ramps_of
+from app.registers.model import Access
+from tests.test_house import without_words
+
+ROOT = Path(__file__).parent.parent.parent
+CLASSES: dict[str, type[Any]] = {
+    kind.__name__.lower(): kind
+    for _, kind in inspect.getmembers(pytrinamic.ic, inspect.isclass)
+    if issubclass(kind, TMCIc) and kind is not TMCIc
+}
+LISTED = [model.name for model in catalog.listings() if model.kind == "chip"]
+WITH_REGISTERS = {
+    name
+    for name, kind in CLASSES.items()
+    if hasattr(kind, "REG") or any(isinstance(held, RegisterGroup | RegisterSet) for held in vars(kind).values())
+}
+READABLE = [name for name in LISTED if name in WITH_REGISTERS]
+
+
+def addresses(kind: type[Any]) -> list[tuple[str, int]]:
+    """(name, address within its block) of every register, as the package has them."""
+    if hasattr(kind, "REG"):
+        return [
+            (name, address)
+            for name, place in vars(kind.REG).items()
+            if not name.startswith("_")
+            for address in (place if isinstance(place, tuple) else (place,))
+        ]
+    groups: list[Any] = []
+    for held in vars(kind).values():
+        groups += [held] if isinstance(held, RegisterGroup) else held.groups() if isinstance(held, RegisterSet) else []
+    return [(row.name, row.address) for group in groups for row in group.registers()]
+
+
+def test_every_chip_of_the_package_is_listed_or_known_well() -> None:
+    known = {name for name, model in catalog.MODELS.items() if model.kind == "chip"}
+    assert set(LISTED) == CLASSES.keys() - known
+    assert CLASSES.keys() & known, "some of them are known well"
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_every_register_of_the_package_is_a_row(name: str) -> None:
+    model, kind = catalog.find_model(name), CLASSES[name]
+    bits = model.slot.address_bits if model.slot.blocks else 32
+    rows = sorted((row.address & (1 << bits) - 1, row.name) for row in model.table)
+    told = sorted((address, register) for register, address in addresses(kind))
+    assert [address for address, _ in rows] == [address for address, _ in told]
+    for (_, called), (_, register) in zip(rows, told, strict=True):
+        assert register in called or {entry for _, entry in told if entry in called}
+    assert model.tier == "names"
+    assert model.axes == package.listings()[name].axes == len(ramps_of(model.table))
+    assert model.can("motion") is (model.axes > 0)
+    older = hasattr(kind, "REG")
+    for row in model.table:  # nothing is made up
+        assert row.reset is None
+        assert "reset" in row.untold
+        assert not older or ("access" in row.untold and row.access in (Access.UNKNOWN, Access.R, Access.RW))
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_every_field_of_the_package_is_there(name: str) -> None:
+    """By mask and sign, of the newer maps; by mask, of the older classes."""
+    model, kind = catalog.find_model(name), CLASSES[name]
+    if not hasattr(kind, "REG"):
+        return
+    masks = {(row.address, part.mask) for row in model.table for part in (*row.fields,)}
+    plain = {(row.address, (1 << row.width) - 1) for row in model.table if not row.fields}
+    for inner in [held for holder, held in vars(kind).items() if holder.startswith("FIELD")]:
+        for part, told in vars(inner).items():
+            if part.startswith("_") or not isinstance(told, tuple) or not isinstance(told[0], int):
+                continue
+            address, mask, _ = told
+            if address in {row.address for row in model.table} and re.fullmatch("0*1+0*", f"{mask:b}"):
+                assert (address, mask) in masks | plain, part
+
+
+@pytest.mark.parametrize("name", [name for name in LISTED if name not in WITH_REGISTERS])
+def test_one_without_registers_says_so(name: str) -> None:
+    with pytest.raises(UnreadableModel, match="no registers"):
+        catalog.find_model(name)
+
+
+def test_nothing_is_imported_until_a_chip_is_asked_for() -> None:
+    code = (
+        "import sys, app.main; from app.registers import catalog;"
+        "found = [model for model in catalog.listings() if model.kind == 'chip'];"
+        "assert found and not any(name.startswith('pytrinamic') for name in sys.modules);"
+        "catalog.find_model(found[0].name); assert 'pytrinamic.ic' in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT, timeout=120)
+
+
+ALSO_OTHERWISE = {
+    "app/registers/evaluation_board.py": "the maker's numbers of boards, by what they carry",
+    "app/emulators/board/tmc2660.py": "the driver on the board of another chip",
+    "app/emulators/board/tmc4361.py": "the driver on the board of this chip",
+    "app/registers/tmc4361/output.py": "what drivers this chip can talk to",
+    "app/registers/tmc4361/events.py": "what another driver's status means",
+    "app/calc/tmc5xxx/chips.py": "a driver whose current stage is the same",
+    "app/api/links/schemas.py": "an example of what a search finds",
+}
+"""Files that name one of these chips, and for which other reason than that it is listed."""
+
+
+def test_no_file_of_ours_names_one_of_them() -> None:
+    named = re.compile("|".join(rf"(?<![a-z0-9]){name}(?![0-9])" for name in READABLE), re.IGNORECASE)
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for folder, suffixes in (("app", {".py"}), ("web/src", {".ts", ".tsx"}))
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in suffixes and not path.name.endswith("schema.d.ts") and ".test." not in path.name
+        if named.search(without_words(path))
+    }
+    assert found == ALSO_OTHERWISE.keys()
