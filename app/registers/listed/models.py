@@ -98,8 +98,7 @@ def model(name: str) -> Model:
 
 
 def why_not(name: str) -> str:
-    """Why one that is listed cannot be used, as its files tell, or where somebody has tried; empty where nothing is known
-    against it."""
+    """Why one that is listed cannot be used, as its files tell or where somebody tried; empty where it can."""
     found, listing = _read.get(name), listings().get(name)
     if listing is not None and listing.kind == "chip" and listing.slot is None:
         return str(_without_registers(listing))
