@@ -26,6 +26,9 @@ NEVER = ("interface", "pipeline")
 OTHERS_SPACES = (Space.OUTPUT, Space.PULL_UP)
 """Outputs switch what hangs on them, which no profile of a motor knows."""
 
+SETTABLE = (Access.RW, Access.W, Access.UNKNOWN)
+"""What may be set; where no source tells, a driver says whether it was seen (`ConfigurationRules.settable`)."""
+
 FIRST = (
     *("unit_mode", "microstep_resolution", "GLOBAL_SCALER", "lp_ref_conf_rm", "lp_REF_CONF_RAMP_MODE"),
     # What v_max and a_max count in: with the dividers of power-on they would be a multiple of what is meant.
@@ -96,7 +99,9 @@ def _item(rules: ProfileRules, row: Register) -> Item | None:
     if not row.fields or all(part.when for part in row.fields):
         return Item(row, (1 << row.width) - 1, (), _table(row), _rank(rules, row))
     writable = [
-        part for part in row.fields if part.access in (Access.RW, Access.W) and part.name not in rules.state_fields
+        part
+        for part in row.fields
+        if part.access in (Access.RW, Access.W, Access.UNKNOWN) and part.name not in rules.state_fields
     ]
     fields: list[Field] = []
     taken = 0
@@ -111,7 +116,7 @@ def _item(rules: ProfileRules, row: Register) -> Item | None:
 
 
 def _is_configuration(rules: ProfileRules, row: Register) -> bool:
-    if row.access not in (Access.RW, Access.W) or row.when or row.name in rules.state:
+    if row.access not in SETTABLE or row.when or row.name in rules.state:
         return False
     if rules.is_state is not None and rules.is_state(row):
         return False

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ..devices.core.device import Device
 from ..errors import BadReply, LinkError, UsageError
+from ..registers.model import Access
 from .items import items_of
 from .preconditions import require_rest
 
@@ -27,7 +28,8 @@ async def try_writes(device: Device) -> Tried:
     settable, refused = 0, list[tuple[str, int | None]]()
     for item in items_of(device.model):
         row = item.row
-        if not device.configuration.settable(row):
+        # What a register reads that may only be writable is not what it holds.
+        if not device.configuration.settable(row) and row.access is not Access.UNKNOWN:
             try:
                 held = await device.registers.read(row.name, row.axis)
                 await device.registers.write(row.name, row.axis, held.value)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 
 from ...registers.listed.modules import role_of
+from ...registers.listed.ramp import role_by_name
 from ...registers.model import Register, Space
 from ..rules import ProfileRules
 
@@ -20,11 +21,16 @@ _STATE = re.compile(
 """Names, in small letters and without underscores."""
 _APART = frozenset({*range(64, 77), 81, 82, 83, 86, 87, 88, *range(128, 134), 255})
 """Of bank 0: interfaces, protection, and what a program does."""
+_COMMANDED = frozenset({"mode", "target", "position"})
+_APART_OF_CHIPS = re.compile(r"otp|factory|test|prog|command|nodeconf|slaveconf|^(?:\w+_)?x_enc$", re.IGNORECASE)
+"""Registers that act when they are written, cannot be taken back, or cut the connection."""
 _STANDARD = frozenset({"max_speed", "max_acceleration"})
 
 
 def is_state(row: Register) -> bool:
     """Whether it is no configuration although it can be written."""
+    if row.space is Space.REGISTER and (role_by_name(row) in _COMMANDED or _APART_OF_CHIPS.search(row.name)):
+        return True
     if row.volatile or row.read_clears or row.space is Space.GLOBAL_2:
         return True
     if row.space is Space.GLOBAL_0:

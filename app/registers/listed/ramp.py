@@ -91,6 +91,12 @@ def ramps_of(rows: Iterable[Register]) -> tuple[Ramp, ...]:
     return tuple(ramps) if [ramp.axis for ramp in ramps] == list(range(len(ramps))) else ()
 
 
+def role_by_name(row: Register) -> Role | None:
+    """What the name of a register says that it is to a ramp generator; None of most."""
+    named = [role for part in (None, *row.fields) if (role := _role(row, part)[0]) is not None]
+    return named[0] if named else None
+
+
 def _role(row: Register, part: Field | None) -> tuple[Role | None, int]:
     name = _NAME.match(row.name if part is None else part.name)
     if name is None:

@@ -48,7 +48,7 @@ def compose(
             registers=registers,
             raw=RawDatagrams(link, rules, rules),
             motion=motion,
-            configuration=ChipConfiguration(state, motion),
+            configuration=ChipConfiguration(state, registers),
             monitor=ChipMonitor(session, link, state, motions),
             counter=ChipCounter(session, link, state),
             telemetry=ChipTelemetry(link, state, motions),

@@ -24,8 +24,12 @@ class ChipState:
         self._seen: dict[int, int] = {}
         self._sent: dict[int, int] = {}
         """Words that went out, by address, of registers that no reading has shown since."""
+        self._by_hand: dict[int, int] = {}
+        """Words that somebody has written, by address, and nobody has read since."""
         self._reads_as: dict[int, int] = {}
         """What a register that hides what was written reads as."""
+        self._taken: set[int] = set()
+        """Addresses of registers that were written by hand, and read so afterwards."""
         self._unproven: set[int] = set()
         """Addresses that a command has written over, and nobody has read since."""
         self._wanted: dict[int, int | None] = {}
@@ -54,6 +58,8 @@ class ChipState:
             del self._reads_as[address]  # somebody else's, or it can be read after all
             hides = None
         if hides is None:
+            if word == self._by_hand.pop(address, None):
+                self._taken.add(address)
             if word != self.word(register):
                 self._wanted.pop(address, None)
             self._sent.pop(address, None)
@@ -64,6 +70,7 @@ class ChipState:
     def sent(self, register: Register, word: int) -> None:
         """`word` went out by somebody's hand."""
         self._sent[register.address] = word
+        self._by_hand[register.address] = word & register.mask
         self._wanted.pop(register.address, None)
 
     def hides(self, register: Register, back: int) -> None:
@@ -98,6 +105,10 @@ class ChipState:
         """Whether the chip holds something else there than the user wants."""
         return register.address in self._wanted
 
+    def has_taken(self, register: Register) -> bool:
+        """Whether a write of it by hand was read back."""
+        return register.address in self._taken
+
     def known(self, address: int) -> int | None:
         """`word` by address, for soft limits."""
         register = self.table.at(address, write=True)
@@ -107,7 +118,8 @@ class ChipState:
         """`Session.state_hooks`: where the link failed, it may be another chip, or this one after a reset."""
         del problem
         if state == "failed":
-            for words in (self._seen, self._sent, self._reads_as, self._wanted, self._unproven):
+            self._taken.clear()
+            for words in (self._by_hand, self._seen, self._sent, self._reads_as, self._wanted, self._unproven):
                 words.clear()
 
     def mechanics(self, axis: int) -> Mechanics:
