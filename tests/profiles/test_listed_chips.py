@@ -1,4 +1,4 @@
-"""Profiles of chips of which a table is known: what can be set, and nothing that moves a motor or cannot be taken back."""
+"""Profiles of chips of which a table is known: what can be set, nothing that moves a motor or cannot be taken back."""
 
 from __future__ import annotations
 
