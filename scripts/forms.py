@@ -29,7 +29,7 @@ def connection_forms(schema: Json) -> Json:
         properties = body["properties"]
         kinds = {kind: _name(ref) for kind, ref in properties["link"]["discriminator"]["mapping"].items()}
         links |= {name: link_form(components[name], components) for name in kinds.values()}
-        # Listed models have a pattern instead of names: they come last, and take whoever is left.
+        # Listed models have a pattern instead of names: of those entries the one with all of their wires is theirs.
         models.append({"names": _values(properties["model"]), "links": kinds})
     axes = bodies[0]["properties"]["axes"]
     axis = link_form(_resolved(_not_null(axes)["items"], components), components)

@@ -19,6 +19,12 @@ describe("the choice of an axis", () => {
     ]);
   });
 
+  it("has an entry for a device without axes", () => {
+    expect(choicesOf([device("chip", "chip", [])])[0]?.items).toEqual([
+      { value: "chip/0", label: "chip · registers only" },
+    ]);
+  });
+
   it("tells two devices of one name apart, for React and for people", () => {
     const both = [device("bench", "bench", ["X"]), device("bench-2", "bench", ["X"]), device("far", "far", ["X"])];
     const groups = choicesOf(both);

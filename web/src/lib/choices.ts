@@ -7,12 +7,12 @@ export function namesOf(devices: readonly Device[]): ReadonlyMap<string, string>
   return new Map(devices.map(({ id, name }) => [id, count.get(name) === 1 ? name : `${name} (${id})`]));
 }
 
-/** Every axis of every device, as a Select takes them: its groups and labels have to differ. */
+/** Every axis of every device, and devices without any, as a Select takes them: its groups and labels have to differ. */
 export function choicesOf(devices: readonly Device[]) {
   const names = namesOf(devices);
   return devices.map((device) => ({
     group: `${names.get(device.id)} · ${device.title}`,
-    items: device.axes.map((axis) => ({
+    items: (device.axes.length > 0 ? device.axes : [{ index: 0, name: "registers only" }]).map((axis) => ({
       value: `${device.id}/${axis.index}`,
       label: `${names.get(device.id)} · ${axis.name}`,
     })),

@@ -61,6 +61,16 @@ function DeviceGroup({ device, selected, unit, onSelect }: Omit<TreeProps, "devi
           Note: {note}.
         </Text>
       ))}
+      {device.axes.length === 0 && (
+        <UnstyledButton
+          className={`${classes.axis} lit block relative w-full text-13`}
+          data-active={selected?.device === device.id}
+          aria-pressed={selected?.device === device.id}
+          onClick={() => onSelect(device.id, 0)}
+        >
+          Registers only
+        </UnstyledButton>
+      )}
       {device.axes.map((axis) => (
         <AxisRow
           key={axis.index}
