@@ -20,6 +20,7 @@ import css from "./program.module.css";
 import { StatePanel } from "./StatePanel";
 import { Toolbar } from "./Toolbar";
 import { TracePanel } from "./TracePanel";
+import { TrialPanel } from "./TrialPanel";
 import { bodyOf, useCheck, useWatch, useWords } from "./usePrograms";
 import { useRun } from "./useRun";
 import type { Help } from "./words";
@@ -241,6 +242,7 @@ function Workbench({ device }: { device: Device }) {
             <Tabs.List>
               <Tabs.Tab value="problems">{`Problems (${problems.length})`}</Tabs.Tab>
               <Tabs.Tab value="listing">Listing</Tabs.Tab>
+              <Tabs.Tab value="trial">Trial</Tabs.Tab>
             </Tabs.List>
             <Tabs.Panel value="problems" pt="xs">
               {problems.length === 0 ? (
@@ -269,6 +271,15 @@ function Workbench({ device }: { device: Device }) {
               <Listing
                 text={fresh ? checked.result.listing : ""}
                 counter={isStored ? (watch.seen?.counter ?? null) : null}
+              />
+            </Tabs.Panel>
+            <Tabs.Panel value="trial" pt="xs">
+              <TrialPanel
+                device={device.id}
+                name={draft.name}
+                text={draft.text}
+                labels={checked?.result.labels ?? NO_LABELS}
+                ready={connected && fresh && problems.length === 0 && checked.result.commands > 0}
               />
             </Tabs.Panel>
           </Tabs>
