@@ -439,6 +439,18 @@ class Drive:
         self._s[k.SG4] = value
         self._changed()
 
+    def set_module_currents(self, boost: int, slow: int, free_after_s: float) -> None:
+        """What the firmware of a module does with the current besides IHOLD_IRUN; 0 where it does not.
+
+        boost : current scale plus 1 while the speed changes. slow : the same below CoolStep's range.
+        free_after_s : time [s] of hold current after which the bridges are open. A power cycle forgets them.
+        """
+        s = self._s
+        s[k.BOOST], s[k.SLOW] = boost, slow
+        s[k.FREE_AFTER] = math.ceil(free_after_s * self.options.clock_hz / k.TICK_CLOCKS)
+        s[k.DOWN] = 0
+        self._changed()
+
     @property
     def stealth_chop(self) -> int:
         """Kind of StealthChop, as the kernel names them: `TUNED`, of a TMC5160, at first."""

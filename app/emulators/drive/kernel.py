@@ -121,7 +121,10 @@ VDCMIN, DC_TIME, DC_SG, DCSTEP, DC_TICKS, DC_HELD, DC_LOST, MORE = range(157, 16
 """DcStep: its least velocity (0: off), longest and shortest time that current is let in [clocks], whether it works,
 ticks that this full step lasts, whether the motor was waited for in it, and it does not follow; whether V2, TVMAX or
 DcStep have a part in the ramp."""
-INTEGERS = 165
+BOOST, SLOW, VARIES, FREE_AFTER = range(165, 169)
+"""Of modules: current scale, plus 1, while the speed changes, and outside CoolStep's range (0: none); whether the run
+current is anything but IRUN; ticks of hold current after which there is none (0: never)."""
+INTEGERS = 169
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -499,10 +502,30 @@ def _switch_bridges(s: Cells, f: Floats, bridges: int) -> None:
     s[REST] = s[TUNING] = 0
 
 
+@compiled
+def _varied(s: Cells) -> int:
+    """Current scale of a motor in motion, where it is not always IRUN."""
+    if s[BOOST] and s[ACTUAL] != 0:
+        return s[BOOST] - 1
+    if s[SLOW] and not _in_range(s):
+        return s[SLOW] - 1
+    return s[COOL_CS] if s[SEMIN] else s[IRUN]
+
+
+@compiled
+def _freed(s: Cells) -> bool:
+    """Whether the hold current has flowed as long as it may."""
+    s[TUNING] = s[DOWN] < s[FREE_AFTER]
+    if s[TUNING]:
+        s[DOWN] += 1
+    return s[DOWN] >= s[FREE_AFTER]
+
+
 @inlined
 def _standing(s: Cells, f: Floats, steps: int) -> int:
     """Standstill and the way from run to hold current; returns events."""
     events = 0
+    freed = False
     if steps != 0:
         s[STILL] = s[DOWN] = 0
         s[PHASE] = RUN
@@ -526,7 +549,7 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
             if s[CS] <= s[IHOLD] or s[IHOLDDELAY] == 0:
                 s[PHASE] = HOLD
     if s[PHASE] == RUN:
-        wanted = s[COOL_CS] if s[SEMIN] else s[IRUN]
+        wanted = _varied(s) if s[VARIES] else s[IRUN]
         if s[CS] >= wanted or s[IRUNDELAY] == 0:
             s[CS] = wanted
             s[UP] = 0
@@ -537,12 +560,13 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
                 s[CS] += 1
     elif s[PHASE] == HOLD:
         s[CS] = s[IHOLD]
+        freed = s[FREE_AFTER] != 0 and _freed(s)
     bridges = s[CHOPPER]
     if s[STEALTH]:
         bridges = VOLTAGE
         if s[PHASE] == HOLD and s[IHOLD] == 0 and s[FREEWHEEL]:
             bridges = OPEN if s[FREEWHEEL] == 1 else SHORTED
-    if not s[DRIVER_ON]:
+    if freed or not s[DRIVER_ON]:
         bridges = OPEN
     if bridges != s[BRIDGES]:
         _switch_bridges(s, f, bridges)
@@ -1465,6 +1489,7 @@ def refresh(s: Cells, f: Floats) -> None:
         ahead = f[THETA] * f[TEETH] * 512.0 / math.pi - s[LOOK]
         s[OFFSET] = 1024 * math.floor(ahead / 1024.0 + 0.5)
         s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
+    s[VARIES] = s[SEMIN] != 0 or s[BOOST] != 0 or s[SLOW] != 0
     s[MORE] = s[V2] != 0 or s[TVMAX] != 0 or s[VDCMIN] != 0
     s[VSEEN] = 0
     if s[VIRTUAL]:

@@ -23,8 +23,9 @@ from ..drive import EventKind
 
 LEFT, RIGHT = -1, 1
 DIRECTION_7_AND_8 = (RIGHT, LEFT)
-"""Where modes 7 and 8 search. FM-PD42-1241 says to the right for both, which cannot be; the sister's parameter table
-has this, the sister's chapter the opposite."""
+"""Where modes 7 and 8 search: TMCL-RS says so of the sister modules, PD42-1240 included, as do programs for others.
+FM-PD42-1241 says to the right for both, which cannot be; a sister has this in its
+table, and the opposite in its chapter."""
 WATCHED = (
     EventKind.SWITCH_LEFT
     | EventKind.SWITCH_RIGHT

@@ -17,6 +17,7 @@ from . import units
 from .parameters import (
     ACCELERATION,
     CURRENT_LOOP,
+    CURRENT_STEP,
     DEVIATION,
     MICROSTEPS,
     MULTISTEP_FILTER,
@@ -33,7 +34,8 @@ PRESCALER_UNIT, COUNTS_A_TURN, SPECIAL, AT_NULL = 512, 1024, 7, 4
 """A prescaler of 1; counts of the encoder; bits of the prescaler that are something else, and the one that clears the
 counter at the encoder's null (FM-TMCM-1161 6.2)."""
 _RAMP = frozenset({ACCELERATION, MIN_SPEED})
-_CURRENTS = frozenset({6, 7, 214})
+BOOST, SLOW_RUN, FREEWHEELING = 200, 183, 204
+_CURRENTS = frozenset({6, 7, 214, BOOST, SLOW_RUN, FREEWHEELING})
 _CHOPPER = frozenset({MICROSTEPS, 160, 161, 162, 163, 164, 165, 166, 167, 184})
 _COOLSTEP = frozenset({168, 169, 170, 171, 172, 173, 174})
 _SWITCHES = frozenset({12, 13, SOFT_STOP, STOP_ON_STALL})
@@ -149,6 +151,10 @@ class TrapezoidParameters(Parameters):
         self._drive.write("IHOLD_IRUN", self._currents())
         self._drive.write("TPOWERDOWN", self._power_down())
         self._drive.write("GLOBALSCALER", 0)
+        boost, slow = (
+            self.values[number] // CURRENT_STEP + 1 if self.values[number] else 0 for number in (BOOST, SLOW_RUN)
+        )
+        self._drive.set_module_currents(boost, slow, self.values[FREEWHEELING] * 0.01)
 
     def _apply_chopper(self) -> None:
         values = self.values

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model import Access, Field, Register, Space, to_raw
 
+NO_RIPPLE = "the emulated chopper is a lag of first order without ripple"
 INT32 = (-(1 << 31), (1 << 31) - 1)
 ON_OFF = {0: "off", 1: "on"}
 _SPEED_MAX = 7_999_774
@@ -36,6 +37,7 @@ def _ap(
     volatile: bool = False,
     clears: bool = False,
     section: str = "4",
+    behaviour: str = "",
 ) -> Register:
     return Register(
         name=name,
@@ -45,6 +47,7 @@ def _ap(
         unit=unit,
         range=limits,
         values=values or {},
+        behaviour=behaviour,
         address=number,
         axis=0,
         access=access,
@@ -60,9 +63,29 @@ def _ap(
 
 
 def _switch(
-    number: int, name: str, group: str, help_: str, *, reset: int | None = 0, section: str = "4", volatile: bool = False
+    number: int,
+    name: str,
+    group: str,
+    help_: str,
+    *,
+    reset: int | None = 0,
+    section: str = "4",
+    volatile: bool = False,
+    behaviour: str = "",
 ) -> Register:
-    return _ap(number, name, group, RW, (0, 1), help_, values=ON_OFF, reset=reset, section=section, volatile=volatile)
+    return _ap(
+        number,
+        name,
+        group,
+        RW,
+        (0, 1),
+        help_,
+        values=ON_OFF,
+        reset=reset,
+        section=section,
+        volatile=volatile,
+        behaviour=behaviour,
+    )
 
 
 def _speed(
@@ -323,7 +346,11 @@ AXIS_PARAMETERS = (
         values={0: "SpreadCycle", 1: "constant off time"},
     ),
     _switch(
-        164, "disable_fast_decay_comparator", "chopper", "1: with constant off time, fast decay ends by time alone"
+        164,
+        "disable_fast_decay_comparator",
+        "chopper",
+        "1: with constant off time, fast decay ends by time alone",
+        behaviour=NO_RIPPLE,
     ),
     _ap(
         165,
@@ -342,7 +369,7 @@ AXIS_PARAMETERS = (
         "start of the hysteresis; with constant off time the offset of the sine",
     ),
     _ap(167, "chopper_off_time", "chopper", RW, (0, 15), "slow decay, 12 + 32 n clocks; 0 switches the driver off"),
-    _switch(184, "random_toff_mode", "chopper", "1 varies the off time at random"),
+    _switch(184, "random_toff_mode", "chopper", "1 varies the off time at random", behaviour=NO_RIPPLE),
     _ap(
         185,
         "chopper_synchronization",
@@ -350,6 +377,7 @@ AXIS_PARAMETERS = (
         RW,
         (0, 15),
         "bits 20..23 of CHOPCONF; of the TMC5160 the passive fast decay time",
+        behaviour=NO_RIPPLE,
     ),
     _speed(23, "minimum_speed_for_dcstep", "chopper", "DcStep works above this speed (VDCMIN)"),
     _ap(32, "dcstep_time", "chopper", RW, (0, 1023), "pulse width with which DcStep measures the load"),

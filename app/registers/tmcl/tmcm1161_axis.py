@@ -9,6 +9,7 @@ from typing import Any
 from ..model import Access, Register, Space
 from ..tmc428.roles import ACCELERATION_UNIT, VELOCITY_UNIT
 from .pd42 import PD42
+from .pd42_axis import NO_RIPPLE
 
 SOURCE = "PyTrinamic TMCM1161; STEPROCKER"
 INT24 = (-(1 << 23), (1 << 23) - 1)
@@ -125,7 +126,7 @@ def _rows() -> Iterator[Register]:
         (0, 255),
         "current while it speeds up or slows down; 0: as parameter 6",
         unit="1/255",
-        behaviour=_KEPT,
+        source=f"{SOURCE}; TMCL-RS",
     )
     yield _own(
         204,
@@ -134,7 +135,6 @@ def _rows() -> Iterator[Register]:
         (0, 65535),
         "time at standstill after which the motor is cut off from current; 0: never",
         unit="10 ms",
-        behaviour=_KEPT,
     )
     yield _as_there(214, range=(1, 65535))
     yield _own(
@@ -171,6 +171,7 @@ def _rows() -> Iterator[Register]:
         "chopper",
         (0, 3),
         "how soon the hysteresis shrinks; with constant off time 2 and 3 end fast decay by time alone",
+        behaviour=NO_RIPPLE,
     )
     yield _as_there(165, range=(-3, 12))
     for number in (166, 167, 184):
@@ -213,9 +214,8 @@ def _rows() -> Iterator[Register]:
         "smartenergy_slow_run_current",
         "coolstep",
         (0, 255),
-        "run current below the threshold speed (AP 182)",
+        "run current below the threshold speed (AP 182); 0: as parameter 6",
         unit="1/255",
-        behaviour=_KEPT,
     )
     # --- encoder ----------------------------------------------------------------------------------
     yield _as_there(209, range=INT24, source="FM-TMCM-1161 6.2")

@@ -202,3 +202,34 @@ def test_it_searches_its_reference_as_its_sibling_does(mode: int) -> None:
     assert b.gap(1) == pytest.approx(0, abs=2)
     zero = {65: 100, 5: 35, 7: 35}.get(mode, -100)
     assert b.state.stage.position_fullsteps == pytest.approx(zero, abs=2)
+
+
+def test_currents_of_the_firmware_boost_slow_run_and_none_at_rest() -> None:
+    """Parameters 200, 183 with 182, and 204."""
+    bench = Bench()
+    for number, value in {6: 128, 7: 32, 200: 240, 183: 64, 182: 800, 204: 50, 214: 10, 172: 0}.items():
+        bench.sap(number, value)
+
+    def scale() -> int:
+        return bench.state.truth.current_scale
+
+    bench.do(Opcode.ROR, 0, 0, 400)
+    bench.run(0.1)
+    assert scale() == 240 // 8, "while it speeds up"
+    bench.until(lambda: bench.gap(135) == 0)
+    bench.run(0.1)
+    assert scale() == 64 // 8, "below the threshold speed"
+    bench.do(Opcode.ROR, 0, 0, 1200)
+    bench.run(0.1)
+    bench.until(lambda: bench.gap(135) == 0)
+    bench.run(0.1)
+    assert scale() == 128 // 8
+    bench.do(Opcode.MST)
+    bench.stand()
+    bench.run(0.4)
+    assert (scale(), bench.state.truth.bridges) == (32 // 8, "regulated")
+    bench.run(0.6)
+    assert bench.state.truth.bridges == "open"
+    bench.patch(load_torque_nm=0.05)
+    bench.run(0.2)
+    assert abs(bench.state.truth.speed_rad_s) > 20

@@ -12,7 +12,7 @@ import { setZero } from "../../../pages/bench/motion/setZero";
 import type { Action } from "../../../pages/bench/motion/useAction";
 import { searchKey, useSearch } from "../../../pages/bench/motion/useSearch";
 import { useParameters } from "../../../pages/module/useParameters";
-import { type BaseMode, type Choice, choiceOf, codeOf, extraOf, stepsOf, titleOf } from "./searchModes";
+import { type BaseMode, type Choice, choiceOf, codeOf, extraOf, openOf, stepsOf, titleOf } from "./searchModes";
 
 const BASES: readonly BaseMode[] = [1, 2, 3, 4, 5, 6, 7, 8];
 const MODE = "reference_search_mode";
@@ -107,6 +107,11 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
           </li>
         ))}
       </Box>
+      {openOf(choice) !== "" && (
+        <Text size="xs" c="dimmed">
+          {openOf(choice)}
+        </Text>
+      )}
       <Progress
         value={100 * (search.data?.progress ?? 0)}
         size={6}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { type BaseMode, choiceOf, codeOf, stepsOf, titleOf } from "./searchModes";
+import { type BaseMode, choiceOf, codeOf, openOf, stepsOf, titleOf } from "./searchModes";
 
 const BASES: readonly BaseMode[] = [1, 2, 3, 4, 5, 6, 7, 8];
 
@@ -31,5 +31,10 @@ describe("reference search modes", () => {
       expect(steps.at(-1)?.fast).toBe(false);
       expect(titleOf({ base, mirrored: false, inverted: false })).not.toBe("");
     }
+  });
+
+  it("say what no public source tells", () => {
+    const open = BASES.filter((base) => openOf({ base, mirrored: false, inverted: false }) !== "");
+    expect(open).toEqual([3, 4]);
   });
 });

@@ -41,7 +41,7 @@ export interface SearchStep {
 
 const OTHER = { left: "right", right: "left" } as const;
 
-/** What the motor is going to do, in order. Modes 7 and 8 differ by their direction: the manual contradicts itself. */
+/** What the motor is going to do, in order. Modes 7 and 8 differ by their direction (TMCL-RS; the manual names one for both). */
 export function stepsOf({ base, mirrored }: Choice): SearchStep[] {
   if (base <= 4) {
     const side = mirrored ? "right" : "left";
@@ -64,6 +64,13 @@ export function stepsOf({ base, mirrored }: Choice): SearchStep[] {
     { to: OTHER[side], fast: false, until: "it closes again" },
     { to: "zero", fast: false, until: "the middle of both edges" },
   ];
+}
+
+/** What of the mode no public source tells; empty where all of it is known. */
+export function openOf({ base }: Choice): string {
+  return base === 3 || base === 4
+    ? "Manuals say “from both sides”, and not which edges count: the emulated module takes the middle of where the switch opened and closed again."
+    : "";
 }
 
 /** Each mode in a few words. */
