@@ -14,7 +14,8 @@ import itertools
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Protocol
+from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol, Self
 
 
 class Clock(Protocol):
@@ -37,6 +38,39 @@ class WallClock:
 
     async def sleep(self, seconds: float) -> None:
         await asyncio.sleep(max(0.0, seconds))
+
+
+class FineSleep:
+    """Sleeps that end within tenths of a millisecond: the event loop alone wakes up to one late, as epoll counts whole
+    ones. The last milliseconds are slept by a thread of its own. On a clock that is not the machine's it is a sleep
+    like any other. Use it as a context."""
+
+    COARSE_S = 0.003
+    """What is left to the thread [s]."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._thread = ThreadPoolExecutor(1, "fine sleep") if isinstance(clock, WallClock) else None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._thread is not None:
+            self._thread.shutdown(wait=False)  # it sleeps for a moment at the most
+
+    async def until(self, at_s: float) -> None:
+        """Return when the clock shows `at_s` [s]; at once where it does already."""
+        left_s = at_s - self._clock.now()
+        if self._thread is None:
+            if left_s > 0:
+                await self._clock.sleep(left_s)
+            return
+        if left_s > self.COARSE_S:
+            await self._clock.sleep(left_s - self.COARSE_S)
+            left_s = at_s - self._clock.now()
+        if left_s > 0:
+            await asyncio.get_running_loop().run_in_executor(self._thread, time.sleep, left_s)
 
 
 class VirtualClock:

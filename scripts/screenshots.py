@@ -25,6 +25,7 @@ PAGES = {
     "bench": ("/", "bench"),
     "registers": ("/registers", "bench"),
     "ramps": ("/ramps", "bench"),
+    "velocity": ("/velocity", "bench"),
     "microsteps": ("/microsteps", "bench"),
     "chain": ("/chain", "bench"),
     "module-bench": ("/", MODULE),

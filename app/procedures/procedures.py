@@ -11,7 +11,7 @@ from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.device import Device
 from ..devices.core.results import Rotating
 from ..errors import WrongState
-from . import debugging, shuttle
+from . import debugging, shuttle, velocity_profile
 from . import search as searches
 from .closed_loop import NOT_CALIBRATED, NOT_RECORDED, Calibration, CalibrationState, Load, ResponseState
 from .debugging import Debugging, DebugState
@@ -22,6 +22,7 @@ from .procedure import Procedure
 from .search import ReferenceSearchState, Search, SearchWanted, Switch
 from .shuttle import Shuttle, ShuttleState
 from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
+from .velocity_profile import ProfilePlay, ProfileState
 
 P = TypeVar("P", bound=Procedure)
 
@@ -106,6 +107,29 @@ class Procedures:
         """End it and stop the motor; the state afterwards."""
         await self._abort(device, axis, Shuttle, "stopped on request")
         return self.shuttle_state(device, axis)
+
+    # --- velocity profile -----------------------------------------------------------------------
+
+    async def start_profile(
+        self, device: Device, axis: int, time_s: Sequence[float], velocity_pps: Sequence[float], rate_hz: float | None
+    ) -> ProfileState:
+        """Raises what `velocity_profile.judge` raises, and WrongState while another procedure runs there."""
+        wanted = await velocity_profile.judge(device, axis, time_s, velocity_pps, rate_hz)
+        return self._start(ProfilePlay(device, axis, self._clock, wanted)).state
+
+    def profile_play(self, device: Device, axis: int) -> ProfilePlay | None:
+        """The present velocity profile, or the latest. Raises UnknownThing for the axis."""
+        return self._find(device, axis, ProfilePlay)
+
+    def profile_state(self, device: Device, axis: int) -> ProfileState:
+        """How that goes, or went."""
+        latest = self.profile_play(device, axis)
+        return velocity_profile.IDLE if latest is None else latest.state
+
+    async def stop_profile(self, device: Device, axis: int) -> ProfileState:
+        """End it and stop the motor; the state afterwards."""
+        await self._abort(device, axis, ProfilePlay, "stopped on request")
+        return self.profile_state(device, axis)
 
     # --- held rotation --------------------------------------------------------------------------
 

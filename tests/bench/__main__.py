@@ -35,6 +35,7 @@ from tests.bench import (
     tmcl_programs,
     twin,
     uart_link,
+    velocity_stream,
 )
 from tests.bench.table import Row, render
 
@@ -51,6 +52,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "tmcl": tmcl_link.measure,
     "programs": tmcl_programs.measure,
     "uart": uart_link.measure,
+    "velocity": velocity_stream.measure,
     "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
     "mslut": lambda quick: [mslut.measure(quick=quick)],

@@ -14,6 +14,7 @@ PAGES = {
     "/": "Bench",
     "/registers": "Registers",
     "/ramps": "Ramps",
+    "/velocity": "Velocity profile",
     "/microsteps": "Microsteps",
     "/chain": "Driver chain",
     "/connections": "Connections",

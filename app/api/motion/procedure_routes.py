@@ -6,10 +6,20 @@ from fastapi import APIRouter
 
 from ...devices.core.device import Device
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ...procedures.velocity_profile import judge
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
-from ..http.problems import problems
+from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
-from .schemas import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
+from .schemas import (
+    ReferenceSearchStart,
+    ReferenceSearchState,
+    ShuttleStart,
+    ShuttleState,
+    VelocityProfileBody,
+    VelocityProfileLateness,
+    VelocityProfileState,
+    VelocityProfileSummary,
+)
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
 
@@ -82,3 +92,46 @@ async def start_shuttle(
 async def stop_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
     """End the shuttle and stop the motor."""
     return ShuttleState.model_validate(await bench.procedures.stop_shuttle(device, axis.index))
+
+
+@router.get("/velocity-profile", responses=LOOK)
+async def get_velocity_profile(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> VelocityProfileState:
+    """How a velocity profile goes, or how the latest one ended."""
+    return VelocityProfileState.model_validate(bench.procedures.profile_state(device, axis.index))
+
+
+@router.get("/velocity-profile/lateness", responses=LOOK)
+async def get_velocity_profile_lateness(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis
+) -> VelocityProfileLateness:
+    """How late each point of the present profile was, or of the latest one."""
+    play = bench.procedures.profile_play(device, axis.index)
+    if play is None:
+        return VelocityProfileLateness(time_s=[], late_ms=[])
+    return VelocityProfileLateness(time_s=play.times_s(), late_ms=play.lateness_ms())
+
+
+@router.post("/velocity-profile/check", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+@policy(lease="free", role="look", audit="silent")
+async def check_velocity_profile(
+    device: CurrentDevice, axis: CurrentAxis, body: VelocityProfileBody
+) -> VelocityProfileSummary:
+    """Judge a profile by what the chip and the soft limits allow. Nothing moves."""
+    wanted = await judge(device, axis.index, body.time_s, body.velocity_pps, body.rate_hz)
+    return VelocityProfileSummary.model_validate(wanted.summary)
+
+
+@router.post("/velocity-profile", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+async def start_velocity_profile(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: VelocityProfileBody
+) -> VelocityProfileState:
+    """Play a velocity over time on an axis that stands. It is judged first; answers when it has started."""
+    state = await bench.procedures.start_profile(device, axis.index, body.time_s, body.velocity_pps, body.rate_hz)
+    return VelocityProfileState.model_validate(state)
+
+
+@router.delete("/velocity-profile", responses=LOOK)
+@policy(stops=True)
+async def stop_velocity_profile(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> VelocityProfileState:
+    """End it and stop the motor."""
+    return VelocityProfileState.model_validate(await bench.procedures.stop_profile(device, axis.index))

@@ -174,6 +174,58 @@ class ShuttleState(Answer):
     message: str
 
 
+class VelocityProfileBody(Body):
+    """A velocity over time: knots between which it is linear, or with `rate_hz` null the very points to send."""
+
+    time_s: Annotated[
+        list[Annotated[float, Field(strict=True, ge=0, le=600, allow_inf_nan=False)]],
+        Field(min_length=2, max_length=100_000),
+    ] = Field(description="rising from 0 [s]")
+    velocity_pps: Annotated[
+        list[Annotated[float, Field(strict=True, ge=-1e8, le=1e8, allow_inf_nan=False)]],
+        Field(min_length=2, max_length=100_000),
+    ] = Field(description="one for each time; 0 at the first and the last [pps]")
+    rate_hz: Annotated[float, Field(strict=True, ge=1, le=2000, allow_inf_nan=False)] | None = Field(
+        default=None, description="points to send a second, on straight lines between those given; null: those given"
+    )
+
+
+class VelocityProfileSummary(Answer):
+    """What a velocity profile asks for."""
+
+    points: int
+    duration_s: float
+    peak_pps: float = Field(description="as the chip rounds it [pps]")
+    acceleration_pps2: float = Field(description="of the steepest part [pps^2]")
+    lowest: int = Field(description="the lowest position on the way [microsteps]")
+    highest: int = Field(description="[microsteps]")
+    end: int = Field(description="where it ends if every point comes in time [microsteps]")
+    step_pps: float = Field(description="the chip's step of velocity [pps]")
+
+
+class VelocityProfileState(Answer):
+    """How a velocity profile goes, or went; lateness is of the points sent so far."""
+
+    state: Literal["idle", "running", "done", "failed", "aborted"]
+    summary: VelocityProfileSummary | None
+    sent: int
+    skipped: int = Field(description="points left out because the next one was due already")
+    late_median_ms: float | None
+    late_p99_ms: float | None
+    late_max_ms: float | None
+    position: int | None = Field(description="where it ended [microsteps]")
+    message: str
+
+
+class VelocityProfileLateness(Answer):
+    """How late each point was."""
+
+    time_s: list[float] = Field(description="when each was due, from the start on [s]")
+    late_ms: list[float | None] = Field(
+        description="until the chip had answered it [ms]; null for one that was left out, or not sent yet"
+    )
+
+
 StopReason = Literal[
     "target_reached",
     "stop_command",

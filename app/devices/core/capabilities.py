@@ -347,6 +347,35 @@ class VelocityJumps(Protocol):
         ...
 
 
+class VelocitySteps(Protocol):
+    """A stream of velocities to one axis. A stop of the axis ends it: each call then raises WrongState."""
+
+    position: int
+    """Where the axis stood [microsteps]."""
+    unit_pps: float
+    """One count of velocity [microsteps/s]."""
+
+    async def set(self, counts: int) -> None:
+        """Have this velocity from now on: one frame."""
+        ...
+
+    async def close(self) -> int:
+        """Stand still; where [microsteps]. Raises WriteRefused where the chip did not take the 0."""
+        ...
+
+
+class VelocityStream(Protocol):
+    """Takes velocities one after another, without its own ramp."""
+
+    async def stream_unit_pps(self, axis: int, /) -> tuple[float, int]:
+        """One count of velocity as the axis is set [microsteps/s], and where it is [microsteps]."""
+        ...
+
+    async def open_stream(self, axis: int, /) -> VelocitySteps:
+        """Take the axis out of its ramps. Raises WrongState while it moves."""
+        ...
+
+
 class LatchedFlags(Protocol):
     """Keeps flags until somebody has taken notice of them."""
 
@@ -496,6 +525,7 @@ MISSING: dict[type, tuple[str, str]] = {
     PositionFromEncoder: ("cannot take its position from an encoder", "search its reference"),
     PositionSetting: ("cannot have its position set", "search its reference"),
     VelocityJumps: ("moves on ramps only", "let it go on its ramp"),
+    VelocityStream: ("takes no velocities one by one", "let it go on its ramp, or rotate"),
     LatchedFlags: ("keeps no flags", "its condition tells what is so now"),
     EventLog: ("has no event register", "its flags are in the axis's state"),
     TmclCommands: ("speaks no TMCL", "send it a datagram: POST .../exchange"),

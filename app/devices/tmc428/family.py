@@ -32,6 +32,7 @@ from .raw import RawDatagrams32
 from .resets import Resets
 from .start_up import plan
 from .stops import RampStops
+from .stream import RampStream
 from .switching import Switching
 from .telemetry import RampTelemetry
 from .writes import RampWrites
@@ -102,6 +103,7 @@ def compose(
             stops,
             memory,
             switching,
+            RampStream(link, memory, books),
             *(() if chip.ram is None else (chip.ram(link, registers),)),
         ),
     )

@@ -712,6 +712,74 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Velocity Profile
+         * @description How a velocity profile goes, or how the latest one ended.
+         */
+        get: operations["get_velocity_profile"];
+        put?: never;
+        /**
+         * Start Velocity Profile
+         * @description Play a velocity over time on an axis that stands. It is judged first; answers when it has started.
+         */
+        post: operations["start_velocity_profile"];
+        /**
+         * Stop Velocity Profile
+         * @description End it and stop the motor.
+         */
+        delete: operations["stop_velocity_profile"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/lateness": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Velocity Profile Lateness
+         * @description How late each point of the present profile was, or of the latest one.
+         */
+        get: operations["get_velocity_profile_lateness"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check Velocity Profile
+         * @description Judge a profile by what the chip and the soft limits allow. Nothing moves.
+         */
+        post: operations["check_velocity_profile"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/axes/{axis}/closed-loop-calibration": {
         parameters: {
             query?: never;
@@ -933,26 +1001,6 @@ export interface paths {
          * @description A binary file as a program that assembles to the same commands. Nothing is sent.
          */
         post: operations["disassemble_program"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/devices/{device}/program/try": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Try Program
-         * @description Run a program on an emulated module that is set as this one is. This one is only read; nothing moves.
-         */
-        post: operations["try_program"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2984,7 +3032,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3025,7 +3073,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
              * @default full
              * @enum {string}
              */
@@ -3049,7 +3097,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3104,7 +3152,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
              * @default full
              * @enum {string}
              */
@@ -3128,7 +3176,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -4113,7 +4161,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4285,7 +4333,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -6038,44 +6086,6 @@ export interface components {
             velocity: number;
         };
         /**
-         * ListedChipCreate
-         * @description A connection to a chip of which a table of registers is known. Axes that are not given get defaults.
-         */
-        ListedChipCreate: {
-            /**
-             * Name
-             * @description the device goes by it everywhere
-             */
-            name: string;
-            /**
-             * Clock Hz
-             * @description the chip's clock [Hz]; null: 16 MHz
-             */
-            clock_hz?: number | null;
-            /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
-            /**
-             * Start Up
-             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
-             * @default false
-             */
-            start_up?: boolean;
-            /** Model */
-            model: string;
-            /** Link */
-            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
-        };
-        /**
-         * ListedChipTrial
-         * @description A link to a chip of which a table of registers is known, to be tried.
-         */
-        ListedChipTrial: {
-            /** Model */
-            model: string;
-            /** Link */
-            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
-        };
-        /**
          * ListedCreate
          * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
          */
@@ -6105,7 +6115,7 @@ export interface components {
         };
         /**
          * ListedEmulatorLink
-         * @description Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration.
+         * @description A listed module emulated in this server: parameters hold what was written, axes move by their own.
          */
         ListedEmulatorLink: {
             /**
@@ -8324,100 +8334,6 @@ export interface components {
             binary?: boolean;
         };
         /**
-         * ProgramTrial
-         * @description What an emulated module, set as this one is, did with a program; the columns have a row each 0.02 s.
-         */
-        ProgramTrial: {
-            /**
-             * Status
-             * @enum {string}
-             */
-            status: "stopped" | "running" | "stepping" | "reset";
-            /** Downloading */
-            downloading: boolean;
-            /**
-             * Counter
-             * @description address of the command that is done next, or waits
-             */
-            counter: number;
-            /** Accumulator */
-            accumulator: number;
-            /** X */
-            x: number;
-            /**
-             * Error
-             * @description status of the latest command that was refused; null where it is not told
-             */
-            error: number | null;
-            /**
-             * Variables
-             * @description those that were asked for, by number
-             */
-            variables: {
-                [key: string]: number;
-            };
-            /**
-             * Ended
-             * @description by itself; when its time was over; when it had taken too much of the processor
-             * @enum {string}
-             */
-            ended: "stopped" | "time" | "work";
-            /** Flags */
-            flags: string[];
-            /** Stack */
-            stack: number[];
-            /** Time S */
-            time_s: number[];
-            /**
-             * Position
-             * @description [microsteps]
-             */
-            position: number[];
-            /** Velocity Pps */
-            velocity_pps: number[];
-            /**
-             * Counters
-             * @description address of the command that was next, or waited
-             */
-            counters: number[];
-        };
-        /**
-         * ProgramTrialStart
-         * @description A program to be tried on an emulator.
-         */
-        ProgramTrialStart: {
-            /**
-             * Text
-             * @description one command a line; labels, constants and #include as in the maker's manual
-             */
-            text: string;
-            /**
-             * Name
-             * @description what its file is called in messages
-             * @default program
-             */
-            name?: string;
-            /**
-             * Files
-             * @description files that it includes, by name
-             */
-            files?: {
-                [key: string]: string;
-            };
-            /**
-             * Address
-             * @description where it begins
-             * @default 0
-             */
-            address?: number;
-            /**
-             * Duration S
-             * @description how long, of the emulator's time [s]
-             * @default 10
-             */
-            duration_s?: number;
-        };
-        /**
          * PwmState
          * @description STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set.
          */
@@ -9546,12 +9462,6 @@ export interface components {
             write_note: string;
             /** Volatile */
             volatile: boolean;
-            /**
-             * Untold
-             * @description what no source tells of it
-             * @default []
-             */
-            untold: ("width" | "access" | "reset" | "clearing")[];
             /**
              * Stored
              * @description whether an EEPROM keeps it: with every write, when told to store it, or not at all
@@ -11664,6 +11574,115 @@ export interface components {
             name: string;
             /** Axis */
             axis: number | null;
+        };
+        /**
+         * VelocityProfileBody
+         * @description A velocity over time: knots between which it is linear, or with `rate_hz` null the very points to send.
+         */
+        VelocityProfileBody: {
+            /**
+             * Time S
+             * @description rising from 0 [s]
+             */
+            time_s: number[];
+            /**
+             * Velocity Pps
+             * @description one for each time; 0 at the first and the last [pps]
+             */
+            velocity_pps: number[];
+            /**
+             * Rate Hz
+             * @description points to send a second, on straight lines between those given; null: those given
+             */
+            rate_hz?: number | null;
+        };
+        /**
+         * VelocityProfileLateness
+         * @description How late each point was.
+         */
+        VelocityProfileLateness: {
+            /**
+             * Time S
+             * @description when each was due, from the start on [s]
+             */
+            time_s: number[];
+            /**
+             * Late Ms
+             * @description until the chip had answered it [ms]; null for one that was left out, or not sent yet
+             */
+            late_ms: (number | null)[];
+        };
+        /**
+         * VelocityProfileState
+         * @description How a velocity profile goes, or went; lateness is of the points sent so far.
+         */
+        VelocityProfileState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            summary: components["schemas"]["VelocityProfileSummary"] | null;
+            /** Sent */
+            sent: number;
+            /**
+             * Skipped
+             * @description points left out because the next one was due already
+             */
+            skipped: number;
+            /** Late Median Ms */
+            late_median_ms: number | null;
+            /** Late P99 Ms */
+            late_p99_ms: number | null;
+            /** Late Max Ms */
+            late_max_ms: number | null;
+            /**
+             * Position
+             * @description where it ended [microsteps]
+             */
+            position: number | null;
+            /** Message */
+            message: string;
+        };
+        /**
+         * VelocityProfileSummary
+         * @description What a velocity profile asks for.
+         */
+        VelocityProfileSummary: {
+            /** Points */
+            points: number;
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Peak Pps
+             * @description as the chip rounds it [pps]
+             */
+            peak_pps: number;
+            /**
+             * Acceleration Pps2
+             * @description of the steepest part [pps^2]
+             */
+            acceleration_pps2: number;
+            /**
+             * Lowest
+             * @description the lowest position on the way [microsteps]
+             */
+            lowest: number;
+            /**
+             * Highest
+             * @description [microsteps]
+             */
+            highest: number;
+            /**
+             * End
+             * @description where it ends if every point comes in time [microsteps]
+             */
+            end: number;
+            /**
+             * Step Pps
+             * @description the chip's step of velocity [pps]
+             */
+            step_pps: number;
         };
         /**
          * WireHealth
@@ -16016,6 +16035,364 @@ export interface operations {
             };
         };
     };
+    get_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VelocityProfileBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_velocity_profile_lateness: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileLateness"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    check_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VelocityProfileBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileSummary"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_calibration: {
         parameters: {
             query?: never;
@@ -17169,105 +17546,6 @@ export interface operations {
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    try_program: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ProgramTrialStart"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ProgramTrial"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;

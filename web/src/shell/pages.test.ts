@@ -32,6 +32,7 @@ describe("pages", () => {
       "Bench",
       "Registers",
       "Ramps",
+      "Velocity profile",
       "Microsteps",
       "Driver chain",
       "Rotary",

@@ -1,4 +1,4 @@
-import { IconBinaryTree, IconChartLine } from "@tabler/icons-react";
+import { IconBinaryTree, IconChartLine, IconWaveSine } from "@tabler/icons-react";
 import { can } from "../../api/queries";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
@@ -11,6 +11,10 @@ export const tmc428: Family = {
     {
       ...page(20, "/ramps", "Ramps", "Ramps", IconChartLine, { needs: ["ramp.pmul"], alone: true, topic: "ramp" }),
       load: () => import("./ramps/RampsPage"),
+    },
+    {
+      ...page(25, "/velocity", "Velocity profile", "v(t)", IconWaveSine, { needs: ["ramp.pmul"] }),
+      load: () => import("./velocity/VelocityPage"),
     },
     {
       ...page(60, "/chain", "Driver chain", "Chain", IconBinaryTree, {
