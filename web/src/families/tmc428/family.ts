@@ -1,4 +1,4 @@
-import { IconBinaryTree, IconChartLine, IconWaveSine } from "@tabler/icons-react";
+import { IconBinaryTree, IconChartLine, IconTimeline } from "@tabler/icons-react";
 import { can } from "../../api/queries";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
@@ -13,7 +13,7 @@ export const tmc428: Family = {
       load: () => import("./ramps/RampsPage"),
     },
     {
-      ...page(25, "/velocity", "Velocity profile", "v(t)", IconWaveSine, { needs: ["ramp.pmul"] }),
+      ...page(25, "/velocity", "Velocity profile", "v(t)", IconTimeline, { needs: ["ramp.pmul"] }),
       load: () => import("./velocity/VelocityPage"),
     },
     {

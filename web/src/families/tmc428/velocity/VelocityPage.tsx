@@ -1,6 +1,6 @@
 import { Alert, Button, FileButton, Group, Progress, SegmentedControl, Text, Textarea } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
-import { IconPlayerPlay, IconPlayerStop, IconUpload, IconWaveSine } from "@tabler/icons-react";
+import { IconPlayerPlay, IconPlayerStop, IconTimeline, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
@@ -311,7 +311,7 @@ export default function VelocityPage() {
   if (device === undefined)
     return (
       <Page name={PAGE}>
-        <NoDevice icon={<IconWaveSine size={22} aria-hidden />} wanted="a chip that takes velocities one by one" />
+        <NoDevice icon={<IconTimeline size={22} aria-hidden />} wanted="a chip that takes velocities one by one" />
       </Page>
     );
   return <Player key={`${device.id}/${axis}`} device={device} axis={axis} />;
