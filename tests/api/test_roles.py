@@ -25,6 +25,7 @@ TOO_LOW = "/problems/role-too-low"
 PROCEDURES = (
     "/reference-search",
     "/shuttle",
+    "/velocity-profile",
     "/closed-loop-calibration",
     "/step-response",
     "/disturbance",
@@ -68,7 +69,8 @@ def expected(method: str, path: str) -> Role:
         and ((method == "POST" and short.endswith("/stop")) or (method == "DELETE" and short.endswith(PROCEDURES)))
     )
     computes = short.startswith("/calc/") or short in ("/recordings/compare", "/profiles/compare")
-    computes = computes or short.endswith(("/program/assemble", "/program/disassemble", "/program/try"))
+    free = ("/program/assemble", "/program/disassemble", "/program/try", "/velocity-profile/check")
+    computes = computes or short.endswith(free)
     return "look" if stops or (method == "POST" and (computes or short == "/access/log-out")) else "drive"
 
 
