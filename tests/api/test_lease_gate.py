@@ -38,6 +38,9 @@ FREE = {
     ("DELETE", f"{AXIS}/closed-loop-calibration"),
     ("DELETE", f"{AXIS}/step-response"),
     ("DELETE", f"{AXIS}/disturbance"),
+    ("DELETE", f"{AXIS}/velocity-profile"),
+    # A profile that is only judged moves nothing.
+    ("POST", f"{AXIS}/velocity-profile/check"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.
     ("POST", "/devices/{device}/program/stop"),
     ("DELETE", "/devices/{device}/program/debug"),
