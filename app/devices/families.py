@@ -20,9 +20,10 @@ from .listed.family import FAMILY as LISTED
 from .tmc5xxx.family import FAMILY as TMC5XXX
 from .tmc428.family import FAMILY as TMC428
 from .tmc4361.family import FAMILY as TMC4361
+from .tmcdrivers.family import FAMILY as TMCDRIVERS
 from .tmcl.family import FAMILY as TMCL
 
-FAMILIES = (TMC428, TMC4361, TMC5XXX, TMCL, LISTED)
+FAMILIES = (TMC428, TMC4361, TMC5XXX, TMCDRIVERS, TMCL, LISTED)
 _BY_NAME = {family.name: family for family in FAMILIES}
 
 

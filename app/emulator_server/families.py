@@ -10,9 +10,11 @@ from . import modules
 from .line import LineMaker
 from .listed import line as listed
 from .tmc5xxx import line as tmc5xxx
+from .tmcdrivers import line as tmcdrivers
 
 LINES: Mapping[str, LineMaker] = {
     "tmc5xxx": tmc5xxx.make_line,
+    "tmcdrivers": tmcdrivers.make_line,
     "tmcl": modules.make_line,
     "listed": listed.make_line,
 }

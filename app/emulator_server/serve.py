@@ -46,8 +46,8 @@ def is_line(model: str) -> bool:
 
 
 def shows_uart(model: str, *, asked: bool) -> bool:
-    """Whether an emulated `model` is to be reached by its UART, where that was `asked` for; else by raw frames."""
-    return asked and is_model(model) and find_model(model).uart != ""
+    """Whether an emulated `model` is to be reached by its UART: where that was `asked` for, or it has nothing else."""
+    return is_model(model) and find_model(model).uart != "" and (asked or find_model(model).uart_alone)
 
 
 def emulate(

@@ -1,4 +1,4 @@
-"""Datagrams of the single-wire UART of the TMC5xxx, both ways, with their CRC: pure functions, no port.
+"""Datagrams of the single-wire UART of the TMC5xxx and TMC22xx, both ways, with their CRC: pure functions, no port.
 
 TMC5072, 5130 and 5160 (API headers and public host code of the maker): a write is sync 05, node, register + 0x80, 32
 bits, CRC; a read is sync, node, register, CRC; the answer is sync, FF for the host, register, 32 bits, CRC. A TMC5062
@@ -146,6 +146,16 @@ def form_of(model: str, node: int = 0) -> UartForm:
 def kind_of(model: str) -> Literal["", "plain", "node"]:
     """What `model` has: no single-wire UART, one that it is alone on, or one where it has a node address."""
     return catalog.find_model(model).uart
+
+
+def alone(model: str) -> bool:
+    """Whether nothing but its UART leads to the chip `model`."""
+    return catalog.is_model(model) and catalog.find_model(model).uart_alone
+
+
+def node_max(model: str) -> int:
+    """The greatest node address that `model` can have."""
+    return (catalog.find_model(model).nodes or NODE_MAX + 1) - 1
 
 
 def _closed(body: bytes) -> bytes:

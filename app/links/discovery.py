@@ -30,8 +30,8 @@ USUAL_ADDRESSES = tuple(range(1, 9))
 USUAL_NODES = tuple(range(4))
 USUAL_UART_BAUDS = (UART_BAUD, 57_600, 9600)
 """Chips measure the rate, so one would do; a long wire may be too slow for the first."""
-INPUTS = 0x04
-"""IOIN, INPUT: bits 31..24 are the version of the chip."""
+INPUTS = tuple(dict.fromkeys(model.version_address for model in MODELS.values() if model.uart))
+"""IOIN, INPUT: bits 31..24 are the version of the chip. Which register that is differs."""
 WAIT_S = 0.06
 """For an answer, beyond its time on the wire [s]: adapters collect bytes for up to 16 ms, modules take 5."""
 SOCKET_WAIT_S = 0.3
@@ -149,10 +149,10 @@ async def probe_chips(
                 timeout_s=SOCKET_WAIT_S if baud is None else WAIT_S,
             )
             async with aclosing(port_of_chip):
-                version = await _ask_chip(port_of_chip)
+                answer = await _ask_chip(port_of_chip, node)
             done += 1
-            if version is not None:
-                chip = _chip_of(version, node)
+            if answer is not None:
+                version, chip = answer
                 text = f"version {version:#04x}"
                 found.append(FoundModule(port, baud, node or 0, version, text, "", chip, node, uart=True))
         if found:
@@ -162,10 +162,15 @@ async def probe_chips(
     return found
 
 
-def _chip_of(version: int, node: int | None) -> str:
-    """The chip with a UART of that kind whose VERSION it is; empty where there is none."""
+def _chip_of(version: int, address: int, node: int | None) -> str:
+    """The chip with a UART of that kind whose VERSION it is, read at `address`; empty where there is none."""
     uart = "plain" if node is None else "node"
-    return next((known.title for known in MODELS.values() if known.uart == uart and known.version == version), "")
+    found = (
+        known.title
+        for known in MODELS.values()
+        if (known.uart, known.version_address, known.version) == (uart, address, version)
+    )
+    return next(found, "")
 
 
 def _rates(url: str, line: Line, bauds: Sequence[int] | None, usual: Sequence[int]) -> Sequence[int | None]:
@@ -179,13 +184,19 @@ def _rates(url: str, line: Line, bauds: Sequence[int] | None, usual: Sequence[in
     return [line.baud]
 
 
-async def _ask_chip(chip: UartPort) -> int | None:
-    """The version of the chip; None where nobody answers."""
-    try:
-        reply = await LinkQueue(chip).exchange(chip.form.read(INPUTS), Priority.SAMPLE)
-        return chip.form.data_of(INPUTS, reply) >> 24
-    except (LinkTimeout, BadReply):
-        return None
+async def _ask_chip(chip: UartPort, node: int | None) -> tuple[int, str] | None:
+    """The version of the chip, and its model where one is known by that; None where nobody answers."""
+    first: int | None = None
+    for address in INPUTS:
+        try:
+            reply = await LinkQueue(chip).exchange(chip.form.read(address), Priority.SAMPLE)
+            version = chip.form.data_of(address, reply) >> 24
+        except (LinkTimeout, BadReply):
+            break
+        if known := _chip_of(version, address, node):
+            return version, known
+        first = version if first is None else first
+    return None if first is None else (first, "")
 
 
 async def _ask(module: LinePort) -> tuple[int, str, Board | None] | None:

@@ -10,8 +10,9 @@ import heapq
 import time
 from collections.abc import Callable, Sequence
 
-from ..errors import BenchError, LinkDown, LinkTimeout
-from . import datagram40
+from ..errors import BadReply, BenchError, LinkDown, LinkTimeout
+from . import datagram40, datagram_uart
+from .datagram_uart import IFCNT, UartForm
 from .port import PortTraits, SampleSink, Wire
 
 SAMPLES_WITHIN_S = 0.03
@@ -53,6 +54,7 @@ class EmulatorPort:
         self._last_exchange_s = wire.clock.now()
         self._due: list[tuple[float, int, _Sampling]] = []
         self._order = 0
+        self._exchange = self._over_uart if datagram_uart.alone(wire.model) else wire.exchange
         self._unsolicited: Callable[[float], list[tuple[float, bytes]]] | None = getattr(wire, "unsolicited", None)
         self._event_listeners: list[Callable[[bytes], None]] = []
 
@@ -85,7 +87,7 @@ class EmulatorPort:
         clock = self.wire.clock
         skipped_s = clock.skipped_s
         try:
-            reply = self.wire.exchange(frame, at_s)
+            reply = self._exchange(frame, at_s)
         except TimeoutError as error:
             raise LinkTimeout(self._name, 0.0, f"frame {frame.hex(' ')}") from error
         except ConnectionError as error:
@@ -94,6 +96,33 @@ class EmulatorPort:
         self._last_exchange_s = at_s if clock.skipped_s == skipped_s else min(at_s, clock.now())
         if self._event_listeners:
             self._tell_events(at_s)
+        return reply
+
+    def _over_uart(self, frame: bytes, at_s: float) -> bytes:
+        """A datagram to a chip that has a UART alone. Behind a write it is asked for IFCNT, as over a line of its own.
+
+        Raises TimeoutError where no answer comes, BadReply where one is damaged or a write was not counted.
+        """
+        form = UartForm(frame[1])
+        if not form.is_write(frame):
+            return self._asked(form, frame, at_s)
+        counting = form.read(IFCNT)
+        before = self._asked(form, counting, at_s)[-2]
+        self.wire.exchange(frame, at_s)
+        reply = self._asked(form, counting, at_s)
+        counted = reply[-2] - before & 0xFF
+        if counted != 1:
+            raise BadReply(self._name, f"the chip counted {counted} writes instead of 1", reply)
+        return reply
+
+    def _asked(self, form: UartForm, frame: bytes, at_s: float) -> bytes:
+        reply = self.wire.exchange(frame, at_s)
+        if not reply:
+            raise TimeoutError
+        try:
+            form.data_of(form.register_of(frame), reply)
+        except ValueError as error:
+            raise BadReply(self._name, str(error), reply) from error
         return reply
 
     def take_turn(self) -> float:
@@ -177,7 +206,7 @@ class EmulatorPort:
         return failure
 
     def _take(self, sampling: _Sampling, chip_s: float) -> BenchError | None:
-        exchange, skipped_s = self.wire.exchange, self.wire.clock.skipped_s
+        exchange, skipped_s = self._exchange, self.wire.clock.skipped_s
         try:
             replies = b"".join([exchange(frame, chip_s) for frame in sampling.frames])
         except TimeoutError:
@@ -186,6 +215,9 @@ class EmulatorPort:
         except ConnectionError as error:
             self.samples_missed += 1
             return LinkDown(self._name, str(error) or "unplugged")
+        except BadReply as error:
+            self.samples_missed += 1
+            return error
         if self.wire.clock.skipped_s != skipped_s:
             self.samples_missed += 1  # it was asked at another time than it was due
             return None

@@ -273,10 +273,10 @@ def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
         motor = link.get("motor", 0)
         assert isinstance(motor, int)  # the factory of the port has checked it
         return BoardAccess(f"{BOARD} {link.get('port', '')}", motor, catalog.find_model(model).slot)
-    if kind == "uart":
+    if kind == "uart" or datagram_uart.alone(model):
         node = link.get("node", 0)
         assert isinstance(node, int)  # likewise
-        return UartAccess(f"uart {link.get('port', '')}", datagram_uart.form_of(model, node))
+        return UartAccess(f"{kind} {link.get('port', '')}".rstrip(), datagram_uart.form_of(model, node))
     if not datagram40.speaks(model):  # emulated here: as through a board, where there is no SPI that we could speak
         return BoardAccess(str(kind), slot=catalog.find_model(model).slot)
     return Spi40Access(str(kind), datagram40.fetch_of(model))

@@ -94,7 +94,7 @@ def uart_factory(model: str, link: Link, clock: Clock) -> FramePort:
         raise UsageError(f"echo is {', '.join(get_args(Echo))}, not {echo!r}")
     return uart_line.uart_port(
         port_url(_text(link, "port")),
-        datagram_uart.form_of(model, _whole(link, "node", 0, 0, datagram_uart.NODE_MAX)),
+        datagram_uart.form_of(model, _whole(link, "node", 0, 0, datagram_uart.node_max(model))),
         baud=_whole(link, "baud", uart_line.BAUD, UART_BAUD_MIN, 4_000_000),
         echo=cast("Echo", echo),
         timeout_s=_timeout_s(link),

@@ -32,8 +32,8 @@ Echo = Literal["auto", "on", "off"]
 FENCES = (IFCNT, 0x00, 0x04, 0x20, 0x22, 0x2D, 0x6A, 0x6C)
 """Registers that every chip answers and that reading does not change: IFCNT, GCONF, the inputs, RAMPMODE, VACTUAL,
 XTARGET, MSCNT, CHOPCONF."""
-STOPPING = (0x27 | WRITE_BIT, 0x47 | WRITE_BIT)
-"""VMAX of either axis: zero in it ends a motion."""
+STOPPING = (0x27 | WRITE_BIT, 0x47 | WRITE_BIT, 0x22 | WRITE_BIT)
+"""VMAX of either axis, and VACTUAL of a driver that can be told it: zero in it ends a motion."""
 NOBODY = -1
 """Stands for the node of a chip that has none."""
 

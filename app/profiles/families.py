@@ -10,12 +10,14 @@ from .rules import ProfileRules
 from .tmc5xxx import rules as tmc5xxx
 from .tmc428 import rules as tmc428
 from .tmc4361 import rules as tmc4361
+from .tmcdrivers import rules as tmcdrivers
 from .tmcl import rules as tmcl
 
 FAMILIES: Mapping[str, ProfileRules] = {
     "tmc428": tmc428.RULES,
     "tmc4361": tmc4361.RULES,
     "tmc5xxx": tmc5xxx.RULES,
+    "tmcdrivers": tmcdrivers.RULES,
     "tmcl": tmcl.RULES,
     "listed": listed.RULES,
 }

@@ -28,6 +28,8 @@ Capability = Literal[
     "position_latch",
     "store",
     "programs",
+    "step_input",
+    "own_velocity",
 ]
 
 TITLES: dict[Capability, str] = {
@@ -54,5 +56,7 @@ TITLES: dict[Capability, str] = {
     "position_latch": "chips that latch the position at a switch",
     "store": "modules with an EEPROM",
     "programs": "modules that execute programs",
+    "step_input": "drivers that are stepped from outside",
+    "own_velocity": "drivers that turn at a velocity of their own",
 }
 """Whom a page that needs it is for: "This page is for chips with S-ramps"."""

@@ -11,12 +11,14 @@ from .listed import package
 from .tmc5xxx import models as tmc5xxx
 from .tmc428 import models as tmc428
 from .tmc4361 import models as tmc4361
+from .tmcdrivers import models as tmcdrivers
 from .tmcl import models as tmcl
 
 FAMILIES: tuple[tuple[Model, ...], ...] = (
     tmc428.MODELS,
     tmc4361.MODELS,
     tmc5xxx.MODELS,
+    tmcdrivers.MODELS,
     tmcl.MODELS,
 )
 

@@ -67,8 +67,22 @@ class Model:
     """How that board leads to it."""
     tier: Tier = "full"
     """How deep it is known: with calculators and a physical emulator, or by the names of its parameters alone."""
+    nodes: int = 0
+    """How many addresses its UART has, from 0 on; 0: as many as a datagram can say."""
     version: int | None = None
     """What a chip with a VERSION shows there; None for those that have none."""
+    version_address: int = 0x04
+    """The register that has VERSION, in bits 31..24."""
+
+    @property
+    def uart_alone(self) -> bool:
+        """Whether it is a chip that nothing but its UART leads to, whose emulator has that."""
+        return self.tier == "full" and self.uart != "" and not self.datagram_bits
+
+    @property
+    def counts_position(self) -> bool:
+        """Whether it knows where the motor is beyond an electrical turn: what is stepped from outside does not."""
+        return not self.can("step_input")
 
     def can(self, capability: Capability) -> bool:
         return capability in self.capabilities

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     SRampName = str
     SixPointName = str
     MslutName = str
+    DriverName = str
+    ChopperName = str
 else:
     ModelName = _of(*MODELS)
     AnyModelName = ModelName | ListedName
@@ -48,3 +50,5 @@ else:
     SRampName = _that_can("ramp.s")
     SixPointName = _that_can("ramp.sixpoint")
     MslutName = _that_can("microsteps.mslut")
+    DriverName = _that_can("step_input")
+    ChopperName = _that_can("chopper")

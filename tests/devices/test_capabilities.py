@@ -19,6 +19,7 @@ from app.devices.core.capabilities import (
     MslutTable,
     ParameterStore,
     PositionFromEncoder,
+    ProgramMemory,
     TmclCommands,
 )
 from app.devices.core.device import Device
@@ -112,6 +113,9 @@ async def can(made: Bench) -> set[Capability]:
         "position_compare": any(device.counter.compare_register(axis) is not None for axis in axes),
         "position_latch": all(device.counter.latch_register(axis) is not None for axis in axes),
         "store": device.part(ParameterStore) is not None,
+        "programs": device.part(ProgramMemory) is not None,
+        "step_input": not _every_axis(device, "position"),
+        "own_velocity": any(row.name == "VACTUAL" and row.access.writable for row in model.table),
     }
     assert set(shown) == set(get_args(Capability)), "a capability that no driver is asked for may be a lie"
     return {capability for capability, there in shown.items() if there}

@@ -20,6 +20,7 @@ from app.devices.tmc4361 import start_up as start_4361
 from app.emulators.build import build_emulator, options_of
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
+from app.emulators.tmcdrivers import EmulatedDriver
 from app.errors import OutOfRange
 from app.links import datagram32, tmcl
 from app.links.emulator import EmulatorPort
@@ -81,7 +82,7 @@ class Bench:
 
     def _held(self, item: Item) -> int:
         far_end = self.wire.far_end
-        if isinstance(far_end, EmulatedTmc5xxx):
+        if isinstance(far_end, EmulatedTmc5xxx | EmulatedDriver):
             return far_end._chip.held(item.row.address)
         if isinstance(far_end, EmulatedTmc4361):
             return int(far_end._chip.r[item.row.address])
@@ -123,6 +124,8 @@ async def set_up(device: Device) -> None:
         await start_4361.start_up(
             device, start_4361.Start(vmax=50_000, amax=200_000, bow=2_000_000, counts_per_rev=40_000)
         )
+    elif MODELS[device.model].can("step_input"):
+        await device.registers.write("IHOLD_IRUN", None, fields={"IRUN": 20, "IHOLD": 8})
     elif device.model not in MODULES:
         starts = [start_5xxx.Start(vmax=50_000, amax=200_000, vstart=0, irun=20, ihold=8)] * len(device.axes)
         await start_5xxx.start_up(device, starts)

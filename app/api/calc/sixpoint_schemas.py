@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..schemas import Answer, Body, Flag, Tmc5xxxName
+from ...registers.names import ChopperName
+from ..schemas import Answer, Body, Flag
 
 Amperes = Annotated[float, Field(strict=True, ge=1e-3, le=100, allow_inf_nan=False)]
 Ohms = Annotated[float, Field(strict=True, ge=1e-3, le=1e6, allow_inf_nan=False)]
@@ -53,7 +54,7 @@ class CoilCurrent(Body):
     the two for the run current, at most one for the hold current.
     """
 
-    model: Tmc5xxxName
+    model: ChopperName
     clock_hz: ClockHz = 16e6
     sense_resistor_ohm: Ohms | None = Field(
         default=None, description="external; TMC5130: null measures inside of the chip (internal_Rsense)"
@@ -145,7 +146,7 @@ class CoilCurrentResult(Answer):
 class Chopper(Body):
     """A motor, its supply and its current, for which settings to begin with are to be found."""
 
-    model: Tmc5xxxName
+    model: ChopperName
     clock_hz: ClockHz = 16e6
     resistance_ohm: Ohms = Field(description="of a coil")
     inductance_h: Henries = Field(description="of a coil")

@@ -77,6 +77,7 @@ def _entry(model: Model, registers: int | None) -> CatalogEntry:
         wires=[_wire(model, kind) for kind in WIRES if kind in model.wires],
         datagram_bits=model.datagram_bits,
         uart=model.uart,
+        nodes=model.nodes,
         current_scale=model.current_scale,
     )
 
@@ -85,6 +86,8 @@ def _wire(model: Model, kind: Wire) -> WireRow:
     known = WIRES[kind]
     by_board = known.frames == "datagram" and not model.datagram_bits  # of an emulated chip whose SPI is not known
     frames = "tmcl" if model.kind == "module" else "board" if by_board else known.frames
+    if model.uart_alone:
+        frames = "uart"
     return WireRow(kind=kind, title=known.title, frames=frames)
 
 

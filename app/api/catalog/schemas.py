@@ -115,10 +115,11 @@ class CatalogEntry(Answer):
     clock_hz_max: float
     capabilities: list[Capability] = Field(description="what it can, by the words of `GET /catalog/capabilities`")
     wires: list[WireRow]
-    datagram_bits: int = Field(description="length of a chip's datagram on SPI; 0 for a module")
+    datagram_bits: int = Field(description="length of a chip's datagram on SPI; 0 for a module, and a chip without SPI")
     uart: Literal["", "plain", "node"] = Field(
         description="of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several"
     )
+    nodes: int = Field(description="how many node addresses its UART has; 0: as many as a datagram can say")
     current_scale: Literal["", "sense_resistor", "full_scale"] = Field(
         description="what a soft limit of its current needs beside it; empty where it sets no current"
     )

@@ -10,10 +10,11 @@ from ...emulators.listed.options import ListedOptions
 from ...emulators.tmc5xxx.options import Tmc5xxxOptions
 from ...emulators.tmc428.options import EmulatorOptions
 from ...emulators.tmc4361.options import Tmc4361Options
+from ...emulators.tmcdrivers.options import TmcDriverOptions
 from ...emulators.tmcl.options import TmclOptions
 from ...form_hints import REST_ONLY, form
 from ...registers.catalog import kind_of
-from ...registers.names import AnyModelName, ListedName, ModuleName
+from ...registers.names import AnyModelName, DriverName, ListedName, ModuleName
 from ..calc.schemas import ClockHz
 from ..links.schemas import Address, Baud
 from ..schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, Name, Tmc5xxxName
@@ -62,6 +63,12 @@ class Chip40EmulatorLink(Tmc4361Options):
 
 class SixPointEmulatorLink(Tmc5xxxOptions):
     """A TMC5xxx emulated in this server, with motors, stages and encoders."""
+
+    kind: Literal["emulator"]
+
+
+class DriverEmulatorLink(TmcDriverOptions):
+    """A driver emulated in this server, with a motor."""
 
     kind: Literal["emulator"]
 
@@ -173,7 +180,7 @@ class LandungsbrueckeLink(Body):
 
 
 class UartLink(Body):
-    """A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address."""
+    """A chip on the single wire of its UART. Several may share the wire, each by its node address."""
 
     kind: Literal["uart"]
     port: SerialPort = Field(title="Port of the UART")
@@ -186,7 +193,7 @@ class UartLink(Body):
     node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
         default=0,
         title="Node address",
-        description="NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none",
+        description="NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none",
         json_schema_extra=form(where={"uart": ["node"]}),
     )
     timeout_s: LineSeconds = 0.25
@@ -215,6 +222,7 @@ Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | Landungsbruec
 SixPointLink = Annotated[
     SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
 ]
+DriverLink = Annotated[DriverEmulatorLink | UartLink, Field(discriminator="kind")]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]
@@ -232,6 +240,7 @@ AnyLink = (
     | UartLink
     | Chip40EmulatorLink
     | SixPointEmulatorLink
+    | DriverEmulatorLink
     | ModuleEmulatorLink
     | ModuleTcpLink
     | ModuleSerialLink
@@ -282,6 +291,13 @@ class SixPointCreate(_Create):
     link: SixPointLink
 
 
+class DriverCreate(_Create):
+    """A connection to a driver that is stepped from outside."""
+
+    model: DriverName
+    link: DriverLink
+
+
 class ModuleCreate(_Create):
     """A connection to a module. Axes that are not given get defaults."""
 
@@ -307,11 +323,12 @@ OF_MODELS: dict[str, object] = {
     "chip": ChipName,
     "chip40": Chip40Name,
     "sixpoint": Tmc5xxxName,
+    "driver": DriverName,
     "module": ModuleName,
 }
 
 
-def _of_model(body: object) -> str:
+def of_model(body: object) -> str:
     """Whose shape a body has, by its model; that of a listed one where no other knows it."""
     name = body.get("model") if isinstance(body, dict) else getattr(body, "model", None)
     other = "listed-chip" if isinstance(name, str) and kind_of(name) == "chip" else "listed"
@@ -324,10 +341,11 @@ class DeviceCreate(
             Annotated[ChipCreate, Tag("chip")]
             | Annotated[Chip40Create, Tag("chip40")]
             | Annotated[SixPointCreate, Tag("sixpoint")]
+            | Annotated[DriverCreate, Tag("driver")]
             | Annotated[ModuleCreate, Tag("module")]
             | Annotated[ListedCreate, Tag("listed")]
             | Annotated[ListedChipCreate, Tag("listed-chip")],
-            Discriminator(_of_model),
+            Discriminator(of_model),
         ]
     ]
 ):
@@ -353,6 +371,13 @@ class SixPointTrial(Body):
 
     model: Tmc5xxxName
     link: SixPointLink
+
+
+class DriverTrial(Body):
+    """A link to a driver, to be tried."""
+
+    model: DriverName
+    link: DriverLink
 
 
 class ModuleTrial(Body):
@@ -382,10 +407,11 @@ class DeviceTrial(
             Annotated[ChipTrial, Tag("chip")]
             | Annotated[Chip40Trial, Tag("chip40")]
             | Annotated[SixPointTrial, Tag("sixpoint")]
+            | Annotated[DriverTrial, Tag("driver")]
             | Annotated[ModuleTrial, Tag("module")]
             | Annotated[ListedTrial, Tag("listed")]
             | Annotated[ListedChipTrial, Tag("listed-chip")],
-            Discriminator(_of_model),
+            Discriminator(of_model),
         ]
     ]
 ):
@@ -396,6 +422,7 @@ EMULATORS: dict[str, type[BaseModel]] = {
     "emulator": EmulatorOptions,
     "chip40-emulator": Tmc4361Options,
     "sixpoint-emulator": Tmc5xxxOptions,
+    "driver-emulator": TmcDriverOptions,
     "module-emulator": TmclOptions,
 }
 
@@ -431,6 +458,7 @@ class DeviceChange(Body):
             Annotated[EmulatorLink, Tag("emulator")]
             | Annotated[Chip40EmulatorLink, Tag("chip40-emulator")]
             | Annotated[SixPointEmulatorLink, Tag("sixpoint-emulator")]
+            | Annotated[DriverEmulatorLink, Tag("driver-emulator")]
             | Annotated[TcpLink, Tag("tcp")]
             | Annotated[SpidevLink, Tag("spidev")]
             | Annotated[LandungsbrueckeLink, Tag("landungsbruecke")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
-from typing import cast, get_args
+from typing import cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -20,7 +20,6 @@ from ...devices.core.session import Axis
 from ...emulators.build import family_of
 from ...emulators.core.family import Emulator
 from ...errors import UsageError, WrongState
-from ...links import datagram40
 from ...links.emulator import EmulatorPort
 from ...links.registry import Link
 from ...procedures import closed_loop
@@ -39,7 +38,6 @@ from ..schemas import (
     DeviceInfo,
     RegisterBatchResult,
     RegisterWritten,
-    Tmc5xxxName,
 )
 from ..tables.schemas import ChainBit, ChainTable, DriverSpecIn
 from .schemas import (
@@ -48,6 +46,8 @@ from .schemas import (
     Chip40Link,
     ChipCreate,
     ChipLink,
+    DriverCreate,
+    DriverLink,
     ListedChipCreate,
     ListedChipLink,
     ListedCreate,
@@ -56,6 +56,7 @@ from .schemas import (
     ModuleLink,
     SixPointCreate,
     SixPointLink,
+    of_model,
 )
 
 
@@ -72,9 +73,10 @@ _LINKS: dict[str, TypeAdapter[AnyLink]] = {
     "chip": TypeAdapter(ChipLink),
     "chip40": TypeAdapter(Chip40Link),
     "sixpoint": TypeAdapter(SixPointLink),
+    "driver": TypeAdapter(DriverLink),
     "module": TypeAdapter(ModuleLink),
-    "listed module": TypeAdapter(ListedLink),
-    "listed chip": TypeAdapter(ListedChipLink),
+    "listed": TypeAdapter(ListedLink),
+    "listed-chip": TypeAdapter(ListedChipLink),
 }
 
 
@@ -85,13 +87,10 @@ def suited(link: AnyLink, model: str) -> AnyLink:
 
 def require_suited(link: Link, model: str) -> AnyLink:
     """`suited` for a link as it is kept."""
-    family = MODELS[model]
-    kind = "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if datagram40.speaks(model) else family.kind
-    links = _LINKS[f"listed {family.kind}" if family.tier == "names" else kind]
     try:
-        return links.validate_python(dict(link))
+        return _LINKS[of_model({"model": model})].validate_python(dict(link))
     except ValidationError as error:
-        raise UsageError(f"this link does not suit a {family.title}: {findings(error)}") from error
+        raise UsageError(f"this link does not suit a {MODELS[model].title}: {findings(error)}") from error
 
 
 def link_of(link: AnyLink, clock_hz: float | None) -> Link:
@@ -108,7 +107,7 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
 
 def with_memory(
     link: Link,
-    wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate | ListedCreate | ListedChipCreate,
+    wanted: ChipCreate | Chip40Create | SixPointCreate | DriverCreate | ModuleCreate | ListedCreate | ListedChipCreate,
     others: Sequence[Device],
 ) -> Link:
     """An emulated module of a new connection gets a memory of its own, unless it was told another one."""

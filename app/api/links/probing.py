@@ -13,6 +13,7 @@ from ...links import evaluation_board
 from ...links.datagram_uart import NODE_MAX
 from ...links.discovery import FoundModule, ProbeProgress, probe, probe_chips
 from ...links.serial_address import port_url
+from ...registers.catalog import MODELS as CATALOG
 from ...registers.catalog import listings
 from ...registers.tmcl.modules import MODULES
 from .schemas import ProbeFound, ProbeState
@@ -26,7 +27,8 @@ _Look = Callable[
 
 MODELS = {module.number: name for name, module in MODULES.items()}
 """What modules call themselves, and the catalog."""
-"""What boards call their chips, and the catalog."""
+UART_CHIPS = {model.title: model.name for model in CATALOG.values() if model.uart}
+"""Chips that are found by their UART, as the search calls them and the catalog."""
 
 
 class Probing:
@@ -106,7 +108,10 @@ def _module(number: int) -> str | None:
 
 
 def _found(module: FoundModule) -> ProbeFound:
-    model = evaluation_board.chip_of(module.chip) if module.board or module.uart else _module(module.number)
+    if module.uart:
+        model = UART_CHIPS.get(module.chip)
+    else:
+        model = evaluation_board.chip_of(module.chip) if module.board else _module(module.number)
     return ProbeFound(
         kind="chip" if module.uart else "board" if module.board else "module",
         port=module.port,

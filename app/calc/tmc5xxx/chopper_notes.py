@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .chips import CHIPS, Sheet
+from ..families import CHIPS
+from .chips import Sheet
 
 __all__ = ["OWN", "SHEETS", "Figure", "Hints", "Setting", "Sheet", "Wishes", "picked"]
 

@@ -20,7 +20,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from .chips import CHIPS, Chip, Sensing
+from ..families import CHIPS
+from .chips import Chip, Sensing
 
 SCALES = 32
 SCALER_FULL = 256

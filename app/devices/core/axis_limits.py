@@ -72,7 +72,10 @@ class AxisLimits:
         return 0
 
     def require_model(self, model: str) -> None:
-        """Raises UsageError where the current is limited and nobody can tell what it is."""
+        """Raises UsageError where the current is limited and nobody can tell what it is, or the position of what counts
+        none."""
+        if self.ranged and not MODELS[model].counts_position:
+            raise UsageError("position_min and position_max cannot be kept here: a driver counts no position")
         if self.current_max_a is None:
             return
         scale = MODELS[model].current_scale

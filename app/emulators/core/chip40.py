@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from ...clock import Clock
 from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
 from .base import ChipFaults, FarEnd
+from .uart_end import UartChip, UartEnd
 
 
 class Chip40(Protocol):
@@ -39,7 +40,12 @@ class Chip40(Protocol):
         ...
 
 
+class UartChip40(Chip40, UartChip, Protocol):
+    """The same with a UART besides."""
+
+
 ChipT = TypeVar("ChipT", bound=Chip40)
+UartChipT = TypeVar("UartChipT", bound=UartChip40)
 StateT = TypeVar("StateT", bound=BaseModel)
 
 
@@ -105,3 +111,48 @@ class FarEnd40(FarEnd, Generic[ChipT, StateT]):
     @property
     def _quiet(self) -> bool:
         return self._chip.quiet
+
+
+class UartFarEnd40(FarEnd40[UartChipT, StateT]):
+    """The same of chips of which some have a UART: `uart` is its single wire; `read` and `write` are what both buses
+    reach, for an evaluation board whose firmware does the framing."""
+
+    def __init__(self, clock: Clock, time_scale: float, chip: UartChipT, clock_hz: float, seed: int) -> None:
+        super().__init__(clock, time_scale, chip, clock_hz, seed)
+        self._uart = UartEnd(chip)
+
+    # --- UART ------------------------------------------------------------------------------------
+
+    def uart(self, datagram: bytes, at_s: float | None = None) -> bytes:
+        """Answer one whole datagram of the single-wire UART at chip time `at_s` [s], by default now.
+
+        b"" where nothing is answered: a write, a wrong CRC, another node, no such datagram, a chip without UART. Then
+        nothing was obeyed either, but for the write. Raises ConnectionError while unplugged and TimeoutError while
+        silent, for a question only.
+        """
+        self._faults.require_plugged(self.model)
+        with self._lock:
+            self._run_until(at_s)
+            reply = self._uart.answer(datagram)
+            return self._faults.pass_on(self.model, reply, self._noise) if reply else b""
+
+    @property
+    def reply_delay_bits(self) -> int:
+        """Bit times between the end of a question and the answer: NODECONF.SENDDELAY."""
+        return self._uart.reply_delay_bits
+
+    # --- registers -------------------------------------------------------------------------------
+
+    def read(self, address: int, at_s: float | None = None) -> int:
+        """The word that a bus reads at `address`, with all consequences (flags that a read clears)."""
+        self._faults.require_plugged(self.model)
+        with self._lock:
+            self._run_until(at_s)
+            return self._chip.read(address)
+
+    def write(self, address: int, data: int, at_s: float | None = None) -> None:
+        """Write 32 bits as a bus does. IFCNT counts only what came over the UART."""
+        self._faults.require_plugged(self.model)
+        with self._lock:
+            self._run_until(at_s)
+            self._chip.write(address, data)

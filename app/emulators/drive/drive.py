@@ -36,6 +36,8 @@ _PLAIN = {
     "VIRTUAL_STOP_R": k.VRIGHT,
     "X_COMPARE_REPEAT": k.X_REPEAT,
 }
+JUMP = 1 << 33
+"""An acceleration that gets to every velocity in one tick."""
 _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
 _FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 1, 1 << 2, 1 << 4
 _BLANK_CLOCKS, _PWM_CLOCKS = (16, 24, 36, 54), (1024, 683, 512, 410)
@@ -418,6 +420,18 @@ class Drive:
         """DRV_STATUS.stst and stallGuard."""
         word = int(k.driver_stat(self._s))
         return bool(word >> 31), bool(word >> 24 & 1)
+
+    def turn_at(self, velocity: int) -> None:
+        """Turn at `velocity` [ramp units, signed] from the next tick on, without a ramp: VACTUAL of a driver alone.
+
+        Another direction takes one tick more, in which it stands. 0 stops it.
+        """
+        s = self._s
+        s[k.MODE] = k.FORWARD if velocity >= 0 else k.BACKWARD
+        s[k.VMAX] = abs(velocity) << k.VELOCITY_BITS
+        s[k.AMAX] = JUMP
+        s[k.A1] = s[k.V1] = 0
+        self._changed()
 
     @property
     def stall_stop_velocity(self) -> int | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
-from ..core.chip40 import FarEnd40
+from ..core.chip40 import UartFarEnd40
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
 from . import world
@@ -13,14 +13,12 @@ from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from .registers import Chip
 from .state import Tmc5xxxState
-from .uart import UartEnd
 
 
-class EmulatedTmc5xxx(FarEnd40[Chip, Tmc5xxxState]):
+class EmulatedTmc5xxx(UartFarEnd40[Chip, Tmc5xxxState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
-    `exchange` and `transfer` are its SPI, `uart` is its single wire; `read` and `write` are what both reach, for an
-    evaluation board whose firmware does the framing. All of them go by the same registers.
+    `exchange` and `transfer` are its SPI, `uart` is its single wire. Both go by the same registers.
     """
 
     def __init__(self, model: Tmc5xxxModel, clock: Clock, options: Tmc5xxxOptions | None = None) -> None:
@@ -28,48 +26,11 @@ class EmulatedTmc5xxx(FarEnd40[Chip, Tmc5xxxState]):
         self.options = options = (options or Tmc5xxxOptions()).for_clock(CHIPS[model].clock_hz)
         super().__init__(clock, options.time_scale, Chip(model, options), options.clock_hz, options.seed)
         self._model: Tmc5xxxModel = model
-        self._uart = UartEnd(self._chip)
 
     @property
     def model(self) -> Tmc5xxxModel:
         """The name in the catalog."""
         return self._model
-
-    # --- UART ------------------------------------------------------------------------------------
-
-    def uart(self, datagram: bytes, at_s: float | None = None) -> bytes:
-        """Answer one whole datagram of the single-wire UART at chip time `at_s` [s], by default now.
-
-        b"" where nothing is answered: a write, a wrong CRC, another node, no such datagram, a chip without UART. Then
-        nothing was obeyed either, but for the write. Raises ConnectionError while unplugged and TimeoutError while
-        silent, for a question only.
-        """
-        self._faults.require_plugged(self._model)
-        with self._lock:
-            self._run_until(at_s)
-            reply = self._uart.answer(datagram)
-            return self._faults.pass_on(self._model, reply, self._noise) if reply else b""
-
-    @property
-    def reply_delay_bits(self) -> int:
-        """Bit times between the end of a question and the answer: NODECONF.SENDDELAY."""
-        return self._uart.reply_delay_bits
-
-    # --- registers -------------------------------------------------------------------------------
-
-    def read(self, address: int, at_s: float | None = None) -> int:
-        """The word that a bus reads at `address`, with all consequences (flags that a read clears)."""
-        self._faults.require_plugged(self._model)
-        with self._lock:
-            self._run_until(at_s)
-            return self._chip.read(address)
-
-    def write(self, address: int, data: int, at_s: float | None = None) -> None:
-        """Write 32 bits as a bus does. IFCNT counts only what came over the UART."""
-        self._faults.require_plugged(self._model)
-        with self._lock:
-            self._run_until(at_s)
-            self._chip.write(address, data)
 
     # --- the world around ------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from .axis import LIVE, Axis
 from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions
 
-GCONF, OUTPUT = 0x00, 0x04
+GCONF, NODECONF, OUTPUT = 0x00, 0x03, 0x04
 _RESET, _DRV_ERR, _UV_CP = 1, 2, 4
 """GSTAT of a TMC5160, which is what a drive has."""
 _REGISTER_RESET, _VM_UVLO = 8, 16
@@ -127,6 +127,22 @@ class Chip:
                 axis.drive.write("GSTAT", _RESET | _DRV_ERR | _UV_CP if row.read_clears else ones)
         else:
             self.axes[row.axis or 0].clear(row, ones)
+
+    # --- UART ------------------------------------------------------------------------------------
+
+    @property
+    def has_uart(self) -> bool:
+        return self.kind.uart != ""
+
+    @property
+    def node(self) -> int | None:
+        """Address on the UART: NODECONF, one more with NEXTADDR high; None: the chip has none (TMC5062) or no UART."""
+        return (self.held(NODECONF) & 0xFF) + self.node_pin & 0xFF if self.kind.uart == "node" else None
+
+    @property
+    def send_delay(self) -> int:
+        """NODECONF.SENDDELAY."""
+        return self.held(NODECONF) >> self.kind.delay_bit & 15
 
     # --- GCONF -----------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...errors import OutOfRange, WrongState
+from ..core.uart_end import UartEnd
 from ..drive import Drive
 from ..drive.bench import (
     ChipFaultsState,
@@ -27,7 +28,6 @@ from .state import (
     Tmc5xxxState,
     UartState,
 )
-from .uart import UartEnd
 
 
 def check(chip: Chip, model: Tmc5xxxModel, options: Tmc5xxxOptions, wanted: Tmc5xxxPatch) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ...devices.core.tmcl_frames import writing
 from ...links import datagram32, datagram40, tmcl
+from ...links.datagram_uart import UartForm
 from ...registers.catalog import Model
 from .plan import Plan, Write, meaning
 from .text import c_name, c_remark, lines
@@ -26,6 +27,8 @@ struct {name}_write {{
     int32_t value;
 }};
 """
+_UART = -1
+"""Stands for datagrams of a UART among lengths of SPI datagrams."""
 _FRAMES: Mapping[int, str] = {
     32: """\
     const uint32_t word = (uint32_t)write->address << 25 | write->value;
@@ -40,6 +43,21 @@ _FRAMES: Mapping[int, str] = {
     frame[2] = (uint8_t)(write->value >> 16);
     frame[3] = (uint8_t)(write->value >> 8);
     frame[4] = (uint8_t)write->value;
+""",
+    _UART: """\
+    uint8_t crc = 0;
+    size_t i, bit;
+    frame[0] = 0x05u;
+    frame[1] = {macro}_NODE;
+    frame[2] = (uint8_t)(write->address | 0x80u);
+    frame[3] = (uint8_t)(write->value >> 24);
+    frame[4] = (uint8_t)(write->value >> 16);
+    frame[5] = (uint8_t)(write->value >> 8);
+    frame[6] = (uint8_t)write->value;
+    for (i = 0; i < 7; i++)
+        for (bit = 0; bit < 8; bit++)
+            crc = (uint8_t)(((crc >> 7) ^ (frame[i] >> bit & 1u)) ? (crc << 1) ^ 0x07u : crc << 1);
+    frame[7] = crc;
 """,
     0: """\
     const uint32_t value = (uint32_t)write->value;
@@ -58,7 +76,12 @@ _FRAMES: Mapping[int, str] = {
     frame[8] = sum;
 """,
 }
-_FRAME_BYTES = {32: datagram32.FRAME_BYTES, 40: datagram40.FRAME_BYTES, 0: tmcl.FRAME_BYTES}
+_FRAME_BYTES = {
+    32: datagram32.FRAME_BYTES,
+    40: datagram40.FRAME_BYTES,
+    _UART: UartForm().write_bytes,
+    0: tmcl.FRAME_BYTES,
+}
 _FUNCTIONS = """\
 /* The bytes for the wire, in their order. */
 static inline void {name}_frame(const struct {name}_write *write, uint8_t frame[{macro}_FRAME_BYTES])
@@ -101,6 +124,11 @@ def prefix(plan: Plan) -> str:
     return c_name(plan.name)
 
 
+def _form(family: Model) -> int:
+    """The kind of its frames: bits of an SPI datagram, 0 for TMCL, or `_UART`."""
+    return _UART if family.uart_alone else family.datagram_bits
+
+
 def _lines(plan: Plan) -> Iterator[str]:
     name, family = prefix(plan), plan.family
     macro, module = name.upper(), family.kind == "module"
@@ -116,7 +144,9 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "#include <stdint.h>"
     yield ""
     yield f"#define {macro}_WRITES {plan.count}u"
-    yield f"#define {macro}_FRAME_BYTES {_FRAME_BYTES[family.datagram_bits]}u"
+    yield f"#define {macro}_FRAME_BYTES {_FRAME_BYTES[_form(family)]}u"
+    if family.uart_alone:
+        yield f"#define {macro}_NODE 0u /* address of the chip on its UART */"
     if module:
         yield f"#define {macro}_MODULE 1u /* address of the module on its line */"
     yield ""
@@ -148,7 +178,7 @@ def _int32(value: int) -> str:
 
 
 def _functions(plan: Plan) -> str:
-    name, bits = prefix(plan), plan.family.datagram_bits
+    name, bits = prefix(plan), _form(plan.family)
     macro = name.upper()
     counted = (
         f"        {{{name}_part_{index}, sizeof {name}_part_{index} / sizeof *{name}_part_{index}}},\n"

@@ -13,6 +13,7 @@ from urllib.parse import unquote
 
 from ...devices.core.results import WriteItem
 from ...links import datagram32, datagram40, tmcl
+from ...links.datagram_uart import UartForm
 from ...links.tmcl_text import Command, parse_line
 from ...registers.catalog import Model
 from ...registers.tmcl.commands import Opcode
@@ -42,6 +43,8 @@ def _frame(family: Model, numbers: list[int]) -> bytes:
         command, type_, motor, value = numbers
         return tmcl.Request(1, command, type_, motor, value).encode()
     address, word = numbers
+    if family.uart_alone:
+        return UartForm().write(address, word)
     if family.datagram_bits == 32:
         return datagram32.Request(address, False, word).encode()
     return datagram40.write(address, word)

@@ -3052,7 +3052,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3117,12 +3117,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module
+             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
             /**
@@ -3131,6 +3131,11 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
+            /**
+             * Nodes
+             * @description how many node addresses its UART has; 0: as many as a datagram can say
+             */
+            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3196,12 +3201,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module
+             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
             /**
@@ -3210,6 +3215,11 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
+            /**
+             * Nodes
+             * @description how many node addresses its UART has; 0: as many as a datagram can say
+             */
+            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3529,7 +3539,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -3695,7 +3705,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -4169,9 +4179,9 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -4181,7 +4191,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["DriverCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4216,7 +4226,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4353,7 +4363,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["DriverTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -4514,6 +4524,120 @@ export interface components {
              */
             status: number;
         };
+        /**
+         * DriverCreate
+         * @description A connection to a driver that is stepped from outside.
+         */
+        DriverCreate: {
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Link */
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * DriverEmulatorLink
+         * @description A driver emulated in this server, with a motor.
+         */
+        DriverEmulatorLink: {
+            /**
+             * Time runs at
+             * @description how fast the chip's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Supply
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Node address
+             * @description of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless mstep_reg_select says otherwise
+             * @default 0
+             */
+            node?: number;
+            /**
+             * Seed of noise and faults
+             * @description of the noise in the load value and of bit errors
+             * @default 2209
+             */
+            seed?: number;
+            /**
+             * Rotor at first
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
+            /**
+             * Clock Hz
+             * @description fCLK, which velocities and delays hang on [Hz]
+             * @default 12000000
+             */
+            clock_hz?: number;
+            /**
+             * Motor and load
+             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
+             */
+            motor?: components["schemas"]["MotorOptions"] | "rigid";
+            /** Motor and load */
+            load?: components["schemas"]["LoadOptions"];
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]
+             */
+            full_scale_a?: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
+        };
+        /**
+         * DriverPinsChange
+         * @description Levels from outside: true is high.
+         */
+        DriverPinsChange: {
+            /**
+             * Enn
+             * @description level at ENN: high switches the bridges off
+             */
+            enn?: boolean | null;
+        };
+        /**
+         * DriverPinsState
+         * @description Levels: true is high.
+         */
+        DriverPinsState: {
+            /** Enn */
+            enn: boolean;
+            /**
+             * Diag
+             * @description an error of the driver, or a stall
+             */
+            diag: boolean;
+        };
         /** DriverSpecIn */
         DriverSpecIn: {
             /** Driver */
@@ -4557,6 +4681,40 @@ export interface components {
              * @description 12 status bits that the driver reports
              */
             status: number;
+        };
+        /**
+         * DriverTrial
+         * @description A link to a driver, to be tried.
+         */
+        DriverTrial: {
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Link */
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * DriverUartState
+         * @description The single-wire interface.
+         */
+        DriverUartState: {
+            /**
+             * Node
+             * @description address, by MS1 and MS2
+             */
+            node: number;
+            /**
+             * Reply Delay Bits
+             * @description bit times before an answer (SENDDELAY)
+             */
+            reply_delay_bits: number;
+            /**
+             * Writes
+             * @description IFCNT: accepted writes, modulo 256
+             */
+            writes: number;
         };
         /**
          * EmulatorHealth
@@ -7713,7 +7871,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
@@ -10994,6 +11152,86 @@ export interface components {
             faults: components["schemas"]["ChipFaultsState"];
         };
         /**
+         * TmcDriverPatch
+         * @description A change to a running driver; what is left out stays. A power cycle comes first.
+         */
+        TmcDriverPatch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 4.75
+             */
+            supply_v?: number | null;
+            pins?: components["schemas"]["DriverPinsChange"];
+            faults?: components["schemas"]["ChipFaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; the motor stays where it is
+             * @default false
+             */
+            power_cycle?: boolean;
+        };
+        /**
+         * TmcDriverState
+         * @description Everything that GET .../emulator answers for a driver.
+         */
+        TmcDriverState: {
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Rigid
+             * @description no physics: the shaft follows the field exactly
+             */
+            rigid: boolean;
+            /** Supply V */
+            supply_v: number;
+            motor: components["schemas"]["MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            truth: components["schemas"]["TruthState"];
+            uart: components["schemas"]["DriverUartState"];
+            pins: components["schemas"]["DriverPinsState"];
+            faults: components["schemas"]["ChipFaultsState"];
+        };
+        /**
          * TmclFields
          * @description A command by its four fields.
          */
@@ -11510,7 +11748,7 @@ export interface components {
         };
         /**
          * UartLink
-         * @description A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address.
+         * @description A chip on the single wire of its UART. Several may share the wire, each by its node address.
          */
         UartLink: {
             /**
@@ -11539,7 +11777,7 @@ export interface components {
             baud?: number;
             /**
              * Node address
-             * @description NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none
+             * @description NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none
              * @default 0
              */
             node?: number;
@@ -11615,7 +11853,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -20215,7 +20453,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -20268,7 +20506,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmcDriverPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
             };
         };
         responses: {
@@ -20278,7 +20516,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

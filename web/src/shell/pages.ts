@@ -35,7 +35,7 @@ export const PAGES: readonly PageEntry[] = [
     topic: "encoder",
   }),
   page(81, "/stallguard", "StallGuard", "Stall", IconGauge, { needs: ["stallguard"] }),
-  page(82, "/rotary", "Rotary", "Rotary", IconRotate360, { needs: ["motion"] }),
+  page(82, "/rotary", "Rotary", "Rotary", IconRotate360, { needs: ["motion"], unless: "step_input" }),
   page(83, "/twin", "3D", "3D", IconCube, { needs: ["motion"] }),
   page(84, "/program", "Program", "Program", IconCode, { needs: ["programs"] }),
   page(90, "/recordings", "Recordings", "Records", IconPlayerRecord, { alone: true }),

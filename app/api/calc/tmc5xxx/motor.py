@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ....calc.tmc5xxx.chips import CHIPS
+from ....calc.families import CHIPS
 from ....calc.tmc5xxx.chopper import Winding
 from ....calc.tmc5xxx.chopper_hints import hints
 from ....calc.tmc5xxx.chopper_notes import Wishes

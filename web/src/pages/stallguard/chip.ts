@@ -34,11 +34,13 @@ export function thresholdFor(pps: number, counting: Counting, units: SpeedUnits)
 
 interface Where extends Place {
   counting?: Counting;
+  /** 0 switches it on */
+  inverted?: boolean;
 }
 
 /** Where a chip keeps what the page sets: of several places the first that it has. */
 const PLACES: Places<Where> = {
-  [AP.stallThreshold]: [{ register: "COOLCONF", field: "sgt" }],
+  [AP.stallThreshold]: [{ register: "COOLCONF", field: "sgt" }, { register: "SGTHRS" }],
   [AP.stallFilter]: [{ register: "COOLCONF", field: "sfilt" }],
   [AP.stopOnStall]: [{ register: "SW_MODE", field: "sg_stop" }],
   [AP.coolStart]: [{ register: "COOLCONF", field: "semin" }],
@@ -55,7 +57,10 @@ const PLACES: Places<Where> = {
     { register: "VHIGH", counting: "velocity" },
   ],
   [AP.stealthBelow]: [{ register: "TPWMTHRS", counting: "tstep" }],
-  [AP.stealthGradient]: [{ register: "GCONF", field: "en_pwm_mode" }],
+  [AP.stealthGradient]: [
+    { register: "GCONF", field: "en_pwm_mode" },
+    { register: "GCONF", field: "en_spreadcycle", inverted: true },
+  ],
   [AP.runCurrent]: [{ register: "IHOLD_IRUN", field: "IRUN" }],
   [AP.scaler]: [{ register: "GLOBAL_SCALER" }],
 };
@@ -79,8 +84,10 @@ export function chipSettings(chip: Rows, units: SpeedUnits): Settings {
   return settingsIn(
     chip,
     PLACES,
-    (raw, { counting }) => (counting === undefined ? raw : speedOf(raw, counting, units)),
-    (value, { counting }) => (counting === undefined ? value : thresholdFor(value, counting, units)),
+    (raw, { counting, inverted }) =>
+      inverted ? 1 - raw : counting === undefined ? raw : speedOf(raw, counting, units),
+    (value, { counting, inverted }) =>
+      inverted ? 1 - value : counting === undefined ? value : thresholdFor(value, counting, units),
   );
 }
 

@@ -36,7 +36,10 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
   const ppsAt = (register: string | null) => (register === null ? null : ppsOf(kind, chip.planned(register), scale));
   const flag = (register: string, field: string) => chip.planned(register, field) === 1;
   const modes = {
-    stealth: kind === "tstep" ? flag("GCONF", "en_pwm_mode") : (chip.planned("PWMCONF", "PWM_AMPL") ?? 0) > 0,
+    stealth:
+      kind === "tstep"
+        ? flag("GCONF", "en_pwm_mode") || chip.planned("GCONF", "en_spreadcycle") === 0
+        : (chip.planned("PWMCONF", "PWM_AMPL") ?? 0) > 0,
     stealthBelow: ppsAt(names.stealth),
     coolAbove: ppsAt(names.cool),
     highAbove: ppsAt(names.high),
@@ -107,6 +110,7 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
           />
         )}
         <ChipField chip={chip} register="GCONF" field="en_pwm_mode" label="StealthChop" disabled={disabled} />
+        <ChipField chip={chip} register="GCONF" field="en_spreadcycle" label="SpreadCycle alone" disabled={disabled} />
         <ChipField chip={chip} register="CHOPCONF" field="vhighchm" label="constant off time" disabled={disabled} />
         <ChipField chip={chip} register="CHOPCONF" field="vhighfs" label="full steps" disabled={disabled} />
       </div>

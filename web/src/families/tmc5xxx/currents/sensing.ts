@@ -19,6 +19,7 @@ const BOARDS: Record<Model, Sensing> = {
   tmc5072: { senseOhm: 0.22, referenceOhm: 9100, ainV: 2.5 },
   tmc5130: { senseOhm: 0.15, referenceOhm: 9100, ainV: 2.5 },
   tmc5160: { senseOhm: 0.075, referenceOhm: 9100, ainV: 2.5 },
+  tmc2209: { senseOhm: 0.11, referenceOhm: 9100, ainV: 2.5 },
   tmc5240: { senseOhm: 0.075, referenceOhm: 12_000, ainV: 2.5 },
 };
 
@@ -41,12 +42,15 @@ export interface CurrentFields {
   waits: boolean;
 }
 
+/** Chips that can measure inside, and whose current a voltage can scale. */
+const REFERENCED: readonly Model[] = ["tmc5130", "tmc2209"];
+
 /** Which ways of setting a current this chip has, as it is set. */
 export function fieldsOf(chip: Registers, model: Model): CurrentFields {
-  const internal = model === "tmc5130" && chip.planned("GCONF", "internal_Rsense") === 1;
+  const internal = REFERENCED.includes(model) && chip.planned("GCONF", "internal_Rsense") === 1;
   return {
     internal,
-    analog: model === "tmc5130" && !internal && chip.planned("GCONF", "I_scale_analog") === 1,
+    analog: REFERENCED.includes(model) && !internal && chip.planned("GCONF", "I_scale_analog") === 1,
     scaled: model === "tmc5160" || model === "tmc5240",
     ranged: model === "tmc5240",
     waits: chip.spot("TPOWERDOWN") !== null,

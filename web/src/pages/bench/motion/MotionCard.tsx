@@ -45,6 +45,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const action = useAction();
   const state = useAxisReading(device.id, axis.index, connected);
   const disabled = !connected;
+  const stepped = can(device, "step_input");
   const common = { at, scale, unit: shown, action, disabled };
   return (
     <Card className={`${classes.card} stack gap-8`} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
@@ -93,8 +94,16 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         nowS={state.data?.time_s}
       />
       <Stack gap={8}>
-        <MoveSection key={`${device.id}/${axis.index}`} {...common} />
-        <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />
+        {!stepped && <MoveSection key={`${device.id}/${axis.index}`} {...common} />}
+        {stepped && (
+          <Text size="xs" c="dimmed">
+            It counts no position, and follows the steps that it is given.
+            {can(device, "own_velocity") && " A velocity of its own jumps: it has no ramp."}
+          </Text>
+        )}
+        {(!stepped || can(device, "own_velocity")) && (
+          <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />
+        )}
       </Stack>
       <div className={`${classes.cardMore} stack gap-8`}>
         {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
@@ -111,44 +120,46 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
             {note}
           </Text>
         ))}
-        <Tabs
-          defaultValue="shuttle"
-          keepMounted={false}
-          classNames={{ tab: "pad-s text-12", panel: `pt-8 stack gap-8` }}
-        >
-          <Tabs.List grow>
-            <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
-            <Tabs.Tab value="together">Together</Tabs.Tab>
-            <Tabs.Tab value="reference">Zero</Tabs.Tab>
-          </Tabs.List>
-          <Tabs.Panel value="shuttle">
-            <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
-          </Tabs.Panel>
-          <Tabs.Panel value="together">
-            <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
-          </Tabs.Panel>
-          <Tabs.Panel value="reference">
-            {can(device, "parameters") ? (
-              <ModuleSearch
-                key={`${device.id}/${axis.index}`}
-                at={at}
-                device={device}
-                live={live}
-                action={action}
-                disabled={disabled}
-              />
-            ) : (
-              <ReferenceSection
-                key={`${device.id}/${axis.index}`}
-                at={at}
-                device={device}
-                live={live}
-                action={action}
-                disabled={disabled}
-              />
-            )}
-          </Tabs.Panel>
-        </Tabs>
+        {!stepped && (
+          <Tabs
+            defaultValue="shuttle"
+            keepMounted={false}
+            classNames={{ tab: "pad-s text-12", panel: `pt-8 stack gap-8` }}
+          >
+            <Tabs.List grow>
+              <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
+              <Tabs.Tab value="together">Together</Tabs.Tab>
+              <Tabs.Tab value="reference">Zero</Tabs.Tab>
+            </Tabs.List>
+            <Tabs.Panel value="shuttle">
+              <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
+            </Tabs.Panel>
+            <Tabs.Panel value="together">
+              <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
+            </Tabs.Panel>
+            <Tabs.Panel value="reference">
+              {can(device, "parameters") ? (
+                <ModuleSearch
+                  key={`${device.id}/${axis.index}`}
+                  at={at}
+                  device={device}
+                  live={live}
+                  action={action}
+                  disabled={disabled}
+                />
+              ) : (
+                <ReferenceSection
+                  key={`${device.id}/${axis.index}`}
+                  at={at}
+                  device={device}
+                  live={live}
+                  action={action}
+                  disabled={disabled}
+                />
+              )}
+            </Tabs.Panel>
+          </Tabs>
+        )}
       </div>
     </Card>
   );

@@ -1,0 +1,1 @@
+"""What the calculators know of the drivers alone."""

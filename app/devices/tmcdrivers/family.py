@@ -1,0 +1,75 @@
+"""The family: what the layer of drivers knows of it, and how its drivers are composed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+from ...clock import Clock
+from ...links.port import FramePort
+from ...links.queue import LinkQueue
+from ...links.register_access import access_of
+from ...registers.tmcdrivers.models import FAMILY as NAME
+from ...registers.tmcdrivers.models import MODELS
+from ..core.axis_limits import AxisLimits
+from ..core.config import DeviceConfig
+from ..core.device import Device, Parts
+from ..core.family import DeviceFamily
+from ..core.raw_datagrams import RawDatagrams
+from ..core.register_file import READ_AT_ONCE, RegisterFile
+from ..core.register_link import RegisterLink
+from ..core.session import Session
+from .configuration import Configuration
+from .identity import DriverIdentity, found_by
+from .limits import DriverRules
+from .looking import Looking
+from .memory import DriverMemory
+from .monitor import FlagClearing, Monitor, PlaceInTable
+from .motion import DriverMotion
+from .resets import Resets
+from .rows import DriverRows
+from .start_up import plan
+from .telemetry import DriverTelemetry
+from .writes import DatagramsByHand, Writes
+
+P = TypeVar("P")
+
+
+def compose(
+    device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, queue: LinkQueue | None = None
+) -> Device:
+    """A device of this family, of its parts."""
+    session = Session(device_id, config, port, clock, lambda what: False, queue)
+    link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
+    memory = DriverMemory(link, DriverRows(session.family))
+    resets = Resets(memory)
+    looking = Looking(link, memory, resets)
+    writes = Writes(link, memory, resets)
+    registers = RegisterFile(link, writes, session.family.axes, READ_AT_ONCE)
+    session.state_hooks.append(memory.heard_state)
+    parts = Parts(
+        identity=DriverIdentity(looking),
+        registers=registers,
+        raw=RawDatagrams(link, writes, DatagramsByHand(memory)),
+        motion=DriverMotion(session, link, memory, looking),
+        monitor=Monitor(session, memory, looking, resets),
+        counter=PlaceInTable(session, memory, looking, resets),
+        telemetry=DriverTelemetry(link, memory),
+        configuration=Configuration(memory, registers),
+        others=(memory, looking, FlagClearing(memory, registers)),
+    )
+    return Device(session, parts)
+
+
+def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> DriverRules:
+    """What its registers mean for soft limits."""
+    return DriverRules(_own(device, RegisterFile), _own(device, DriverMemory), _own(device, Looking), limits, clock_hz)
+
+
+def _own(device: Device, kind: type[P]) -> P:
+    part = device.part(kind)
+    assert part is not None  # it was composed here
+    return part
+
+
+FAMILY = DeviceFamily(NAME, tuple(model.name for model in MODELS), compose, limit_rules, plan, found_by)

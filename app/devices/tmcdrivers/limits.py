@@ -1,0 +1,95 @@
+"""What the registers of a driver mean for soft limits: VACTUAL and the current scales. It counts no position."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from ...calc.families import CHIPS
+from ...calc.tmc5xxx.coil import SCALES, CurrentStage
+from ..core.axis_limits import AxisLimits
+from ..core.limit_rules.chip_rules import ChipRules
+from ..core.limit_rules.parts import Going, Part, Place, View
+from ..core.limit_rules.rules import Look
+from ..core.register_file import RegisterFile
+from .looking import Looking
+from .memory import DriverMemory
+from .rows import FINEST, part
+
+
+class DriverRules(ChipRules):
+    """Of a driver whose words `memory` keeps."""
+
+    def __init__(
+        self,
+        registers: RegisterFile,
+        memory: DriverMemory,
+        looking: Looking,
+        limits: Sequence[AxisLimits],
+        clock_hz: float,
+    ) -> None:
+        self._memory = memory
+        self._looking = looking
+        super().__init__(registers, memory.remembered_word, limits, clock_hz)
+
+    def parts_of(self, axis: int) -> Iterable[Part]:
+        row, unit = self._memory.rows.vactual, self.clock_hz / (1 << 24)
+        if row is not None:
+            yield Part("velocity", row.name, row.address, row.decode, lambda _: unit, row.maximum)
+        limits = self.limits[axis]
+        if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
+            yield self._currents(limits)
+
+    def _currents(self, limits: AxisLimits) -> Part:
+        rows = self._memory.rows
+        run, hold = part(rows.ihold_irun, "IRUN"), part(rows.ihold_irun, "IHOLD")
+        vsense = part(rows.chopconf, "vsense")
+
+        def full_a(view: View) -> float:
+            word = view(rows.chopconf.address)
+            return full_scale_a(self._memory.rows.model.name, limits, 0 if word is None else vsense.unpack(word))
+
+        def scale(word: int) -> float:
+            return (max(run.unpack(word), hold.unpack(word)) + 1) / SCALES
+
+        def advice(share: float) -> str:
+            count = int(share * SCALES) - 1
+            return f"write IRUN and IHOLD {count} or less" if count >= 0 else "set vsense"
+
+        others = frozenset({rows.chopconf.address})
+        return Part("current", rows.ihold_irun.name, rows.ihold_irun.address, scale, full_a, 1.0, others, advice=advice)
+
+    def places_of(self, axis: int) -> Iterable[Place]:
+        return ()
+
+    def sources_of(self, axis: int) -> Iterable[int]:
+        row = self._memory.rows.vactual
+        return () if row is None else (row.address,)
+
+    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+        row = self._memory.rows.vactual
+        word = None if row is None else view(row.address)
+        if row is None or word == 0:
+            return None
+        way = 0 if word is None else 1 if row.decode(word) > 0 else -1
+        return Going(tuple(self.parts[axis]), positioning=False, way=way, jumps=True)
+
+    async def learn(self) -> None:
+        if any(limits.given for limits in self.limits):
+            await self._looking.look()
+
+    async def look(self, axis: int) -> Look:
+        looked = await self._looking.look()
+        place = looked.held.value(self._memory.rows.mscnt) * self._memory.microsteps // FINEST
+        return Look(place, self._looking.speed_pps(looked.held))
+
+    def braking(self, axis: int, look: Look, view: View) -> float | None:
+        return 0.0  # VACTUAL 0 stops the field at once
+
+
+def full_scale_a(model: str, limits: AxisLimits, vsense: int) -> float:
+    """RMS at scale 31 [A]."""
+    sensing = CHIPS[model].sensing
+    if limits.current_full_scale_a is not None:
+        return limits.current_full_scale_a * sensing.full_scale_v[vsense] / sensing.full_scale_v[0]
+    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(vsense) / math.sqrt(2)

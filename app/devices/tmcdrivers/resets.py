@@ -1,0 +1,38 @@
+"""GSTAT.reset: seen by the driver, cleared so that it can be seen again, and kept for whoever reads GSTAT by name."""
+
+from __future__ import annotations
+
+from ...registers.model import Register
+from ..core.register_io import Words
+from .memory import DriverMemory
+from .rows import part
+
+
+class Resets:
+    """How often the chip was reset."""
+
+    def __init__(self, memory: DriverMemory) -> None:
+        self.seen = 0
+        """How often a reset was seen, that of the chip's power-on included where nobody had taken notice of it."""
+        self._memory = memory
+        self._row = memory.rows.gstat
+        self._bit = part(self._row, "reset").mask
+        self._owed = 0
+        """What the driver has cleared and its user has not."""
+
+    async def look(self, words: Words, gstat: int) -> None:
+        """GSTAT was read: take notice of a reset. Raises LinkError."""
+        if gstat & self._bit:
+            self.seen += 1
+            self._memory.was_reset()
+            self._owed |= self._bit
+            await words.write(self._row, self._bit)
+
+    def shown(self, register: Register, word: int) -> int:
+        """`word` with what the driver has cleared of it."""
+        return word | self._owed if register is self._row else word
+
+    def sent(self, register: Register, word: int) -> None:
+        """Its user has written the 1s of `word`."""
+        if register is self._row:
+            self._owed &= ~word

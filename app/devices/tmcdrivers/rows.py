@@ -1,0 +1,107 @@
+"""Rows of the register tables that the driver itself needs, by what they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from ...registers.catalog import Model
+from ...registers.model import Field, Register
+
+FINEST = 256
+"""Microsteps a full step of the microstep table, and of TSTEP."""
+STANDS = (1 << 20) - 1
+"""TSTEP at standstill."""
+BY_PINS = (8, 32, 64, 16)
+"""Microsteps a full step by MS1 (1) and MS2 (2) (DS-TMC2209 3.2)."""
+
+
+@dataclass(frozen=True)
+class DriverRows:
+    """The rows of one driver."""
+
+    model: Model
+
+    def find(self, name: str) -> Register | None:
+        """A row that only some of the drivers have."""
+        found = self.model.table.find(name, 0)
+        return found[0] if found is not None and found[1] is None else None
+
+    def _get(self, name: str) -> Register:
+        return self.model.table.get(name, 0)
+
+    @cached_property
+    def gconf(self) -> Register:
+        return self._get("GCONF")
+
+    @cached_property
+    def gstat(self) -> Register:
+        return self._get("GSTAT")
+
+    @cached_property
+    def inputs(self) -> Register:
+        """Pins and VERSION."""
+        return self._get("IOIN")
+
+    @cached_property
+    def disable_pin(self) -> str:
+        """The bit of `inputs` that is 1 while a pin switches the bridges off."""
+        return next(part.name for part in self.inputs.fields if part.name.upper().split("_")[-1] == "ENN")
+
+    @cached_property
+    def chopconf(self) -> Register:
+        return self._get("CHOPCONF")
+
+    @cached_property
+    def ihold_irun(self) -> Register:
+        return self._get("IHOLD_IRUN")
+
+    @cached_property
+    def vactual(self) -> Register | None:
+        """None where the driver turns by STEP alone."""
+        return self.find("VACTUAL")
+
+    @cached_property
+    def tstep(self) -> Register:
+        return self._get("TSTEP")
+
+    @cached_property
+    def drv_status(self) -> Register:
+        return self._get("DRV_STATUS")
+
+    @cached_property
+    def mscnt(self) -> Register:
+        return self._get("MSCNT")
+
+    @cached_property
+    def mscuract(self) -> Register:
+        return self._get("MSCURACT")
+
+    @cached_property
+    def load(self) -> tuple[Register, Field | None]:
+        """StallGuard's value: a register of its own, or a field."""
+        own = self.find("SG_RESULT")
+        if own is not None:
+            return own, None
+        return self.drv_status, self.drv_status.field_named("SG_RESULT")
+
+    @cached_property
+    def remembered(self) -> tuple[Register, ...]:
+        """What can be read and decides what other numbers mean."""
+        return (self.gconf, self.chopconf)
+
+    def microsteps(self, gconf: int, chopconf: int, inputs: int) -> int:
+        """Microsteps a full step, by CHOPCONF.mres or the pins."""
+        chosen = self.gconf.field_named("mstep_reg_select")
+        if chosen is not None and not chosen.unpack(gconf):
+            pins = self.inputs.unpack(inputs)
+            return BY_PINS[pins["MS1"] | pins["MS2"] << 1]
+        return FINEST >> min(part(self.chopconf, "mres").unpack(chopconf), 8)
+
+
+def part(register: Register, name: str) -> Field:
+    """A field that the register has."""
+    found = register.field_named(name)
+    if found is None:
+        raise KeyError(f"{register.name} has no field {name}")
+    return found

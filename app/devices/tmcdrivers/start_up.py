@@ -1,0 +1,71 @@
+"""Getting a driver to run after power-on: who sets its microsteps, currents, and the chopper that lets them flow.
+
+Chopper and StealthChop are as after a reset, which suits most motors (DS-TMC2209 5.5): toff 3, hstrt 5, hend 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ...calc.tmc5xxx.coil import CurrentStage, nearest_hold
+from ...errors import OutOfRange, UsageError
+from ..core.device import Device
+from ..core.results import WriteItem
+from ..core.start_up import HOLD_SHARE, StartPlan, Wanted, scale_of
+from .limits import full_scale_a
+
+CHOPPER: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 0, "tbl": 2}
+IRUN = 16
+HOLD_DELAY, TPOWERDOWN = 1, 20
+MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
+"""By CHOPCONF.mres."""
+DEFAULT_MICROSTEPS = 256
+MOST = 31
+
+
+async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+    """What the axis needs after power-on, in its order."""
+    items: list[WriteItem] = []
+    for one in wanted:
+        if one.figures.counts_per_rev:
+            raise UsageError(f"a {device.family.title} reads no encoder: leave counts_per_rev out")
+        microsteps = one.microsteps(DEFAULT_MICROSTEPS, MICROSTEPS)
+        irun, ihold, vsense = _currents(device.model, one)
+        vactual = device.family.table.find("VACTUAL", one.axis)
+        chopper = {**CHOPPER, "mres": MICROSTEPS.index(microsteps), **({} if vsense is None else {"vsense": vsense})}
+        items += [
+            *([WriteItem("VACTUAL", one.axis, 0)] if vactual is not None else []),
+            WriteItem("GCONF", None, fields={"pdn_disable": 1, "mstep_reg_select": 1}),
+            WriteItem("TPOWERDOWN", one.axis, TPOWERDOWN),
+            WriteItem("IHOLD_IRUN", one.axis, fields={"IHOLD": ihold, "IRUN": irun, "IHOLDDELAY": HOLD_DELAY}),
+            WriteItem("CHOPCONF", one.axis, fields=chopper),
+        ]
+    return StartPlan(items)
+
+
+def _currents(model: str, one: Wanted) -> tuple[int, int, int | None]:
+    """IRUN, IHOLD and vsense, nearest to the amperes asked for, else cautious ones. vsense None: as it is set.
+
+    Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.
+    """
+    limits, run_a = one.settings.limits, one.run_current_a()
+    if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
+        stage = CurrentStage(model, limits.sense_resistor_ohm)
+        full_a = stage.full_scale_a(0) / math.sqrt(2)
+        if run_a > full_a:
+            raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
+        hold_a = min(one.hold_current_a(run_a), run_a)
+        least = min(stage.settings(), key=lambda setting: setting.peak_a)
+        within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
+        run = within[0] if within else least
+        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select
+    shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
+    if shares is not None:
+        irun, ihold = (scale_of(share, MOST) for share in shares)
+        return irun, ihold, 0
+    irun = IRUN
+    known = limits.current_full_scale_a is not None or limits.sense_resistor_ohm is not None
+    if limits.current_max_a is not None and known:
+        irun = min(irun, scale_of(limits.current_max_a / full_scale_a(model, limits, 0), MOST))
+    return (*one.scales(MOST, irun, int(irun * HOLD_SHARE)), None)

@@ -1,0 +1,89 @@
+"""What a write by hand does besides storing a word, and what single datagrams do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...registers.model import Register
+from ..core.raw_datagrams import RawRules
+from ..core.register_file import RegisterRules
+from ..core.register_io import Words
+from ..core.register_link import RegisterLink
+from ..core.results import RegisterWritten
+from ..core.unread_registers import arrived_unread
+from .memory import DriverMemory
+from .resets import Resets
+from .rows import part
+
+STATUS = ("reset_flag", "driver_error", "sg2", "standstill")
+"""Bits of the SPI status byte, from the lowest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Writes(RegisterRules):
+    """The side effects of the registers, and who has to hear of what was read and written."""
+
+    link: RegisterLink
+    memory: DriverMemory
+    resets: Resets
+
+    def remembers(self, register: Register) -> bool:
+        return self.memory.remembers(register)
+
+    def saw(self, register: Register, word: int) -> None:
+        self.memory.saw_word(register, word)
+
+    def shown(self, register: Register, word: int) -> int:
+        return self.resets.shown(register, word)
+
+    def kept_word(self, register: Register) -> int | None:
+        return self.memory.word(register)
+
+    def held_unread(self, register: Register) -> int:
+        held = self.memory.word(register)
+        return (register.reset or 0) if held is None else held
+
+    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+        del words
+        rows = self.memory.rows
+        notes = []
+        if register is rows.vactual and register.decode(word):
+            notes.append("the motor turns at once, without a ramp, and no more by STEP")
+        if register is rows.chopconf and not part(register, "toff").unpack(word):
+            notes.append("toff is 0: the driver is off")
+        if not register.access.readable and register.fields and self.memory.word(register) is None:
+            notes.append("what it held was not known: fields that were not given are as after a reset now")
+        return notes
+
+    def sent(self, register: Register, word: int) -> None:
+        self.memory.sent(register, word)
+        self.resets.sent(register, word)
+        if register is self.memory.rows.vactual:
+            self.link.session.commanded(0, register.name)
+
+    async def after_write(self, register: Register) -> None:
+        """Nothing is expected of a motor that nobody predicts."""
+
+    def written_unread(self, register: Register, word: int, notes: Sequence[str]) -> RegisterWritten:
+        return arrived_unread(register, word, notes)
+
+
+@dataclass(frozen=True, slots=True)
+class DatagramsByHand(RawRules):
+    """What single datagrams do to the chip."""
+
+    memory: DriverMemory
+
+    def read_by_hand(self, register: Register, data: int, time_s: float) -> None:
+        del time_s
+        self.memory.saw_word(register, data)
+
+    def known_word(self, register: Register) -> int | None:
+        return self.memory.word(register)
+
+    async def moved_by_hand(self, register: Register) -> bool:
+        return register is self.memory.rows.vactual
+
+    def status_flags(self, status: int) -> dict[str, bool]:
+        return {name: bool(status >> bit & 1) for bit, name in enumerate(STATUS)}

@@ -1,0 +1,1 @@
+"""Drivers with a UART, on an emulated line."""

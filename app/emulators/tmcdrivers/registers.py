@@ -1,0 +1,201 @@
+"""The register file of a driver: what a write changes and what a read gives.
+
+A write takes effect at once, a read is taken when its datagram has come. Registers that can only be written read as 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from ...registers.catalog import MODELS
+from ...registers.model import Access, Register
+from ..drive import Drive
+from ..drive.registers import WRITABLE
+from ..drive.units import bits, signed
+from .chips import CHIPS
+from .options import DriverModel, TmcDriverOptions
+
+NODECONF = 0x03
+PIN_MRES = (5, 3, 2, 4)
+"""MRES by MS1 (1) and MS2 (2): 8, 32, 64 and 16 microsteps (DS-TMC2209 3.2)."""
+_MRES, _VSENSE, _SENDDELAY = 24, 17, 8
+_AUTOSCALE = 1 << 18
+_HEAT = (120.0, 143.0, 150.0, 157.0)
+_CLOCK_TRIM = 0x10
+"""What the factory has burnt: the middle (a reading: it differs from chip to chip)."""
+_DRV_ERR = 2
+FROM_INSIDE = {"otpw": 26, "ot": 25, "s2ga": 27, "s2gb": 28, "s2vsa": 12, "s2vsb": 13, "ola": 29, "olb": 30,
+               "stealth": 14, "stst": 31}  # fmt: skip
+"""Where the drive, which is a TMC5160's, has the bits of DRV_STATUS."""
+
+
+class Chip:
+    """One driver with its motor, at clocks of its own. Not thread-safe."""
+
+    def __init__(self, model: DriverModel, options: TmcDriverOptions) -> None:
+        self.kind = CHIPS[model]
+        self.table = MODELS[model].table
+        self.pins = options.node
+        """Levels of MS1 (1) and MS2 (2)."""
+        self.ifcnt = 0
+        self.drive = Drive(options.drive(self.kind.full_scale_a))
+        self.drive.stall_guard_4 = True
+        self.drive.least_supply_v = self.kind.least_supply_v
+        self._clock = 0
+        self._enn = False
+        self._words: dict[int, int] = {}
+        self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable}
+        self.reset()
+
+    # --- power and time --------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Registers as after power-on; the world stays, and time goes on."""
+        self._words = {}
+        self.ifcnt = 0
+        self.drive.power_cycle()
+        for row in self.table:
+            if row.access.writable and row.access is not Access.R_W1C:
+                self._take(row, _CLOCK_TRIM if row.name == "FACTORY_CONF" else row.reset or 0, fresh=True)
+
+    def advance(self, clock: int) -> None:
+        """Catch up to `clock` clocks; never back."""
+        if clock > self._clock:
+            self._clock = clock
+            self.drive.advance(clock)
+
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes."""
+        return self.drive.quiet
+
+    # --- the buses -------------------------------------------------------------------------------
+
+    @property
+    def has_uart(self) -> bool:
+        return self.kind.uart
+
+    @property
+    def node(self) -> int | None:
+        return self.pins
+
+    @property
+    def send_delay(self) -> int:
+        return self.held(NODECONF) >> _SENDDELAY & 15
+
+    @property
+    def spi_status(self) -> int:
+        """The first byte of every SPI reply; of a driver without SPI nobody sees it."""
+        standing, stalled = self.drive.standing_or_stalled
+        return self.drive.gstat & 3 | stalled << 2 | standing << 3
+
+    def read(self, address: int) -> int:
+        """The word at `address`; 0 where nothing can be read."""
+        reader = self._readers.get(address)
+        return reader() if reader else 0
+
+    def write(self, address: int, word: int) -> None:
+        """Write `word`; bits that the register does not have are dropped, as are writes to what cannot be written."""
+        row = self.table.at(address, write=True)
+        if row is None or not row.access.writable:
+            return
+        word &= row.write_mask
+        if row.access is Access.R_W1C:
+            self.drive.write(row.name, word)
+        else:
+            self._take(row, word)
+
+    def held(self, address: int) -> int:
+        """What was written there last."""
+        return self._words.get(address, 0)
+
+    # --- registers -------------------------------------------------------------------------------
+
+    def _reader(self, row: Register) -> Callable[[], int]:
+        """What answers for a register."""
+        read, mask = self.drive.read, row.mask
+        match row.name:
+            case "GSTAT":
+                return lambda: self.drive.gstat
+            case "IFCNT":
+                return lambda: self.ifcnt
+            case "IOIN":
+                return partial(self._pin_levels, row)
+            case "OTP_READ":
+                return lambda: _CLOCK_TRIM
+            case "DRV_STATUS":
+                return partial(self._status, row)
+            case "SG_RESULT":
+                return lambda: read("SG4_RESULT") & mask
+            case "TSTEP" | "MSCNT" | "MSCURACT" | "PWM_SCALE" | "PWM_AUTO":
+                return lambda: read(row.name) & mask
+        return partial(self.held, row.address)
+
+    def _take(self, row: Register, word: int, *, fresh: bool = False) -> None:
+        self._words[row.address] = word
+        match row.name:
+            case "GCONF":
+                self._configure(row.unpack(word))
+                self._write_chopper()
+            case "CHOPCONF":
+                self._write_chopper()
+            case "SGTHRS":
+                self.drive.write("SG4_THRS", word)
+            case "PWMCONF":
+                if fresh:  # what StealthChop begins with is this chip's, not a TMC5160's
+                    self.drive.write("PWMCONF", word & ~_AUTOSCALE)
+                self.drive.write("PWMCONF", word)
+            case "VACTUAL":
+                self.drive.turn_at(signed(word, 24))
+            case name if name in WRITABLE:
+                self.drive.write(name, word)
+
+    def _configure(self, gconf: dict[str, int]) -> None:
+        self.drive.write("GCONF", (not gconf["en_spreadcycle"]) << 2 | gconf["shaft"] << 4)
+
+    def _write_chopper(self) -> None:
+        """CHOPCONF, whose microsteps the pins may set."""
+        gconf, chopconf = self.table.get("GCONF"), self.table.get("CHOPCONF", 0)
+        word = self.held(chopconf.address)
+        if not gconf.unpack(self.held(gconf.address))["mstep_reg_select"]:
+            word = word & ~(0xF << _MRES) | PIN_MRES[self.pins] << _MRES
+        self.drive.sense_share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
+        self.drive.write("CHOPCONF", word)
+
+    # --- pins and status -------------------------------------------------------------------------
+
+    @property
+    def enn(self) -> bool:
+        """Level at ENN: high switches the bridges off."""
+        return self._enn
+
+    @enn.setter
+    def enn(self, level: bool) -> None:
+        self._enn = level
+        self.drive.enabled = not level
+
+    @property
+    def diag(self) -> bool:
+        """Level at DIAG: an error of the driver, or a stall where TSTEP is within TCOOLTHRS (DS-TMC2209 5.3)."""
+        tcoolthrs = self.held(self.table.get("TCOOLTHRS", 0).address)
+        stalled = self.drive.standing_or_stalled[1] and self.drive.read("TSTEP") <= tcoolthrs
+        return bool(self.drive.gstat & _DRV_ERR) or stalled
+
+    def _status(self, row: Register) -> int:
+        inside, heat = self.drive.read("DRV_STATUS"), self.drive.world.temperature_c
+        word = inside & 0x1F << 16  # CS_ACTUAL
+        for part in row.fields:
+            if part.name in FROM_INSIDE:
+                word |= (inside >> FROM_INSIDE[part.name] & 1) << part.lsb
+            elif part.name.startswith("t1"):
+                word |= (heat >= _HEAT[part.lsb - 8]) << part.lsb
+        return word
+
+    def _pin_levels(self, row: Register) -> int:
+        """IOIN: levels of the pins, and the version. PDN_UART idles high; nothing is wired to STEP and DIR."""
+        levels = {"ENN": self.enn, "MS1": self.pins & 1, "MS2": self.pins >> 1, "DIAG": self.diag, "PDN_UART": True}
+        word = 0
+        for part in row.fields:
+            word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb
+        return word

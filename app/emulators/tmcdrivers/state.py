@@ -1,0 +1,45 @@
+"""What an emulated driver tells about itself, its motor and the world behind its pins."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, Field
+
+from ..drive.bench import ChipFaultsState, MotorState, TruthState
+from .options import DriverModel
+
+
+class DriverUartState(BaseModel):
+    """The single-wire interface."""
+
+    node: int = Field(description="address, by MS1 and MS2")
+    reply_delay_bits: int = Field(description="bit times before an answer (SENDDELAY)")
+    writes: int = Field(description="IFCNT: accepted writes, modulo 256")
+
+
+class DriverPinsState(BaseModel):
+    """Levels: true is high."""
+
+    enn: bool
+    diag: bool = Field(description="an error of the driver, or a stall")
+
+
+class TmcDriverState(BaseModel):
+    """Everything that GET .../emulator answers for a driver."""
+
+    model: DriverModel
+    time_scale: float
+    chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
+    clock_hz: float
+    rigid: bool = Field(description="no physics: the shaft follows the field exactly")
+    supply_v: float
+    motor: MotorState
+    load_torque_nm: float
+    blocked: bool
+    friction: float = Field(description="friction on top of the motor's own [N m]")
+    truth: TruthState
+    uart: DriverUartState
+    pins: DriverPinsState
+    faults: ChipFaultsState

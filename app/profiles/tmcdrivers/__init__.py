@@ -1,0 +1,1 @@
+"""What this family has of its own in profiles."""

@@ -1,0 +1,36 @@
+"""What the emulated drivers keep without acting on it, and why."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..model import Register
+from ..tmc5xxx import behaviour as inside
+
+NO_REFERENCE = "the bench sets the emulated full scale: what VREF and resistors make of it is not worked out"
+ONE_FILTER = "the emulated steps need no filter"
+ALWAYS_ITS = "the emulated PDN_UART is the UART's alone"
+
+FIELDS = {
+    "GCONF": {
+        **dict.fromkeys(("I_scale_analog", "internal_Rsense"), NO_REFERENCE),
+        **dict.fromkeys(("index_otpw", "index_step"), inside.NO_PINS),
+        "pdn_disable": ALWAYS_ITS,
+        "multistep_filt": ONE_FILTER,
+        "test_mode": inside.FACTORY,
+    },
+    "FACTORY_CONF": {"FCLKTRIM": inside.OWN_CLOCK, "OTTRIM": "the emulated limits of temperature do not move"},
+}
+
+
+def with_behaviour(row: Register) -> Register:
+    """`row`, told of what the emulated driver does not do; what the TMC5xxx's driver does not, this one does not."""
+    row = inside.with_behaviour(row)
+    reasons = FIELDS.get(row.name, {})
+    return replace(
+        row,
+        behaviour="" if reasons else row.behaviour,
+        fields=tuple(
+            replace(part, behaviour=reasons[part.name]) if part.name in reasons else part for part in row.fields
+        ),
+    )

@@ -1,0 +1,37 @@
+"""The chips of this family, as the catalog lists them."""
+
+from __future__ import annotations
+
+from ..capabilities import Capability
+from ..entry import Model
+from . import tmc2209
+
+FAMILY = "tmcdrivers"
+DESCRIPTION = "a driver that follows step and direction"
+
+_COMMON: frozenset[Capability] = frozenset(
+    {"registers", "motion", "step_input", "chopper", "flags", "current", "stallguard"}
+)
+
+MODELS = (
+    Model(
+        "tmc2209",
+        FAMILY,
+        "TMC2209",
+        "driver to 2 A for step and direction, or at a velocity of its own; StealthChop, StallGuard4; UART",
+        DESCRIPTION,
+        1,
+        tmc2209.TABLE,
+        clock_hz_default=12e6,
+        clock_hz_min=4e6,
+        clock_hz_max=16e6,
+        capabilities=_COMMON | {"own_velocity"},
+        wires=frozenset({"emulator", "uart"}),
+        current_scale="sense_resistor",
+        datagram_bits=0,
+        uart="node",
+        nodes=4,
+        version=tmc2209.VERSION,
+        version_address=tmc2209.VERSION_ADDRESS,
+    ),
+)

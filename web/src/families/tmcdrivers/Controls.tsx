@@ -1,0 +1,45 @@
+import { Switch, Text } from "@mantine/core";
+import type { Schemas } from "../../api/client";
+import { EmulatorTime, Faults, Power } from "../../pages/bench/EmulatorParts";
+import { BridgesAt, Shaft, Supply } from "../../pages/bench/MotorParts";
+import type { ControlsProps } from "../family";
+
+type DriverState = Schemas["TmcDriverState"];
+type DriverPatch = Schemas["TmcDriverPatch"];
+
+const FAULTS = [
+  ["silence", "Silent: answers are lost"],
+  ["unplugged", "Unplugged: the link is gone"],
+] as const;
+
+/** The world of an emulated driver: what pulls at the shaft, its supply, its pins and its line. */
+export function Controls({ ...emulator }: ControlsProps) {
+  const state = emulator.state as DriverState;
+  const send: (patch: DriverPatch) => void = emulator.send;
+  return (
+    <>
+      {state.rigid && (
+        <Text size="xs" c="dimmed">
+          A rigid motor: the shaft follows the field exactly, whatever pulls at it.
+        </Text>
+      )}
+      <Shaft world={state} send={send}>
+        <Supply volts={state.supply_v} send={send} />
+      </Shaft>
+      <Text size="xs" c="dimmed">
+        DIAG is {state.pins.diag ? "high: a stall, or the driver has shut down" : "low"}.
+      </Text>
+      <EmulatorTime state={state} send={send} />
+      <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>
+        <BridgesAt celsius={state.motor.temperature_c} send={send} />
+      </Faults>
+      <Switch
+        size="sm"
+        label="ENN high: bridges off"
+        checked={state.pins.enn}
+        onChange={(event) => send({ pins: { enn: event.currentTarget.checked } })}
+      />
+      <Power send={send} note="Resets the chip: its registers are as after power-on. The motor stays where it is." />
+    </>
+  );
+}

@@ -1,0 +1,15 @@
+import { later } from "../../lib/later";
+import type { Family } from "../family";
+
+/** Drivers that are stepped from outside, or turn at a velocity of their own. */
+export const tmcdrivers: Family = {
+  pages: [],
+  Controls: later(() => import("./Controls").then((part) => part.Controls)),
+  /** VACTUAL counts fCLK / 2^24 (TMC2209 data sheet, 5.2). */
+  top: { name: "VACTUAL", pps: (clockHz) => clockHz / 2 ** 24, kept: "velocity" },
+  /** They count no position. */
+  zero: () => [],
+  events: [],
+  /** MSCURACT of a TMC2209 */
+  phases: { sine: "CUR_A", cosine: "CUR_B" },
+};
