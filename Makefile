@@ -43,7 +43,7 @@ test-all: $(STAMPS)/app $(STAMPS)/tools chromium
 	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
 	@# A browser and a server each; loadfile, for a file shares what it has set up there.
-	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e $(ARGS) $(NONE_IS_WELL)
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)

@@ -100,5 +100,6 @@ export default defineConfig({
     proxy: { "/api": { target: api, ws: true, changeOrigin: false } },
     fs: { allow: [".", "../tests/telemetry"] }, // the frame that the tests of both sides read
   },
-  test: { environment: "jsdom", include: ["src/**/*.test.ts", "src/**/*.test.tsx"] },
+  // One page for all files, as in a browser: a page and all modules anew for each file was nine tenths of the work.
+  test: { environment: "jsdom", isolate: false, pool: "threads", include: ["src/**/*.test.ts", "src/**/*.test.tsx"] },
 });

@@ -14,13 +14,15 @@ import numpy as np
 import pytest
 from chromium import chromium_flags, find_chromium
 from PIL import Image
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 from server_process import ServerProcess
 
 from tests.e2e.conftest import PHONE, Errors
 
 STARTS_MS = 60_000
 """Software rendering on a busy machine: the first picture takes its time."""
+SMALL: ViewportSize = {"width": 800, "height": 600}
+"""Each pixel is work for the processor: a picture of this size is a third of a desktop's."""
 NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null"
 
 
@@ -32,6 +34,13 @@ def browser() -> Iterator[Browser]:
         running = playwright.chromium.launch(executable_path=find_chromium(), args=flags)
         yield running
         running.close()
+
+
+@pytest.fixture
+def page(page: Page) -> Page:
+    """Of a size that is drawn quickly."""
+    page.set_viewport_size(SMALL)
+    return page
 
 
 @pytest.fixture(autouse=True)
@@ -143,7 +152,7 @@ def test_what_somebody_else_looks_at_is_not_taken_away(
 ) -> None:
     page.goto("/twin")
     drawn(page)
-    other = new_context().new_page()
+    other = new_context(viewport=SMALL).new_page()
     other.goto("/connections")
     other.evaluate("localStorage.setItem('stepscope.selection', JSON.stringify({device: 'slider', axis: 0}))")
     other.goto("/twin")
