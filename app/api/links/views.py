@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from typing import Literal, cast
 
 from ...devices.core.device import Device
-from ...links.incidents import Incidents
 from ...links.port import FramePort
 from ...links.queue import Priority
-from ...links.wire_budget import WireBudget
 from .frame_text import frame_text
 from .schemas import FrameEntry, FrameLog, LinkCounts, LinkIncident, LinkInfo
 
@@ -36,7 +34,9 @@ def frame_log(device: Device, after: int, limit: int) -> FrameLog:
 
 def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
     """The wire under `device`; `devices` are all there are, of whom some may share it."""
-    queue, budget, incidents = device.session.queue, _budget(device.session.port), _incidents(device.session.port)
+    queue, line = device.session.queue, device.session.port.traits.batches
+    # An emulator in this process has no wire that could be slow or noisy.
+    budget, incidents = (None, None) if line is None else (line.wire, line.incidents)
     sent = queue.counts.frames
     return LinkInfo(
         name=device.session.port.name,
@@ -66,19 +66,6 @@ def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
     )
 
 
-# Only ports of a line have these; an emulator in this process has no wire that could be slow or noisy.
-
-
-def _budget(port: FramePort) -> WireBudget | None:
-    budget = getattr(port, "wire", None)  # an emulator's port calls the emulator so
-    return budget if isinstance(budget, WireBudget) else None
-
-
-def _incidents(port: FramePort) -> Incidents | None:
-    incidents = getattr(port, "incidents", None)
-    return incidents if isinstance(incidents, Incidents) else None
-
-
 def _same_line(one: FramePort, other: FramePort) -> bool:
-    arbiter = getattr(one, "arbiter", None)
-    return arbiter is not None and arbiter is getattr(other, "arbiter", None)
+    ours, theirs = one.traits.batches, other.traits.batches
+    return ours is not None and theirs is not None and ours.arbiter is theirs.arbiter
