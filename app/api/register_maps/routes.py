@@ -40,7 +40,7 @@ async def get_register_map(bench: CurrentBench, name: MapName) -> RegisterMapFil
 
 
 @router.put("/{name}", responses=problems(UnreadableMap, WrongState, UsageError, StoreUnavailable))
-@policy(lease="free as a dry run", audit="silent as a dry run", words=wording.named("keep register map"))
+@policy(audit="silent as a dry run", words=wording.named("keep register map"))
 async def put_register_map(
     bench: CurrentBench,
     name: MapName,

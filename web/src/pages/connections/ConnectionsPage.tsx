@@ -10,6 +10,8 @@ import { DeviceEntry } from "./DeviceEntry";
 import { DeviceForm } from "./DeviceForm";
 import { type Draft, draftOf, newDraft } from "./draft";
 import { Found } from "./Found";
+import { RegisterMaps } from "./RegisterMaps";
+import { freeName } from "./words";
 
 /** What the form works on: a new device, or one that exists. `serial` tells one opening from the next. */
 interface Open {
@@ -114,6 +116,12 @@ export default function ConnectionsPage() {
             />
           )}
           {catalog.data && <Found onAdd={show} names={names} models={catalog.data} />}
+          <RegisterMaps
+            onAdd={(name) => {
+              const model = catalog.data?.find((each) => each.name === name);
+              if (model) show({ ...newDraft(model), name: freeName(name, names) });
+            }}
+          />
         </aside>
       </div>
     </div>

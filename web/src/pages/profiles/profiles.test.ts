@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
+import { fileName } from "../../lib/files";
 import type { RegisterRow } from "../../lib/rows/bits";
 import { byName, entriesOf, rowsOf, sameRows } from "./diff";
-import { fileName } from "./files";
 import { type Kind, type Language, tokensOf } from "./highlight";
 import { fatesOf } from "./steps";
 import type { Diff, Profile } from "./useProfiles";
