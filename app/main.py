@@ -34,7 +34,7 @@ from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
 from .emulators.build import build_emulator, options_of
 from .emulators.core.pace import Pace
-from .errors import BenchError, UsageError
+from .errors import BenchError, StoreUnavailable, UsageError
 from .lease.lease import Lease
 from .lease.watch import LeaseWatch
 from .links.emulator import EmulatorPort
@@ -228,6 +228,11 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        try:
+            await bench.maps.look()  # before the connections, some of which are made of them
+        except StoreUnavailable as error:
+            log.warning("%s", error)
+            vitals.notes.append(str(error))
         saved = store.load()
         kept = positions.load()
         for warning in (*saved.warnings, *kept.warnings):
@@ -274,6 +279,7 @@ def create_app(
             await position_saver.close()
             await hub.close()
             await manager.close()
+            bench.maps.close()
             await saver.close()
             await audit.close()
             await asyncio.to_thread(database.close)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import gc
+import logging
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
@@ -24,6 +25,8 @@ from .core.stopping import Stopping
 from .core.watch import ANSWER_WITHIN_S, Watch
 from .families import limit, make_device, require_clock
 from .limits.apply import learn
+
+log = logging.getLogger("stepscope.devices")
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""
@@ -158,6 +161,22 @@ class DeviceManager:
             await self._start(successor, wait=True)
             await self._powered(successor)
         return successor
+
+    def renew(self, model: str) -> None:
+        """Make disconnected devices of `model` anew: its table is another one now. One whose link it has no more stays
+        as it was."""
+        for device in self.devices:
+            if device.model != model or device.state != "disconnected":
+                continue
+            config = replace(device.config, axes=device.config.axes[: MODELS[model].axes])
+            try:
+                successor = self._make(config, device.id)
+            except BenchError as error:
+                log.warning("%s stays as it was: %s", device.name, error)
+                continue
+            self._put(device.id, successor)
+            self._on_change()
+            self._collect_soon()
 
     async def remove(self, device_id: str) -> None:
         """Forget a connection. Raises UnknownThing."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
-from ..registers.catalog import MODELS
+from ..registers.catalog import MODELS, Model
 from ..registers.model import Access, Field, Register, Space
 from .families import rules_of
 from .rules import ProfileRules
@@ -79,18 +79,26 @@ def place_of(name: str, axis: int | None) -> str:
     return name if axis is None else f"{name} of axis {axis}"
 
 
-@cache
 def items_of(model: str) -> tuple[Item, ...]:
     """All configuration of a model, in the order in which it is safe to write. Raises KeyError."""
-    rules = rules_of(model)
-    found = [item for row in MODELS[model].table if (item := _item(rules, row)) is not None]
+    return _items(MODELS[model])
+
+
+def items_by_key(model: str) -> Mapping[Key, Item]:
+    """The same by key."""
+    return _by_key(MODELS[model])
+
+
+@cache
+def _items(model: Model) -> tuple[Item, ...]:
+    rules = rules_of(model.name)
+    found = [item for row in model.table if (item := _item(rules, row)) is not None]
     return tuple(sorted(found, key=lambda item: item.rank))
 
 
 @cache
-def items_by_key(model: str) -> Mapping[Key, Item]:
-    """The same by key."""
-    return {item.key: item for item in items_of(model)}
+def _by_key(model: Model) -> Mapping[Key, Item]:
+    return {item.key: item for item in _items(model)}
 
 
 def _item(rules: ProfileRules, row: Register) -> Item | None:

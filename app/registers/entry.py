@@ -10,7 +10,7 @@ from .evaluation_board import ADDRESS, REGISTER_ADDRESS_BITS
 from .model import RegisterTable
 from .wires import Wire
 
-Tier = Literal["full", "names"]
+Tier = Literal["full", "names", "map"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,8 @@ class Model:
     slot: Slot = Slot()
     """How that board leads to it."""
     tier: Tier = "full"
-    """How deep it is known: with calculators and a physical emulator, or by the names of its parameters alone."""
+    """How deep it is known: with calculators and a physical emulator, by the names of its parameters alone,
+    or by a register map that somebody brought along."""
     nodes: int = 0
     """How many addresses its UART has, from 0 on; 0: as many as a datagram can say."""
     version: int | None = None

@@ -8,7 +8,9 @@ from pathlib import Path
 import httpx
 import pytest
 
-from app.registers.catalog import MODELS
+from app.clock import VirtualClock
+from app.main import create_app
+from app.registers.catalog import MODELS, is_model
 from app.settings import Settings
 from app.store.register_maps import KEPT_MAX, RegisterMaps
 from tests.registers.maps.test_reader import EXAMPLE, SMALL, example
@@ -35,7 +37,7 @@ async def test_a_map_is_kept_listed_fetched_and_deleted(client: httpx.AsyncClien
     assert await names(client) == []
     kept = await client.put("register-maps/ramp-core", json={"text": TEXT})
     assert kept.status_code == 200, kept.text
-    assert (kept.json()["title"], kept.json()["registers"], kept.json()["axes"]) == ("Ramp core 2", 4, 1)
+    assert (kept.json()["title"], kept.json()["registers"], kept.json()["axes"]) == ("Ramp core 2", 7, 1)
     assert (folder / "ramp-core.toml").read_text() == TEXT
     assert mode(folder / "ramp-core.toml") == 0o600
     assert await names(client) == ["ramp-core"]
@@ -55,14 +57,78 @@ async def test_every_mistake_is_told_and_nothing_is_changed(client: httpx.AsyncC
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/unreadable-map")
     lines = broken.split("\n")
     told = refused.json()["facts"]["findings"]
-    assert len(told) == 3
+    assert len(told) == 6
     assert {lines[each["line"] - 1].strip() for each in told} == {"axis = 0", "width = 33"}
     assert not (folder / "ramp-core.toml").exists()
 
 
+@pytest.fixture
+async def core(client: httpx.AsyncClient) -> str:
+    """An emulated device of the documented map: its address."""
+    assert (await client.put("register-maps/ramp-core", json={"text": TEXT})).status_code == 200
+    body = {"name": "Core", "model": "ramp-core", "link": {"kind": "emulator"}}
+    made = await client.post("devices", json=body)
+    assert (made.status_code, made.json()["state"]) == (201, "connected"), made.text
+    return "devices/core"
+
+
+async def test_a_map_is_a_model_with_registers_motion_and_channels(
+    client: httpx.AsyncClient, core: str, clock: VirtualClock
+) -> None:
+    entry = next(each for each in (await client.get("catalog")).json() if each["name"] == "ramp-core")
+    assert (entry["tier"], entry["kind"], entry["axes"], entry["registers"]) == ("map", "chip", 1, 7)
+    assert [wire["kind"] for wire in entry["wires"]] == ["emulator", "tcp", "spidev"]
+    rows = (await client.get("catalog/ramp-core")).json()["rows"]
+    assert [row["name"] for row in rows][:2] == ["MODE", "XACTUAL"]
+    written = (await client.put(f"{core}/registers/MODE?axis=0", json={"fields": {"shaft": 1}})).json()
+    assert (written["value"], written["fields"]["shaft"]) == (0x80, 1)
+    for name in ("VMAX", "AMAX"):
+        assert (await client.put(f"{core}/registers/{name}?axis=0", json={"value": 1000})).status_code == 200
+    assert (await client.post(f"{core}/axes/0/move", json={"target": 2000})).status_code == 200
+    await clock.advance(10.0)
+    assert (await client.get(f"{core}/axes/0")).json()["position"] == 2000
+    channels = {channel["name"] for channel in (await client.get(f"{core}/channels")).json()}
+    assert {"position.0", "velocity.0"} <= channels
+    refused = await client.put(f"{core}/registers/VMAX?axis=0", json={"value": 8_388_097})
+    assert refused.json()["type"] == "/problems/out-of-range"
+
+
+async def test_a_map_of_a_device_changes_only_while_that_is_disconnected(client: httpx.AsyncClient, core: str) -> None:
+    other = TEXT.replace('"GSTAT"', '"STATUS"')
+    refused = await client.put("register-maps/ramp-core", json={"text": other})
+    assert (refused.status_code, refused.json()["way_out"]) == (409, "disconnect first")
+    assert (await client.delete("register-maps/ramp-core")).status_code == 409
+    assert (await client.get(f"{core}/registers/GSTAT")).status_code == 200
+    assert (await client.post(f"{core}/disconnect")).status_code == 200
+    assert (await client.put("register-maps/ramp-core", json={"text": other})).status_code == 200
+    assert (await client.post(f"{core}/connect")).json()["state"] == "connected"
+    assert (await client.get(f"{core}/registers/STATUS")).status_code == 200
+    assert (await client.get(f"{core}/registers/GSTAT")).status_code == 404
+    assert (await client.delete(core)).status_code == 204
+    assert (await client.delete("register-maps/ramp-core")).status_code == 204
+    assert not is_model("ramp-core")
+
+
+async def test_maps_and_their_devices_are_there_after_a_restart(settings: Settings, clock: VirtualClock) -> None:
+    for restarted in (False, True):
+        app = create_app(settings, clock, list)
+        transport = httpx.ASGITransport(app)
+        async with (
+            app.router.lifespan_context(app),
+            httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000/api/v1/") as client,
+        ):
+            if not restarted:
+                await client.put("register-maps/ramp-core", json={"text": TEXT})
+                body = {"name": "Core", "model": "ramp-core", "link": {"kind": "emulator"}}
+                assert (await client.post("devices", json=body)).status_code == 201
+            found = (await client.get("devices/core")).json()
+            assert (found["model"], found["title"]) == ("ramp-core", "Ramp core 2")
+        assert not is_model("ramp-core")
+
+
 async def test_a_dry_run_keeps_nothing(client: httpx.AsyncClient) -> None:
     tried = await client.put("register-maps/ramp-core?dry_run=true", json={"text": TEXT})
-    assert (tried.status_code, tried.json()["registers"]) == (200, 4)
+    assert (tried.status_code, tried.json()["registers"]) == (200, 7)
     assert await names(client) == []
 
 

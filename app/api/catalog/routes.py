@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
 from fastapi import APIRouter
 
-from ...errors import UnknownThing
+from ...errors import StoreUnavailable, UnknownThing
 from ...registers.capabilities import TITLES
-from ...registers.catalog import MODELS, Model, find_model, listings
+from ...registers.catalog import MODELS, Model, find_model, listings, maps
 from ...registers.listed.models import why_not
 from ...registers.model import Field, Register, Space
 from ...registers.tmcl.commands import COMMANDS
 from ...registers.wires import WIRES, Wire
+from ..deps import CurrentBench
 from ..http.problems import problems
 from .schemas import CapabilityTitle, CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow, WireRow
 
@@ -22,10 +24,12 @@ router = APIRouter(prefix="/catalog", tags=["catalog"])
 
 
 @router.get("")
-async def list_models() -> list[CatalogEntry]:
-    """Every model, without its registers: first those that stepscope knows well, then those that an installed package
-    lists, whose parameters are read when one of them is asked for."""
-    known = [_entry(model, len(model.table)) for model in MODELS.values()]
+async def list_models(bench: CurrentBench) -> list[CatalogEntry]:
+    """Every model, without its registers: first those that stepscope knows well, then those of register maps, and those
+    that an installed package lists, whose parameters are read when one of them is asked for."""
+    with suppress(StoreUnavailable):  # then those that were read before
+        await bench.maps.look()
+    known = [_entry(model, len(model.table)) for model in (*MODELS.values(), *maps())]
     return [*known, *(_entry(model, None) for model in listings())]
 
 
@@ -39,12 +43,11 @@ async def list_capabilities() -> list[CapabilityTitle]:
 async def get_model(model: str) -> CatalogModel:
     """One model with all its registers and RAM words."""
     found = await loaded(model.casefold())
-    return _model(found.name)
+    return _model(found)
 
 
-@cache  # the tables never change, and 100 rows with fields are the longest answer of the API
-def _model(name: str) -> CatalogModel:
-    model = MODELS[name]
+@cache  # the table of a model never changes, and 100 rows with fields are the longest answer of the API
+def _model(model: Model) -> CatalogModel:
     return CatalogModel(
         **_entry(model, len(model.table)).model_dump(),
         rows=[_register(row) for row in model.table],

@@ -105,9 +105,9 @@ class CatalogEntry(Answer):
     registers: int | None = Field(description="null: of a listed model nobody has asked for them yet")
     tier: Tier = Field(
         default="full",
-        description="full: with calculators and a physical emulator; names: an installed package lists the names of "
-        "its parameters or registers, there are no calculators, and its emulator holds what was written and moves by "
-        "them",
+        description="full: with calculators and a physical emulator; names: an installed package lists its registers "
+        "or parameters; map: a register map of this server does. Of the last two there are no calculators, and the "
+        "emulator holds what was written and moves by it",
     )
     unreadable: str = Field(default="", description="why the package's list of its parameters cannot be read")
     clock_hz_default: float

@@ -10,7 +10,9 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from ..model import Access, Field, Register, RegisterTable
+from ..listed.chips import table_of
+from ..listed.ramp import NAMES, ramps_of
+from ..model import Access, Field, Register, RegisterTable, Untold
 from .findings import Finding, UnreadableMap
 from .lines import Lines, Place, TooDeep
 from .shapes import AXES_MAX, REGISTERS_MAX, BitsShape, FieldShape, HeadShape, RegisterShape
@@ -71,10 +73,12 @@ def checked(name: str, data: Mapping[str, Any], line_of: LineOf) -> RegisterMap:
         if row is not None:
             rows.append((index, row))
     check.table(rows)
+    if not check.findings and head is not None:
+        check.ramps([row for _, row in rows], head.axes)
     if check.findings:
         raise UnreadableMap(name, check.findings)
     assert head is not None  # else something was found
-    return RegisterMap(name, head, RegisterTable(name, tuple(row for _, row in rows)))
+    return RegisterMap(name, head, table_of(name, (row for _, row in rows)))
 
 
 def _no_toml(message: str, text: str) -> Finding:
@@ -156,6 +160,7 @@ class _Check:
             source="your register map",
             volatile=shape.volatile,
             read_clears=shape.read_clears,
+            untold=frozenset[Untold]({"reset"}) if shape.reset is None else frozenset[Untold](),
             fields=tuple(fields),
         ).completed(shape.axis)
 
@@ -180,6 +185,14 @@ class _Check:
                 self.say((*place, "values", key), where, f"value {value} is named twice")
             values[value] = name
         return values
+
+    def ramps(self, rows: list[Register], axes: int) -> None:
+        """Whether there are as many ramp generators as axes: without one nobody could tell where an axis is."""
+        found = len(ramps_of(rows))
+        if found != axes:
+            names = ", ".join(name.upper() for name in NAMES)
+            what = f"is {axes}, and the registers make {found} ramp generators: each axis has one, of {names}"
+            self.say(("axes",), "axes", f"{what}; RAMPMODE has 2 bits")
 
     # --- the table ------------------------------------------------------------------------------
 

@@ -38,15 +38,17 @@ def test_the_documented_example_is_what_it_says() -> None:
     found = read("ramp-core", EXAMPLE)
     assert (found.head.title, found.head.axes, found.head.clock_hz) == ("Ramp core 2", 1, 16_000_000)
     assert (found.head.spi is None, found.head.uart) == (False, None)
-    mode, actual, vmax, gstat = found.table
+    mode, actual, _, _, vmax, target, gstat = found.table
     assert (mode.name, mode.address, mode.axis, mode.width, mode.reset) == ("MODE", 0x20, 0, 8, 0)
     assert [(part.name, part.lsb, part.width, part.reset) for part in mode.fields] == [
-        ("ramp_mode", 0, 2, 0),
+        ("rampmode", 0, 2, 0),
         ("shaft", 7, 1, 0),
     ]
-    assert dict(mode.fields[0].values) == {0: "positioning", 1: "velocity", 3: "hold"}
+    assert dict(mode.fields[0].values) == {0: "positioning", 1: "forward", 2: "backward", 3: "hold"}
     assert (actual.signed, actual.unit, actual.volatile, actual.reset) == (True, "microsteps", True, None)
     assert (vmax.minimum, vmax.maximum) == (0, 8_388_096)
+    assert target.untold == frozenset()
+    assert actual.untold == {"reset"}
     assert (gstat.access, gstat.read_clears, gstat.axis) == (Access.R, True, None)
 
 
@@ -57,9 +59,9 @@ def test_the_documented_table_is_the_same_map_as_its_toml() -> None:
     assert again.head == found.head
     assert [(row.name, row.address, row.signed) for row in found.table] == [
         ("MODE", 0x20, False),
-        ("XACTUAL", 0x21, True),
+        ("OFFSET", 0x21, True),
     ]
-    assert [part.name for part in found.table.registers[0].fields] == ["ramp_mode"]
+    assert [part.name for part in found.table.registers[0].fields] == ["level"]
 
 
 def test_the_document_names_every_key() -> None:
@@ -153,6 +155,7 @@ address = 2
         (("[[register]]", "[register]"), 3, "has to be a list"),
         (('title = "x"', f"title = {'9' * 5000}"), 2, "so many digits"),
         (("address = 1", "address = 1_"), 5, "no TOML"),
+        (('title = "x"', 'title = "x"\naxes = 2'), 3, "is 2, and the registers make 0 ramp generators"),
     ],
 )
 def test_a_mistake_is_told_with_its_line_and_what_is_allowed(change: tuple[str, str], line: int, what: str) -> None:

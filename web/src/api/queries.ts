@@ -29,6 +29,9 @@ export function useDevices() {
     queryKey: ["devices"],
     queryFn: async () => {
       const [answer, models] = await Promise.all([api.GET("/api/v1/devices"), queries.ensureQueryData(CATALOG)]);
+      // one of a register map that somebody else has just brought along
+      if (answer.data?.some(({ model }) => !models.some(({ name }) => name === model)))
+        void queries.invalidateQueries(CATALOG);
       return unwrap(answer).flatMap((device): Device[] => {
         const about = models.find((model) => model.name === device.model);
         return about ? [{ ...device, about }] : [];

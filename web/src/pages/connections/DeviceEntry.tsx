@@ -10,7 +10,7 @@ import { StartUpButton } from "../../lib/startup/StartUpButton";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
-import { NAMES_ONLY } from "./models";
+import { TIERS } from "./models";
 import { useLinkSwitch, useRemoveDevice } from "./useConnections";
 import { linkText } from "./words";
 
@@ -25,6 +25,7 @@ interface Props {
 
 export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved }: Props) {
   const link = useLinkSwitch(device.id);
+  const tier = TIERS[device.about.tier];
   const up = device.state === "connected" || device.state === "connecting";
   return (
     <Card
@@ -37,9 +38,9 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         <StateDot state={device.state} />
         <h2 className="m-0 text-16">{device.name}</h2>
         <span className="dim">{device.title}</span>
-        {device.about.tier === "names" && (
-          <Badge size="xs" variant="default" title={NAMES_ONLY}>
-            names only
+        {tier && (
+          <Badge size="xs" variant="default" title={tier.help}>
+            {tier.word}
           </Badge>
         )}
         {device.demo && (

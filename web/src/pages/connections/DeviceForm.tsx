@@ -10,7 +10,7 @@ import { AxisFold, AxisTable, type Entry, FieldInput, type Row } from "./fields"
 import { axisForm, linkForm, NAME, needed, type Values } from "./form";
 import { LinkFields } from "./LinkFields";
 import { inMechanics } from "./mechanics";
-import { axesText, type Kind, kindsOf, NAMES_ONLY } from "./models";
+import { axesText, type Kind, kindsOf, TIERS } from "./models";
 import { TestResult } from "./TestResult";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 
@@ -114,11 +114,11 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           classNames={{ label: "hint regular" }}
           data={(catalog.data ?? [draft.model]).map(({ name, title, axes, tier }) => ({
             value: name,
-            label: `${title} · ${axesText(axes)}${tier === "names" ? " · names only" : ""}`,
+            label: `${title} · ${axesText(axes)}${TIERS[tier] ? ` · ${TIERS[tier].word}` : ""}`,
           }))}
           searchable
           nothingFoundMessage="No model of that name"
-          description={model.tier === "names" ? NAMES_ONLY : undefined}
+          description={TIERS[model.tier]?.help}
           value={draft.model.name}
           allowDeselect={false}
           disabled={device !== null}

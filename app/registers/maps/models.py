@@ -1,0 +1,27 @@
+"""Register maps as the catalog has them: whoever reads their files puts them here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..entry import Model
+from ..listed import chips
+from .reader import RegisterMap
+
+MAPS: dict[str, Model] = {}
+"""By name: those that can be used now."""
+
+
+def entry(found: RegisterMap) -> Model:
+    """The catalog's entry."""
+    head = found.head
+    model = chips.chip(
+        found.name,
+        head.title,
+        head.summary or "from a register map of this server",
+        found.table,
+        spi40=head.spi is not None,
+        uart="" if head.uart is None else "node" if head.uart.node else "plain",
+    )
+    clock_hz = float(head.clock_hz)
+    return replace(model, clock_hz_default=clock_hz, clock_hz_max=clock_hz, tier="map")
