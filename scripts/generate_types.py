@@ -6,7 +6,6 @@ With --check nothing is written: it ends with 1 when a file is stale, and says w
 
 from __future__ import annotations
 
-import asyncio
 import json
 import re
 import sys
@@ -52,9 +51,9 @@ def free_calls_text() -> str:
 
 def catalog_text() -> str:
     """Return what `GET /catalog` answers, but for models that only an installed package lists."""
-    from app.api.catalog.routes import list_models
+    from app.api.catalog.routes import entries
 
-    models = asyncio.run(list_models())
+    models = entries()
     models = [model for model in models if model.tier == "full"]
     return json.dumps([model.model_dump(mode="json") for model in models], indent=1, ensure_ascii=False) + "\n"
 

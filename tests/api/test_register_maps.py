@@ -87,8 +87,8 @@ async def test_a_map_is_a_model_with_registers_motion_and_channels(
     assert (await client.post(f"{core}/axes/0/move", json={"target": 2000})).status_code == 200
     await clock.advance(10.0)
     assert (await client.get(f"{core}/axes/0")).json()["position"] == 2000
-    channels = {channel["name"] for channel in (await client.get(f"{core}/channels")).json()}
-    assert {"position.0", "velocity.0"} <= channels
+    channels = {channel["name"] for channel in (await client.get(core)).json()["channels"]}
+    assert {"position.0", "velocity.0", "AMAX.0"} <= channels
     refused = await client.put(f"{core}/registers/VMAX?axis=0", json={"value": 8_388_097})
     assert refused.json()["type"] == "/problems/out-of-range"
 

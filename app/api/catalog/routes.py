@@ -29,6 +29,11 @@ async def list_models(bench: CurrentBench) -> list[CatalogEntry]:
     that an installed package lists, whose parameters are read when one of them is asked for."""
     with suppress(StoreUnavailable):  # then those that were read before
         await bench.maps.look()
+    return entries()
+
+
+def entries() -> list[CatalogEntry]:
+    """The same, as far as it is known."""
     known = [_entry(model, len(model.table)) for model in (*MODELS.values(), *maps())]
     return [*known, *(_entry(model, None) for model in listings())]
 
