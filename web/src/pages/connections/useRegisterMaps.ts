@@ -55,6 +55,7 @@ export function nameOf(file: Pick<File, "name">): string {
   const plain = file.name
     .replace(/\.[^.]*$/, "")
     .normalize("NFKD")
+    .replace(/\p{M}/gu, "") // accents, which are signs of their own now
     .toLowerCase()
     .replace(/[^a-z0-9]+/g, "-")
     .replace(/^-+|-+$/g, "");
