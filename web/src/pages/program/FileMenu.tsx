@@ -2,7 +2,7 @@ import { Button, Menu } from "@mantine/core";
 import { IconChevronDown, IconFile } from "@tabler/icons-react";
 import { useRef } from "react";
 import { api, unwrap } from "../../api/client";
-import { fileName } from "../profiles/files";
+import { fileName } from "../../lib/files";
 import { EXAMPLES } from "./examples";
 import { fromBase64, toBase64 } from "./lines";
 import { bodyOf } from "./usePrograms";
