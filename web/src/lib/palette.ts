@@ -62,6 +62,26 @@ const SHADES: Record<Quantity, readonly [light: string, dark: string]> = {
   phase_b: ["#b87400", "#e69f00"],
 };
 
-export function colorOf(quantity: Quantity, scheme: "light" | "dark"): string {
-  return SHADES[quantity][scheme === "light" ? 0 : 1];
+/** Of what has no colour of its own: the same for a name on every page. */
+const OTHERS: readonly Quantity[] = [
+  "velocity",
+  "residual",
+  "predicted_position",
+  "encoder_position",
+  "position",
+  "measured_speed",
+  "acceleration",
+  "external_deviation",
+];
+
+function otherOf(name: string): Quantity {
+  let sum = 0;
+  for (const character of name) sum = (31 * sum + (character.codePointAt(0) ?? 0)) >>> 0;
+  return OTHERS[sum % OTHERS.length] ?? "velocity";
+}
+
+/** The colour of a quantity, or of any register or parameter by its name. */
+export function colorOf(quantity: Quantity | (string & {}), scheme: "light" | "dark"): string {
+  const known = quantity in SHADES ? (quantity as Quantity) : otherOf(quantity);
+  return SHADES[known][scheme === "light" ? 0 : 1];
 }

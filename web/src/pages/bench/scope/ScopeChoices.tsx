@@ -1,4 +1,5 @@
-import { Checkbox, Divider, Stack, Text } from "@mantine/core";
+import { Checkbox, Divider, MultiSelect, Stack, Text } from "@mantine/core";
+import { MORE_MAX } from "./rows";
 
 interface Choice {
   label: string;
@@ -10,13 +11,33 @@ interface Props {
   rows: readonly Choice[];
   /** axes besides the one in the hand */
   others: readonly Choice[];
+  /** registers or parameters without a plot of their own, by name */
+  further: readonly string[];
+  more: string[];
+  onMore: (more: string[]) => void;
 }
 
 /** What the scope shows: its plots, and further axes. */
-export function ScopeChoices({ rows, others }: Props) {
+export function ScopeChoices({ rows, others, further, more, onMore }: Props) {
   return (
     <Stack gap={6}>
       <Choices title="Plots" choices={rows} />
+      {further.length > 0 && (
+        <MultiSelect
+          size="xs"
+          w={260}
+          label="Registers and parameters"
+          placeholder={more.length === 0 ? "any of them, by name" : ""}
+          data={[...further]}
+          value={more.filter((name) => further.includes(name))}
+          onChange={onMore}
+          maxValues={MORE_MAX}
+          searchable
+          hidePickedOptions
+          nothingFoundMessage="Nothing of that name"
+          comboboxProps={{ withinPortal: false }}
+        />
+      )}
       {others.length > 0 && (
         <>
           <Divider />

@@ -7,7 +7,7 @@ import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
 import { RecordButton } from "../../recordings/RecordButton";
 import { type AxisRef, rowsOf } from "./model";
-import type { RowId } from "./rows";
+import { furtherOf, type RowId } from "./rows";
 import classes from "./scope.module.css";
 import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
 import type { Scope } from "./useScope";
@@ -150,6 +150,9 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
               chosen: settings.rows.includes(id),
               toggle: () => toggleRow(id),
             }))}
+            further={furtherOf(device, main.axis)}
+            more={settings.more}
+            onMore={(more) => change({ more })}
             others={others.map((ref) => ({ label: ref.label, chosen: isExtra(ref), toggle: () => toggleExtra(ref) }))}
           />
         </Popover.Dropdown>

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { about } from "../../../../test/catalog";
 import type { Device } from "../../../api/queries";
 import { buildRows, requestsFor, valueText } from "./model";
-import { ROWS } from "./rows";
+import { furtherOf, ROWS } from "./rows";
 import type { ScopeSettings } from "./settings";
 
 function device(id: string, axes: number, rate: number): Device {
@@ -68,6 +68,7 @@ const SETTINGS: ScopeSettings = {
   rows: ROWS.map((row) => row.id),
   hidden: ["target_position"],
   extras: [{ device: "b", axis: 0 }],
+  more: [],
   folds: {},
 };
 
@@ -93,6 +94,19 @@ describe("the scope's model", () => {
     expect(added?.series.color).toBe(own?.series.color);
     expect(position?.traces.find((trace) => trace.quantity === "target_position")?.series.hidden).toBe(true);
     expect(own && valueText(own, 800)).toBe("0.5000");
+  });
+
+  it("shows any register or parameter that was chosen, and asks for it", () => {
+    const plain = device("a", 1, 1000);
+    const named = ["TOFF", "GainP"].map((quantity) => ({ name: `${quantity}.0`, quantity, axis: 0, unit: "" }));
+    const listed = { ...plain, channels: [...plain.channels, ...named] };
+    expect(furtherOf(listed, 0)).toEqual(["TOFF", "GainP"]);
+    const chosen: ScopeSettings = { ...SETTINGS, rows: ["position"], extras: [], more: ["GainP", "gone"] };
+    const more = buildRows([listed], { device: "a", axis: 0 }, chosen, "light").find(({ row }) => row.id === "more");
+    expect(more?.traces.map(({ channel, shown }) => [channel, shown])).toEqual([["GainP.0", true]]);
+    const [request] = requestsFor([listed], { device: "a", axis: 0 }, chosen);
+    expect(request?.channels).toContain("GainP.0");
+    expect(request?.channels).not.toContain("TOFF.0");
   });
 
   it("asks a module's wire for nothing that is not on show", () => {

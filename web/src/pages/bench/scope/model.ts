@@ -1,10 +1,10 @@
 import { can, type Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
-import { colorOf, type Quantity } from "../../../lib/palette";
+import { colorOf } from "../../../lib/palette";
 import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
 import type { TelemetryRequest } from "../../../live/TelemetrySource";
 import type { PlotSeries } from "../../../plots/types";
-import { lane, ROWS, type Row, type RowChannel, unitOf } from "./rows";
+import { lane, moreRow, ROWS, type Row, type RowChannel, unitOf } from "./rows";
 import { type ExtraAxis, keepS, type ScopeSettings } from "./settings";
 
 /** One line of the scope: a channel of one axis of one device, in the unit of its row. */
@@ -12,7 +12,7 @@ export interface ScopeTrace {
   key: string;
   device: string;
   channel: string;
-  quantity: Quantity;
+  quantity: string;
   label: string;
   unit: string;
   divisor: number;
@@ -80,8 +80,8 @@ export function buildRows(
 ): ScopeRow[] {
   const all = [main, ...settings.extras.filter((extra) => extra.device !== main.device || extra.axis !== main.axis)];
   const mainAxis = find(devices, main);
-  return rowsOf(mainAxis?.device, main.axis).flatMap((row) => {
-    if (!settings.rows.includes(row.id)) return [];
+  return rowsOf(mainAxis?.device, main.axis, settings.more).flatMap((row) => {
+    if (row.id !== "more" && !settings.rows.includes(row.id)) return [];
     const wanted = unitOf(row, settings.unit);
     const known = mainAxis && row.motion ? factorOf(wanted, mainAxis.scale, row.motion) !== null : true;
     const unit = known ? wanted : unitOf(row, "microsteps");
@@ -133,10 +133,10 @@ export function buildRows(
 }
 
 /** The plots that make sense for an axis: those it has channels for, without the channels that it has not. */
-export function rowsOf(device: Device | undefined, axis: number): readonly Row[] {
+export function rowsOf(device: Device | undefined, axis: number, more: readonly string[] = []): readonly Row[] {
   if (device === undefined || device.channels.length === 0) return ROWS;
   const offered = new Set(device.channels.map((channel) => channel.name));
-  return ROWS.flatMap((row) => {
+  return [...ROWS, moreRow(more)].flatMap((row) => {
     const channels = row.channels.filter((channel) => offered.has(`${channel.quantity}.${axis}`));
     return channels.length === 0 ? [] : [{ ...row, channels }];
   });
@@ -150,9 +150,10 @@ export function requestsFor(devices: readonly Device[], main: AxisRef, settings:
     if (!device) return [];
     // On a module's wire every channel costs a question: none is asked that is not on show.
     const sparing = can(device, "parameters");
-    const wanted = ROWS.flatMap((row) =>
+    const wanted = [...ROWS, moreRow(settings.more)].flatMap((row) =>
       row.channels.flatMap((channel) => {
-        if (sparing && !(settings.rows.includes(row.id) && !settings.hidden.includes(channel.quantity))) return [];
+        const chosen = row.id === "more" || settings.rows.includes(row.id);
+        if (sparing && !(chosen && !settings.hidden.includes(channel.quantity))) return [];
         const axes = settings.extras
           .filter((extra) => extra.device === id && channel.shared)
           .map((extra) => extra.axis);

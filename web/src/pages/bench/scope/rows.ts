@@ -1,3 +1,4 @@
+import type { Device } from "../../../api/queries";
 import type { Quantity } from "../../../lib/palette";
 import { ratesOf } from "../../../lib/units";
 
@@ -11,11 +12,13 @@ export type RowId =
   | "angle"
   | "current"
   | "coils"
-  | "switches";
+  | "switches"
+  | "more";
 export type Motion = "position" | "velocity" | "acceleration";
 
 export interface RowChannel {
-  quantity: Quantity;
+  /** a known one, or the name of any register or parameter */
+  quantity: Quantity | (string & {});
   label: string;
   /** shown for axes that are only added to the plot too */
   shared?: boolean;
@@ -135,6 +138,22 @@ export const ROWS: readonly Row[] = [
     ],
   },
 ];
+
+const KNOWN: ReadonlySet<string> = new Set(ROWS.flatMap(({ channels }) => channels.map(({ quantity }) => quantity)));
+/** So many colours there are, and lines that one can still tell apart. */
+export const MORE_MAX = 8;
+
+/** Channels of an axis that no plot of its own has: its other registers or parameters, by name. */
+export function furtherOf(device: Device | undefined, axis: number): string[] {
+  const own = device?.channels.filter((channel) => channel.axis === axis && !KNOWN.has(channel.quantity)) ?? [];
+  return own.map(({ quantity }) => quantity);
+}
+
+/** The plot of those that somebody chose. */
+export function moreRow(chosen: readonly string[]): Row {
+  const channels = chosen.map((quantity) => ({ quantity, label: quantity, measured: true, thin: false }));
+  return { id: "more", title: "Registers and parameters", motion: null, grow: 2, channels };
+}
 
 /** The unit of a row, where positions are shown in `unit`. */
 export function unitOf(row: Row, unit: string): string {

@@ -19,6 +19,8 @@ export interface ScopeSettings {
   /** channels switched off, by quantity */
   hidden: string[];
   extras: ExtraAxis[];
+  /** further registers or parameters, by name */
+  more: string[];
   folds: Folds;
 }
 
@@ -33,6 +35,7 @@ const DEFAULTS: ScopeSettings = {
   rows: ["position", "residual", "deviation", "velocity", "acceleration", "load", "switches"],
   hidden: ["external_encoder_position", "external_deviation", "measured_speed"],
   extras: [],
+  more: [],
   folds: {},
 };
 
