@@ -21,7 +21,7 @@ may have moved a motor.
 from .asynchronous import AsyncBench
 from .audit import AuditEntry
 from .blocking import Bench
-from .errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from .errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused, SearchEnded
 from .profiles import SavedProfile
 from .records import (
     AxisState,
@@ -58,6 +58,7 @@ __all__ = [
     "Samples",
     "SavedProfile",
     "Script",
+    "SearchEnded",
     "Standing",
     "Written",
 ]

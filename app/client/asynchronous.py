@@ -17,7 +17,7 @@ from . import audit, calls, profiles, scripts
 from .arrival import LOOK_EVERY_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
-from .errors import ClientError, NoServer
+from .errors import ClientError, NoServer, SearchEnded
 from .http import TIMEOUT_S, answer_of, content_of, headers, options, server_url, socket_url, timeout, token_of, told
 from .lease import AsyncLease, OnVanish
 from .profiles import SavedProfile
@@ -208,6 +208,44 @@ class AsyncBench:
     ) -> Json:
         """Turn on and on; with `hold_s` it stops by itself after that."""
         return await self._send(calls.rotate(device, axis, velocity, unit, hold_s))
+
+    async def home_by_stall(
+        self,
+        device: str,
+        axis: int = 0,
+        side: str = "left",
+        *,
+        velocity: float | None = None,
+        threshold: int | None = None,
+        current_percent: float | None = None,
+        back_off: int | None = None,
+        hits: int = 3,
+        wait: bool = True,
+    ) -> Json:
+        """Search the end of the stage by stall, and call it 0; with `wait` the answer is how that ended.
+
+        velocity : search speed [pps]; None: a turn a second
+        threshold : of StallGuard; None: one is found
+        current_percent : run current meanwhile, of full scale; None: as it is set
+        back_off : between two hits [microsteps]; None: what it takes to get up to speed
+
+        Raises SearchEnded where it fails. An exception or Ctrl-C while waiting ends nothing: `stop` does.
+        """
+        stall = {
+            "side": side,
+            "velocity": velocity,
+            "threshold": threshold,
+            "current_percent": current_percent,
+            "back_off": back_off,
+            "hits": hits,
+        }
+        state = await self._send(calls.search(device, axis, {"stall": stall}))
+        while wait and state["state"] == "running":
+            await asyncio.sleep(LOOK_EVERY_S)
+            state = await self._send(calls.search_state(device, axis))
+        if state["state"] not in ("running", "done"):
+            raise SearchEnded(state)
+        return state
 
     async def stop(self, device: str, axis: int = 0, mode: str = "ramp") -> Json:
         """Stop one axis, ahead of everything that waits for its link."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 
 class ClientError(Exception):
@@ -77,3 +78,14 @@ class MoveEnded(ClientError):
         self.position = position
         """Where it was seen last [microsteps]."""
         self.target = target
+
+
+class SearchEnded(ClientError):
+    """A search for the reference has failed, or was ended."""
+
+    exit_code = 5
+
+    def __init__(self, state: Mapping[str, Any]) -> None:
+        super().__init__(f"the search {state['state']}: {state['message']}")
+        self.state = state
+        """As the server told it."""

@@ -19,7 +19,7 @@ from .devices import conditions, devices, read, write
 from .diagnosis import doctor
 from .lease import lease
 from .measuring import compare, record, recordings, replay, watch
-from .motion import axis, move, rotate, stop
+from .motion import axis, home, move, rotate, stop
 from .profile_scripts import script
 from .profiles import profile
 from .programs import tmcl
@@ -36,6 +36,7 @@ COMMANDS: Sequence[Callable[..., None]] = (
     start_up,
     move,
     rotate,
+    home,
     stop,
     watch,
     record,

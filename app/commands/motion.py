@@ -1,4 +1,4 @@
-"""Commands that move, and that show where an axis is: `axis`, `move`, `rotate`, `stop`."""
+"""Commands that move, and that show where an axis is: `axis`, `move`, `rotate`, `home`, `stop`."""
 
 from __future__ import annotations
 
@@ -88,6 +88,38 @@ def rotate(
             print_json(turning)
         else:
             typer.echo(f"turns at {plain(turning['velocity_pps'])} pps")
+
+
+def home(
+    device: DeviceName,
+    side: Annotated[str, typer.Argument(help="left or right: the end of the stage to search.")] = "left",
+    axis: AxisNumber = 0,
+    velocity: Annotated[float | None, typer.Option(help="Search speed [pps].", min=1)] = None,
+    threshold: Annotated[
+        int | None, typer.Option(help="Of StallGuard; without one it is found.", min=-64, max=63)
+    ] = None,
+    current: Annotated[
+        float | None, typer.Option(help="Run current meanwhile [% of full scale].", min=1, max=100)
+    ] = None,
+    hits: Annotated[int, typer.Option(help="How often it runs against the end.", min=1, max=10)] = 3,
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Search the end of the stage by stall, without a switch, and call it 0. Ctrl-C stops the axis."""
+    with connected(url, token) as bench:
+        try:
+            state = bench.home_by_stall(
+                device, axis, side, velocity=velocity, threshold=threshold, current_percent=current, hits=hits
+            )
+        except KeyboardInterrupt:
+            bench.stop(device, axis)
+            typer.secho("stepscope: stopped", fg="red", err=True)
+            raise
+        if as_json:
+            print_json(state)
+        else:
+            typer.echo(state["message"])
 
 
 def stop(

@@ -21,6 +21,7 @@ from .hold import Hold, check_hold
 from .procedure import Procedure
 from .search import ReferenceSearchState, Search, SearchWanted, Switch
 from .shuttle import Shuttle, ShuttleState
+from .stall_search import StallSearch, StallWanted
 from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
 from .velocity_profile import ProfilePlay, ProfileState
 
@@ -77,6 +78,12 @@ class Procedures:
             device.limiter.require_target(device.axis(axis).index, 0, what="a search calls its reference 0")
         wanted = SearchWanted(switch, velocity_pps, max_travel, mode, search_speed_pps, switch_speed_pps)
         return self._start(search_of(device, axis, self._clock, wanted)).state
+
+    def start_stall_search(self, device: Device, axis: int, wanted: StallWanted) -> ReferenceSearchState:
+        """Search the end of the stage by stall. Raises what `start_search` raises."""
+        if device.limiter is not None:
+            device.limiter.require_target(device.axis(axis).index, 0, what="a search calls its reference 0")
+        return self._start(StallSearch(device, axis, self._clock, wanted)).state
 
     def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
         """The present search, or the latest. Raises UnknownThing for the axis."""

@@ -34,6 +34,8 @@ class ReferenceSearchState:
     """Between the two stop switches, where the mode measures it (AP 196)."""
     last_position: int | None = None
     """Where the counter stood when it was set to 0 (AP 197)."""
+    stall: bool = False
+    """Whether it is a search by stall; `edges` are its hits."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -279,6 +279,40 @@ async def test_a_search_that_this_family_does_not_know_is_refused(
     assert (await client.get(url)).json()["state"] == "idle"
 
 
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
+async def test_the_end_of_the_stage_is_searched_by_stall(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    link = {"kind": "emulator", "stage": {"left_end_fullsteps": -30.0, "left_at_fullsteps": -3000.0}}
+    made = await client.post("devices", json={"name": "homer", "model": "pd42-1241", "link": link})
+    assert made.status_code == 201, made.text
+    url = f"devices/{made.json()['id']}/axes/0/reference-search"
+    started = (await client.post(url, json={"stall": {"side": "left", "hits": 2}})).json()
+    assert (started["state"], started["stall"]) == ("running", True)
+    for _ in range(2000):
+        await clock.advance(0.02)
+        state = (await client.get(url)).json()
+        if state["state"] != "running":
+            break
+    assert (state["state"], len(state["edges"])) == ("done", 2), state
+    assert state["last_position"] == pytest.approx(-30 * 256, abs=256)
+
+
+@pytest.mark.parametrize(
+    ("device", "body", "status"),
+    [
+        ("motor", {"stall": {"side": "up"}}, 422),
+        ("motor", {"stall": {"side": "left", "threshold": 64}}, 422),
+        ("motor", {"stall": {"side": "left"}, "mode": 1}, 422),
+        ("bench", {"stall": {"side": "left"}}, 409),
+    ],
+)
+async def test_a_search_by_stall_that_cannot_be_is_refused(
+    client: httpx.AsyncClient, motor: str, device: str, body: dict[str, object], status: int
+) -> None:
+    url = f"devices/{device}/axes/0/reference-search"
+    assert (await client.post(url, json=body)).status_code == status
+    assert (await client.get(url)).json()["state"] == "idle"
+
+
 # --- links --------------------------------------------------------------------------------------
 
 SERIAL = {"kind": "serial", "port": "/dev/ttyNONE", "baud": 115_200, "address": 3}

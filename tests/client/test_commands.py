@@ -113,6 +113,12 @@ async def test_a_switch_in_the_way_is_told(server: str) -> None:
     assert "right" in result.output
 
 
+async def test_homing_where_no_stall_is_measured_is_refused(server: str) -> None:
+    result = await run(server, "home", "bench", "right", "--hits", "2")
+    assert result.exit_code == 1
+    assert "measures no stall" in result.output
+
+
 def test_every_command_explains_itself() -> None:
     for command in COMMANDS:
         result = CliRunner().invoke(cli, [command.__name__.replace("_", "-"), "--help"])

@@ -6,6 +6,7 @@ from fastapi import APIRouter
 
 from ...devices.core.device import Device
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ...procedures.stall_search import StallWanted
 from ...procedures.velocity_profile import judge
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
@@ -38,10 +39,16 @@ async def start_reference_search(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ReferenceSearchStart | None = None
 ) -> ReferenceSearchState:
     """Search a switch at both its edges and set zero to its centre; a module does so by itself, in one of its modes.
+    With `stall`, search the end of the stage without a switch.
 
     Answers when it has started.
     """
     wanted = body or ReferenceSearchStart()
+    if wanted.stall is not None:
+        _check_alone(wanted)
+        stall = wanted.stall.model_dump()
+        by_stall = StallWanted(velocity_pps=stall.pop("velocity"), max_travel=wanted.max_travel, **stall)
+        return ReferenceSearchState.model_validate(bench.procedures.start_stall_search(device, axis.index, by_stall))
     _check_family(wanted, device)
     state = bench.procedures.start_search(
         device,
@@ -54,6 +61,17 @@ async def start_reference_search(
         switch_speed_pps=wanted.switch_speed_pps,
     )
     return ReferenceSearchState.model_validate(state)
+
+
+def _check_alone(wanted: ReferenceSearchStart) -> None:
+    """Raises UsageError for what goes with a search for a switch, and not with one by stall."""
+    given = [
+        name
+        for name in ("switch", "velocity", "mode", "search_speed_pps", "switch_speed_pps")
+        if name in wanted.model_fields_set and getattr(wanted, name) is not None
+    ]
+    if given:
+        raise UsageError(f"a search by stall knows no {given[0]}: its side and speed stand in stall")
 
 
 def _check_family(wanted: ReferenceSearchStart, device: Device) -> None:

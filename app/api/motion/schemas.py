@@ -123,8 +123,30 @@ SearchMode = Literal[1, 2, 3, 4, 5, 6, 7, 8, 65, 66, 67, 68, 133, 134, 135, 136]
 """AP 193 of a PD42-1241: 1..8, +64 mirrors 1..4, +128 inverts the home switch of 5..8."""
 
 
+class StallSearchStart(Body):
+    """Search the end of the stage without a switch: by the stall that the driver measures (StallGuard)."""
+
+    side: Literal["left", "right"] = Field(description="left is where positions get less")
+    velocity: Annotated[float, Field(strict=True, gt=0, le=8e6, allow_inf_nan=False)] | None = Field(
+        default=None, description="search speed [pps]; null: a turn a second, or the axis's limit if that is less"
+    )
+    threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] | None = Field(
+        default=None, description="StallGuard threshold, the higher the less sensitive; null: one is found"
+    )
+    current_percent: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] | None = Field(
+        default=None, description="run current meanwhile, of the driver's full scale [%]; null: as it is set"
+    )
+    back_off: Annotated[int, Field(strict=True, ge=1, lt=1 << 23)] | None = Field(
+        default=None, description="way between two hits [microsteps]; null: what it takes to get up to speed"
+    )
+    hits: Annotated[int, Field(strict=True, ge=1, le=10)] = Field(
+        default=3, description="how often it runs against the end; the places of the hits are `edges`"
+    )
+
+
 class ReferenceSearchStart(Body):
-    """Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds."""
+    """Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds.
+    Devices with StallGuard also search by `stall`."""
 
     switch: Literal["left", "right", "reference", "home"] = Field(
         default="reference", description='"home" is what a TMC4361 calls it (HOME_REF)'
@@ -140,21 +162,25 @@ class ReferenceSearchStart(Body):
     )
     search_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 194; null: as it is set")
     switch_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 195; null: as it is set")
+    stall: StallSearchStart | None = Field(
+        default=None, description="search the end of the stage by stall; of the others only max_travel goes with it"
+    )
 
 
 class ReferenceSearchState(Answer):
     state: Literal["idle", "running", "done", "failed", "aborted"]
     phase: str
     progress: float
-    edges: list[int] = Field(description="switch edges found so far [microsteps]")
+    edges: list[int] = Field(description="switch edges, or hits of the end, found so far [microsteps]")
     centre: int | None
     offset: int | None = Field(description="what was subtracted from the position at the end [microsteps]")
     message: str
     mode: int | None = Field(default=None, description="PD42-1241: the mode it searches in")
     distance: int | None = Field(default=None, description="PD42-1241: AP 196, between the end switches [microsteps]")
     last_position: int | None = Field(
-        default=None, description="PD42-1241: AP 197, where the zero point lay in the old counting [microsteps]"
+        default=None, description="where the zero point lay in the old counting [microsteps]; PD42-1241: AP 197"
     )
+    stall: bool = Field(default=False, description="by stall: `edges` are the hits of the end, in the old counting")
 
 
 class ShuttleStart(Body):

@@ -332,6 +332,39 @@ class PositionSetting(Protocol):
         ...
 
 
+class StallStop(Protocol):
+    """Can have a stall that its driver measures stop the motor."""
+
+    async def full_step(self, axis: int, /) -> int:
+        """Microsteps of a full step."""
+        ...
+
+    def cruise_pps(self, axis: int, /) -> float | None:
+        """The speed limit of moves as the user has set it [pps]; None where nobody knows it."""
+        ...
+
+    async def stall_threshold(self, axis: int, /) -> int:
+        """StallGuard's threshold as it is set: the higher, the less sensitive."""
+        ...
+
+    async def stall_writes(
+        self, axis: int, velocity_pps: float, threshold: int, current_percent: float | None, /, *, stops: bool
+    ) -> Sequence[WriteItem]:
+        """What to write so that a stall `stops` the motor from `velocity_pps` on, or is only measured.
+
+        current_percent : run current, of full scale; None: as it is set. The same names whatever is asked for.
+        """
+        ...
+
+    async def load(self, axis: int, /) -> int:
+        """The load value now: 0 is a stall."""
+        ...
+
+    async def call_here(self, axis: int, position: int, /) -> None:
+        """Call the place where the motor stands `position` [microsteps]."""
+        ...
+
+
 class VelocityJumps(Protocol):
     """Can move with a velocity that jumps."""
 
@@ -524,6 +557,7 @@ MISSING: dict[type, tuple[str, str]] = {
     EncoderSetting: NO_ENCODER,
     PositionFromEncoder: ("cannot take its position from an encoder", "search its reference"),
     PositionSetting: ("cannot have its position set", "search its reference"),
+    StallStop: ("measures no stall that could stop its motor", "search its reference by a switch"),
     VelocityJumps: ("moves on ramps only", "let it go on its ramp"),
     VelocityStream: ("takes no velocities one by one", "let it go on its ramp, or rotate"),
     LatchedFlags: ("keeps no flags", "its condition tells what is so now"),

@@ -39,6 +39,7 @@ from .raw import DatagramsByHand
 from .reader import ChipReader
 from .rows import rows_of
 from .setting import ChipSetting
+from .stall import ChipStall
 from .standstill import Standstill
 from .start_up import plan
 from .stops import Stops
@@ -73,6 +74,7 @@ def compose(
     motions.wake = Looking(session, tasks, monitor.poll, motions.to_poll).begin
     # Each acts on a state that is set, in this order.
     session.state_hooks += [memory.heard_state, predictions.heard_state, log.heard_state, motions.heard_state]
+    calls = PositionCalls(session, link, memory, setting, standstill, predictions, registers)
     parts = Parts(
         identity=ChipIdentity(session, link, memory, reader, tasks),
         registers=registers,
@@ -87,7 +89,8 @@ def compose(
             setting,
             log,
             SixPointEncoders(session, memory, setting),
-            PositionCalls(session, link, memory, setting, standstill, predictions, registers),
+            calls,
+            ChipStall(session, memory, setting, registers, calls),
             FlagClearing(session, link, memory, log, reader, standstill, registers),
             MicrostepTables(session, link, memory, writes),
         ),

@@ -36,6 +36,7 @@ from .program import ProgramStore
 from .records import Records
 from .samples import ModuleTelemetry
 from .searches import Searches
+from .stall import ModuleStall
 from .start_up import plan
 from .state import ModuleState
 from .stops import Stops
@@ -95,6 +96,7 @@ def compose(
                 ProgramStore(session, state, link, download, ongoing, console, moving, identity.refresh),
                 ModuleEncoders(session, state, link, ongoing),
                 Searches(session, state, link, ongoing, departure),
+                ModuleStall(session, state, parameters),
             ),
         ),
     )

@@ -151,7 +151,9 @@ current that the regulation sees [A]."""
 FALL_CHM, FALL, SINE_OFFSET, DC_MARK = range(53, 57)
 """Constant off time: share of the supply with which it can lower a current, as set and now, what is added to the
 wave; electrical angle of the rotor at DcStep's last full step."""
-REALS = 57
+LOW_END, HIGH_END = range(57, 59)
+"""Where the stage ends hard [rad of the shaft]; it has no ends where the first is not below the second."""
+REALS = 59
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -632,6 +634,11 @@ def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
         f[IA0], f[IB0], f[EMF_A], f[EMF_B] = ia, ib, emf_a, emf_b
         ia, ib, omega = new_a, new_b, new
         theta += omega * dt
+    if f[LOW_END] < f[HIGH_END]:  # once a tick: at 10 turns a second it is a hundredth of a full step too far in
+        if theta < f[LOW_END]:
+            theta, omega = f[LOW_END], max(omega, 0.0)
+        elif theta > f[HIGH_END]:
+            theta, omega = f[HIGH_END], min(omega, 0.0)
     f[THETA], f[OMEGA], f[IA], f[IB], f[TORQUE] = theta, omega, ia, ib, torque
     f[REF_A], f[REF_B] = ref_a, ref_b
     s[REST] = resting

@@ -81,7 +81,7 @@ class LoadOptions(_Closed):
 
 
 class StageSwitches(_Closed):
-    """A stage with three switches, placed in full steps of the rotor. It has no hard stops.
+    """A stage with three switches, placed in full steps of the rotor; where told, it ends hard.
 
     The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle.
     """
@@ -108,8 +108,22 @@ class StageSwitches(_Closed):
         json_schema_extra=form(where={"capabilities": ["home_switch"]}, at_least="home_from_fullsteps"),
     )
 
+    left_end_fullsteps: FullSteps | None = Field(
+        default=None,
+        description="the carriage can go no further to the left than here [full steps]; null: no hard end",
+        json_schema_extra=REST_ONLY,
+    )
+    right_end_fullsteps: FullSteps | None = Field(
+        default=None,
+        description="the carriage can go no further to the right than here [full steps]; null: no hard end",
+        json_schema_extra=REST_ONLY,
+    )
+
     @model_validator(mode="after")
     def _in_order(self) -> StageSwitches:
+        ends = (self.left_end_fullsteps, self.right_end_fullsteps)
+        if ends[0] is not None and ends[1] is not None and ends[0] >= ends[1]:
+            raise ValueError("left_end_fullsteps does not lie left of right_end_fullsteps")
         if self.home_from_fullsteps > self.home_to_fullsteps:
             raise ValueError("home_from_fullsteps lies right of home_to_fullsteps")
         if self.left_at_fullsteps >= self.right_at_fullsteps:

@@ -32,6 +32,14 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     f[k.FULL_SCALE] = options.full_scale_a
     f[k.S0], f[k.V_HALF] = options.stall_full_scale, options.stall_half_speed_fullsteps_per_s
     f[k.NOISE] = options.stall_noise
+    left, right, step = (
+        options.stage.left_end_fullsteps,
+        options.stage.right_end_fullsteps,
+        math.pi / 2 / motor.rotor_teeth,
+    )
+    if left is not None or right is not None:
+        f[k.LOW_END] = -math.inf if left is None else left * step
+        f[k.HIGH_END] = math.inf if right is None else right * step
 
 
 def truth_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> Truth:

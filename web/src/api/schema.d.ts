@@ -670,6 +670,7 @@ export interface paths {
         /**
          * Start Reference Search
          * @description Search a switch at both its edges and set zero to its centre; a module does so by itself, in one of its modes.
+         *     With `stall`, search the end of the stage without a switch.
          *
          *     Answers when it has started.
          */
@@ -707,74 +708,6 @@ export interface paths {
          * @description End the shuttle and stop the motor.
          */
         delete: operations["stop_shuttle"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/devices/{device}/axes/{axis}/velocity-profile": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Velocity Profile
-         * @description How a velocity profile goes, or how the latest one ended.
-         */
-        get: operations["get_velocity_profile"];
-        put?: never;
-        /**
-         * Start Velocity Profile
-         * @description Play a velocity over time on an axis that stands. It is judged first; answers when it has started.
-         */
-        post: operations["start_velocity_profile"];
-        /**
-         * Stop Velocity Profile
-         * @description End it and stop the motor.
-         */
-        delete: operations["stop_velocity_profile"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/lateness": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Velocity Profile Lateness
-         * @description How late each point of the present profile was, or of the latest one.
-         */
-        get: operations["get_velocity_profile_lateness"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/check": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Check Velocity Profile
-         * @description Judge a profile by what the chip and the soft limits allow. Nothing moves.
-         */
-        post: operations["check_velocity_profile"];
-        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -1001,26 +934,6 @@ export interface paths {
          * @description A binary file as a program that assembles to the same commands. Nothing is sent.
          */
         post: operations["disassemble_program"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/devices/{device}/program/try": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Try Program
-         * @description Run a program on an emulated module that is set as this one is. This one is only read; nothing moves.
-         */
-        post: operations["try_program"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1681,8 +1594,8 @@ export interface paths {
         };
         /**
          * List Models
-         * @description Every model, without its registers: first those that stepscope knows well, then those of register maps, and those
-         *     that an installed package lists, whose parameters are read when one of them is asked for.
+         * @description Every model, without its registers: first those that stepscope knows well, then those that an installed package
+         *     lists, whose parameters are read when one of them is asked for.
          */
         get: operations["list_models"];
         put?: never;
@@ -3052,7 +2965,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3093,11 +3006,11 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists its registers or parameters; map: a register map of this server does. Of the last two there are no calculators, and the emulator holds what was written and moves by it
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
              * @default full
              * @enum {string}
              */
-            tier: "full" | "names" | "map";
+            tier: "full" | "names";
             /**
              * Unreadable
              * @description why the package's list of its parameters cannot be read
@@ -3117,12 +3030,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
+             * @description length of a chip's datagram on SPI; 0 for a module
              */
             datagram_bits: number;
             /**
@@ -3131,11 +3044,6 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
-            /**
-             * Nodes
-             * @description how many node addresses its UART has; 0: as many as a datagram can say
-             */
-            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3177,11 +3085,11 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists its registers or parameters; map: a register map of this server does. Of the last two there are no calculators, and the emulator holds what was written and moves by it
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
              * @default full
              * @enum {string}
              */
-            tier: "full" | "names" | "map";
+            tier: "full" | "names";
             /**
              * Unreadable
              * @description why the package's list of its parameters cannot be read
@@ -3201,12 +3109,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
+             * @description length of a chip's datagram on SPI; 0 for a module
              */
             datagram_bits: number;
             /**
@@ -3215,11 +3123,6 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
-            /**
-             * Nodes
-             * @description how many node addresses its UART has; 0: as many as a datagram can say
-             */
-            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3539,7 +3442,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /**
              * Clock Hz
              * @default 16000000
@@ -3705,7 +3608,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /**
              * Clock Hz
              * @default 16000000
@@ -4179,9 +4082,9 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -4191,7 +4094,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["DriverCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4226,7 +4129,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4363,7 +4266,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["DriverTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -4524,120 +4427,6 @@ export interface components {
              */
             status: number;
         };
-        /**
-         * DriverCreate
-         * @description A connection to a driver that is stepped from outside.
-         */
-        DriverCreate: {
-            /**
-             * Name
-             * @description the device goes by it everywhere
-             */
-            name: string;
-            /**
-             * Clock Hz
-             * @description the chip's clock [Hz]; null: 16 MHz
-             */
-            clock_hz?: number | null;
-            /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
-            /**
-             * Start Up
-             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
-             * @default false
-             */
-            start_up?: boolean;
-            /**
-             * Model
-             * @constant
-             */
-            model: "tmc2209";
-            /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
-        };
-        /**
-         * DriverEmulatorLink
-         * @description A driver emulated in this server, with a motor.
-         */
-        DriverEmulatorLink: {
-            /**
-             * Time runs at
-             * @description how fast the chip's time passes; 0 stands still
-             * @default 1
-             */
-            time_scale?: number;
-            /**
-             * Supply
-             * @description motor supply [V]
-             * @default 24
-             */
-            supply_v?: number;
-            /**
-             * Node address
-             * @description of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless mstep_reg_select says otherwise
-             * @default 0
-             */
-            node?: number;
-            /**
-             * Seed of noise and faults
-             * @description of the noise in the load value and of bit errors
-             * @default 2209
-             */
-            seed?: number;
-            /**
-             * Rotor at first
-             * @description where the rotor stands at first [full steps]
-             * @default 0
-             */
-            start_fullsteps?: number;
-            /**
-             * Clock Hz
-             * @description fCLK, which velocities and delays hang on [Hz]
-             * @default 12000000
-             */
-            clock_hz?: number;
-            /**
-             * Motor and load
-             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
-             */
-            motor?: components["schemas"]["MotorOptions"] | "rigid";
-            /** Motor and load */
-            load?: components["schemas"]["LoadOptions"];
-            /**
-             * Full Scale A
-             * @description peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]
-             */
-            full_scale_a?: number | null;
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "emulator";
-        };
-        /**
-         * DriverPinsChange
-         * @description Levels from outside: true is high.
-         */
-        DriverPinsChange: {
-            /**
-             * Enn
-             * @description level at ENN: high switches the bridges off
-             */
-            enn?: boolean | null;
-        };
-        /**
-         * DriverPinsState
-         * @description Levels: true is high.
-         */
-        DriverPinsState: {
-            /** Enn */
-            enn: boolean;
-            /**
-             * Diag
-             * @description an error of the driver, or a stall
-             */
-            diag: boolean;
-        };
         /** DriverSpecIn */
         DriverSpecIn: {
             /** Driver */
@@ -4681,40 +4470,6 @@ export interface components {
              * @description 12 status bits that the driver reports
              */
             status: number;
-        };
-        /**
-         * DriverTrial
-         * @description A link to a driver, to be tried.
-         */
-        DriverTrial: {
-            /**
-             * Model
-             * @constant
-             */
-            model: "tmc2209";
-            /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
-        };
-        /**
-         * DriverUartState
-         * @description The single-wire interface.
-         */
-        DriverUartState: {
-            /**
-             * Node
-             * @description address, by MS1 and MS2
-             */
-            node: number;
-            /**
-             * Reply Delay Bits
-             * @description bit times before an answer (SENDDELAY)
-             */
-            reply_delay_bits: number;
-            /**
-             * Writes
-             * @description IFCNT: accepted writes, modulo 256
-             */
-            writes: number;
         };
         /**
          * EmulatorHealth
@@ -6264,44 +6019,6 @@ export interface components {
             velocity: number;
         };
         /**
-         * ListedChipCreate
-         * @description A connection to a chip of which a table of registers is known. Axes that are not given get defaults.
-         */
-        ListedChipCreate: {
-            /**
-             * Name
-             * @description the device goes by it everywhere
-             */
-            name: string;
-            /**
-             * Clock Hz
-             * @description the chip's clock [Hz]; null: 16 MHz
-             */
-            clock_hz?: number | null;
-            /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
-            /**
-             * Start Up
-             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
-             * @default false
-             */
-            start_up?: boolean;
-            /** Model */
-            model: string;
-            /** Link */
-            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
-        };
-        /**
-         * ListedChipTrial
-         * @description A link to a chip of which a table of registers is known, to be tried.
-         */
-        ListedChipTrial: {
-            /** Model */
-            model: string;
-            /** Link */
-            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
-        };
-        /**
          * ListedCreate
          * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
          */
@@ -6331,7 +6048,7 @@ export interface components {
         };
         /**
          * ListedEmulatorLink
-         * @description Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration.
+         * @description A listed module emulated in this server: parameters hold what was written, axes move by their own.
          */
         ListedEmulatorLink: {
             /**
@@ -7871,7 +7588,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
@@ -8548,100 +8265,6 @@ export interface components {
              * @default false
              */
             binary?: boolean;
-        };
-        /**
-         * ProgramTrial
-         * @description What an emulated module, set as this one is, did with a program; the columns have a row each 0.02 s.
-         */
-        ProgramTrial: {
-            /**
-             * Status
-             * @enum {string}
-             */
-            status: "stopped" | "running" | "stepping" | "reset";
-            /** Downloading */
-            downloading: boolean;
-            /**
-             * Counter
-             * @description address of the command that is done next, or waits
-             */
-            counter: number;
-            /** Accumulator */
-            accumulator: number;
-            /** X */
-            x: number;
-            /**
-             * Error
-             * @description status of the latest command that was refused; null where it is not told
-             */
-            error: number | null;
-            /**
-             * Variables
-             * @description those that were asked for, by number
-             */
-            variables: {
-                [key: string]: number;
-            };
-            /**
-             * Ended
-             * @description by itself; when its time was over; when it had taken too much of the processor
-             * @enum {string}
-             */
-            ended: "stopped" | "time" | "work";
-            /** Flags */
-            flags: string[];
-            /** Stack */
-            stack: number[];
-            /** Time S */
-            time_s: number[];
-            /**
-             * Position
-             * @description [microsteps]
-             */
-            position: number[];
-            /** Velocity Pps */
-            velocity_pps: number[];
-            /**
-             * Counters
-             * @description address of the command that was next, or waited
-             */
-            counters: number[];
-        };
-        /**
-         * ProgramTrialStart
-         * @description A program to be tried on an emulator.
-         */
-        ProgramTrialStart: {
-            /**
-             * Text
-             * @description one command a line; labels, constants and #include as in the maker's manual
-             */
-            text: string;
-            /**
-             * Name
-             * @description what its file is called in messages
-             * @default program
-             */
-            name?: string;
-            /**
-             * Files
-             * @description files that it includes, by name
-             */
-            files?: {
-                [key: string]: string;
-            };
-            /**
-             * Address
-             * @description where it begins
-             * @default 0
-             */
-            address?: number;
-            /**
-             * Duration S
-             * @description how long, of the emulator's time [s]
-             * @default 10
-             */
-            duration_s?: number;
         };
         /**
          * PwmState
@@ -9407,6 +9030,7 @@ export interface components {
         /**
          * ReferenceSearchStart
          * @description Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds.
+         *     Devices with StallGuard also search by `stall`.
          */
         ReferenceSearchStart: {
             /**
@@ -9441,6 +9065,8 @@ export interface components {
              * @description PD42-1241: AP 195; null: as it is set
              */
             switch_speed_pps?: number | null;
+            /** @description search the end of the stage by stall; of the others only max_travel goes with it */
+            stall?: components["schemas"]["StallSearchStart"] | null;
         };
         /** ReferenceSearchState */
         ReferenceSearchState: {
@@ -9455,7 +9081,7 @@ export interface components {
             progress: number;
             /**
              * Edges
-             * @description switch edges found so far [microsteps]
+             * @description switch edges, or hits of the end, found so far [microsteps]
              */
             edges: number[];
             /** Centre */
@@ -9479,9 +9105,15 @@ export interface components {
             distance: number | null;
             /**
              * Last Position
-             * @description PD42-1241: AP 197, where the zero point lay in the old counting [microsteps]
+             * @description where the zero point lay in the old counting [microsteps]; PD42-1241: AP 197
              */
             last_position: number | null;
+            /**
+             * Stall
+             * @description by stall: `edges` are the hits of the end, in the old counting
+             * @default false
+             */
+            stall: boolean;
         };
         /**
          * RegisterBatch
@@ -9772,12 +9404,6 @@ export interface components {
             write_note: string;
             /** Volatile */
             volatile: boolean;
-            /**
-             * Untold
-             * @description what no source tells of it
-             * @default []
-             */
-            untold: ("width" | "access" | "reset" | "clearing")[];
             /**
              * Stored
              * @description whether an EEPROM keeps it: with every write, when told to store it, or not at all
@@ -10549,7 +10175,7 @@ export interface components {
         };
         /**
          * StageSwitches
-         * @description A stage with three switches, placed in full steps of the rotor. It has no hard stops.
+         * @description A stage with three switches, placed in full steps of the rotor; where told, it ends hard.
          *
          *     The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle.
          */
@@ -10578,6 +10204,54 @@ export interface components {
              * @default -3400
              */
             home_to_fullsteps?: number;
+            /**
+             * Left End Fullsteps
+             * @description the carriage can go no further to the left than here [full steps]; null: no hard end
+             */
+            left_end_fullsteps?: number | null;
+            /**
+             * Right End Fullsteps
+             * @description the carriage can go no further to the right than here [full steps]; null: no hard end
+             */
+            right_end_fullsteps?: number | null;
+        };
+        /**
+         * StallSearchStart
+         * @description Search the end of the stage without a switch: by the stall that the driver measures (StallGuard).
+         */
+        StallSearchStart: {
+            /**
+             * Side
+             * @description left is where positions get less
+             * @enum {string}
+             */
+            side: "left" | "right";
+            /**
+             * Velocity
+             * @description search speed [pps]; null: a turn a second, or the axis's limit if that is less
+             */
+            velocity?: number | null;
+            /**
+             * Threshold
+             * @description StallGuard threshold, the higher the less sensitive; null: one is found
+             */
+            threshold?: number | null;
+            /**
+             * Current Percent
+             * @description run current meanwhile, of the driver's full scale [%]; null: as it is set
+             */
+            current_percent?: number | null;
+            /**
+             * Back Off
+             * @description way between two hits [microsteps]; null: what it takes to get up to speed
+             */
+            back_off?: number | null;
+            /**
+             * Hits
+             * @description how often it runs against the end; the places of the hits are `edges`
+             * @default 3
+             */
+            hits?: number;
         };
         /**
          * StartChoice
@@ -11152,86 +10826,6 @@ export interface components {
             faults: components["schemas"]["ChipFaultsState"];
         };
         /**
-         * TmcDriverPatch
-         * @description A change to a running driver; what is left out stays. A power cycle comes first.
-         */
-        TmcDriverPatch: {
-            /** Time Scale */
-            time_scale?: number | null;
-            motor?: components["schemas"]["MotorChange"];
-            /**
-             * Load Torque Nm
-             * @description constant, like a weight: a positive one pulls to negative positions [N m]
-             */
-            load_torque_nm?: number | null;
-            /**
-             * Blocked
-             * @description clamps the shaft where it is
-             */
-            blocked?: boolean | null;
-            /**
-             * Friction
-             * @description friction on top of the motor's own [N m]
-             */
-            friction?: number | null;
-            /**
-             * Supply V
-             * @description motor supply [V]; the driver needs 4.75
-             */
-            supply_v?: number | null;
-            pins?: components["schemas"]["DriverPinsChange"];
-            faults?: components["schemas"]["ChipFaultsChange"];
-            /**
-             * Power Cycle
-             * @description off and on again; the motor stays where it is
-             * @default false
-             */
-            power_cycle?: boolean;
-        };
-        /**
-         * TmcDriverState
-         * @description Everything that GET .../emulator answers for a driver.
-         */
-        TmcDriverState: {
-            /**
-             * Model
-             * @constant
-             */
-            model: "tmc2209";
-            /** Time Scale */
-            time_scale: number;
-            /** Chip Time S */
-            chip_time_s: number;
-            /**
-             * Time Skipped S
-             * @description how long it stood still because more had to be worked out than this machine can in time [s]
-             */
-            time_skipped_s: number;
-            /** Clock Hz */
-            clock_hz: number;
-            /**
-             * Rigid
-             * @description no physics: the shaft follows the field exactly
-             */
-            rigid: boolean;
-            /** Supply V */
-            supply_v: number;
-            motor: components["schemas"]["MotorState"];
-            /** Load Torque Nm */
-            load_torque_nm: number;
-            /** Blocked */
-            blocked: boolean;
-            /**
-             * Friction
-             * @description friction on top of the motor's own [N m]
-             */
-            friction: number;
-            truth: components["schemas"]["TruthState"];
-            uart: components["schemas"]["DriverUartState"];
-            pins: components["schemas"]["DriverPinsState"];
-            faults: components["schemas"]["ChipFaultsState"];
-        };
-        /**
          * TmclFields
          * @description A command by its four fields.
          */
@@ -11748,7 +11342,7 @@ export interface components {
         };
         /**
          * UartLink
-         * @description A chip on the single wire of its UART. Several may share the wire, each by its node address.
+         * @description A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address.
          */
         UartLink: {
             /**
@@ -11777,7 +11371,7 @@ export interface components {
             baud?: number;
             /**
              * Node address
-             * @description NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none
+             * @description NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none
              * @default 0
              */
             node?: number;
@@ -11853,7 +11447,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -11970,115 +11564,6 @@ export interface components {
             name: string;
             /** Axis */
             axis: number | null;
-        };
-        /**
-         * VelocityProfileBody
-         * @description A velocity over time: knots between which it is linear, or with `rate_hz` null the very points to send.
-         */
-        VelocityProfileBody: {
-            /**
-             * Time S
-             * @description rising from 0 [s]
-             */
-            time_s: number[];
-            /**
-             * Velocity Pps
-             * @description one for each time; 0 at the first and the last [pps]
-             */
-            velocity_pps: number[];
-            /**
-             * Rate Hz
-             * @description points to send a second, on straight lines between those given; null: those given
-             */
-            rate_hz?: number | null;
-        };
-        /**
-         * VelocityProfileLateness
-         * @description How late each point was.
-         */
-        VelocityProfileLateness: {
-            /**
-             * Time S
-             * @description when each was due, from the start on [s]
-             */
-            time_s: number[];
-            /**
-             * Late Ms
-             * @description until the chip had answered it [ms]; null for one that was left out, or not sent yet
-             */
-            late_ms: (number | null)[];
-        };
-        /**
-         * VelocityProfileState
-         * @description How a velocity profile goes, or went; lateness is of the points sent so far.
-         */
-        VelocityProfileState: {
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "idle" | "running" | "done" | "failed" | "aborted";
-            summary: components["schemas"]["VelocityProfileSummary"] | null;
-            /** Sent */
-            sent: number;
-            /**
-             * Skipped
-             * @description points left out because the next one was due already
-             */
-            skipped: number;
-            /** Late Median Ms */
-            late_median_ms: number | null;
-            /** Late P99 Ms */
-            late_p99_ms: number | null;
-            /** Late Max Ms */
-            late_max_ms: number | null;
-            /**
-             * Position
-             * @description where it ended [microsteps]
-             */
-            position: number | null;
-            /** Message */
-            message: string;
-        };
-        /**
-         * VelocityProfileSummary
-         * @description What a velocity profile asks for.
-         */
-        VelocityProfileSummary: {
-            /** Points */
-            points: number;
-            /** Duration S */
-            duration_s: number;
-            /**
-             * Peak Pps
-             * @description as the chip rounds it [pps]
-             */
-            peak_pps: number;
-            /**
-             * Acceleration Pps2
-             * @description of the steepest part [pps^2]
-             */
-            acceleration_pps2: number;
-            /**
-             * Lowest
-             * @description the lowest position on the way [microsteps]
-             */
-            lowest: number;
-            /**
-             * Highest
-             * @description [microsteps]
-             */
-            highest: number;
-            /**
-             * End
-             * @description where it ends if every point comes in time [microsteps]
-             */
-            end: number;
-            /**
-             * Step Pps
-             * @description the chip's step of velocity [pps]
-             */
-            step_pps: number;
         };
         /**
          * WireHealth
@@ -16431,364 +15916,6 @@ export interface operations {
             };
         };
     };
-    get_velocity_profile: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["VelocityProfileState"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    start_velocity_profile: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["VelocityProfileBody"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["VelocityProfileState"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    stop_velocity_profile: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["VelocityProfileState"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    get_velocity_profile_lateness: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["VelocityProfileLateness"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    check_velocity_profile: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["VelocityProfileBody"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["VelocityProfileSummary"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     get_calibration: {
         parameters: {
             query?: never;
@@ -17942,105 +17069,6 @@ export interface operations {
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    try_program: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ProgramTrialStart"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ProgramTrial"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -20453,7 +19481,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -20506,7 +19534,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmcDriverPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
             };
         };
         responses: {
@@ -20516,7 +19544,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

@@ -153,8 +153,8 @@ interface StageProps {
 function Stage({ device, axis, open, onToggle }: StageProps) {
   const emulator = useEmulator(device);
   const live = useLiveAxis(device.id, axis.index);
-  const module = can(device, "parameters");
-  const search = useSearch({ device: device.id, axis: axis.index }, module && device.state === "connected");
+  const drawn = can(device, "parameters") || can(device, "stallguard");
+  const search = useSearch({ device: device.id, axis: axis.index }, drawn && device.state === "connected");
   const queries = useQueryClient();
   const searched = search.data?.state;
   // with the search's end the counter has another zero: the drawing has to learn where that is

@@ -8,6 +8,8 @@ interface Props {
   search: Schemas["ReferenceSearchState"];
   /** what it has passed, in full steps of the counter */
   seen: readonly SeenEdge[];
+  /** of a full step */
+  microsteps: number;
   /** moved in every frame by what separates the counter's zero from the stage's */
   counted: Ref<SVGGElement>;
   /** where a count of full steps lies, but for that */
@@ -19,7 +21,7 @@ interface Props {
 }
 
 /** On the stage's drawing: the edges that a reference search has found, what it does, and where zero came to be. */
-export function SearchOverlay({ search, seen, counted, place, left, width, rail }: Props) {
+export function SearchOverlay({ search, seen, microsteps, counted, place, left, width, rail }: Props) {
   const running = search.state === "running";
   const done = search.state === "done";
   const base = rail + 46;
@@ -35,6 +37,13 @@ export function SearchOverlay({ search, seen, counted, place, left, width, rail 
           >
             <path d={`M${place(edge.at)} ${rail - 28}V${rail + 22}`} />
             <title>{`${edge.which} switch ${edge.closed ? "closed" : "opened"} at ${fixed(edge.at, 1)} full steps`}</title>
+          </g>
+        ))}
+        {hitsOf(search, microsteps).map((at, index) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: hits are only ever added
+          <g key={index} className={classes.edge} data-testid="search-hit">
+            <path d={`M${place(at)} ${rail - 28}V${rail + 22}`} />
+            <title>{`hit ${index + 1} at ${fixed(at, 2)} full steps`}</title>
           </g>
         ))}
         {done && (
@@ -59,13 +68,21 @@ export function SearchOverlay({ search, seen, counted, place, left, width, rail 
   );
 }
 
+/** The hits of a search by stall, in full steps of the counter as it counts now. */
+function hitsOf(search: Schemas["ReferenceSearchState"], microsteps: number): number[] {
+  if (!search.stall) return [];
+  const zero = search.state === "done" ? (search.last_position ?? 0) : 0;
+  return search.edges.map((at) => (at - zero) / microsteps);
+}
+
 function runningText(search: Schemas["ReferenceSearchState"], seen: readonly SeenEdge[]): string {
+  if (search.stall) return search.edges.length > 0 ? `${search.phase}; ${search.edges.length} hits` : search.phase;
   const last = seen.at(-1);
   return last ? `${search.phase}; ${last.which} switch ${last.closed ? "closed" : "opened"}` : search.phase;
 }
 
 function doneText(search: Schemas["ReferenceSearchState"]): string {
-  const parts = ["Zero found"];
+  const parts = [search.stall ? "Zero at the end of the stage" : "Zero found"];
   if (search.last_position !== null && search.last_position !== undefined)
     parts.push(`it was at ${fixed(search.last_position)} µsteps`);
   if (search.distance !== null && search.distance !== undefined)

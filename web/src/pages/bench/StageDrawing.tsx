@@ -176,6 +176,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
         {searching && (
           <SearchOverlay
             search={search}
+            microsteps={scale.microstepsPerFullStep ?? 256}
             counted={counted}
             seen={seen}
             place={at}

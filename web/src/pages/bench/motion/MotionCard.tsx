@@ -21,6 +21,7 @@ import { useTopSpeed } from "./useMotionLimits";
 const ModuleSearch = later(() =>
   import("../../../families/tmcl/search/ModuleSearch").then((part) => part.ModuleSearch),
 );
+const StallSection = later(() => import("./StallSection").then((part) => part.StallSection));
 const ReferenceSection = later(() => import("./ReferenceSection").then((part) => part.ReferenceSection));
 const TogetherSection = later(() => import("./TogetherSection").then((part) => part.TogetherSection));
 
@@ -130,6 +131,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
               <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
               <Tabs.Tab value="together">Together</Tabs.Tab>
               <Tabs.Tab value="reference">Zero</Tabs.Tab>
+              {can(device, "stallguard") && <Tabs.Tab value="stall">Stall</Tabs.Tab>}
             </Tabs.List>
             <Tabs.Panel value="shuttle">
               <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
@@ -158,6 +160,11 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
                 />
               )}
             </Tabs.Panel>
+            {can(device, "stallguard") && (
+              <Tabs.Panel value="stall">
+                <StallSection key={`${device.id}/${axis.index}`} at={at} action={action} disabled={disabled} />
+              </Tabs.Panel>
+            )}
           </Tabs>
         )}
       </div>

@@ -1,0 +1,113 @@
+import { Button, Group, Progress, SegmentedControl, Text } from "@mantine/core";
+import { useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import type { Schemas } from "../../../api/client";
+import { type AxisAddress, motion } from "../../../api/motion";
+import { NumberField } from "../../../lib/NumberField";
+import classes from "../bench.module.css";
+import type { Action } from "./useAction";
+import { searchKey, useSearch } from "./useSearch";
+
+interface Props {
+  at: AxisAddress;
+  action: Action;
+  disabled: boolean;
+}
+
+type Stall = NonNullable<Schemas["ReferenceSearchStart"]["stall"]>;
+
+const SPEED_MAX = 7_999_774;
+
+/** Zero at the end of the stage, found without a switch: by the stall that the driver measures. */
+export function StallSection({ at, action, disabled }: Props) {
+  const queries = useQueryClient();
+  const search = useSearch(at, !disabled);
+  const [wanted, setWanted] = useState<Stall>({ side: "left", hits: 3 });
+  const running = search.data?.state === "running";
+  const failed = search.data?.state === "failed";
+  const locked = disabled || running;
+  const field = (
+    label: string,
+    key: "velocity" | "threshold" | "current_percent" | "hits",
+    unit: string,
+    [min, max, step]: [number, number, number],
+    otherwise: string,
+  ) => (
+    <NumberField
+      classNames={{ root: classes.inline, input: "num" }}
+      label={label}
+      value={wanted[key] ?? null}
+      placeholder={otherwise}
+      unit={unit}
+      min={min}
+      max={max}
+      step={step}
+      disabled={locked}
+      onChange={(next) => setWanted((now) => ({ ...now, [key]: key === "hits" ? (next ?? 3) : next }))}
+      data-testid={`stall-${key}`}
+    />
+  );
+  return (
+    <>
+      <SegmentedControl
+        size="xs"
+        fullWidth
+        aria-label="End of the stage to search"
+        data={[
+          { value: "left", label: "Left end" },
+          { value: "right", label: "Right end" },
+        ]}
+        value={wanted.side}
+        disabled={locked}
+        onChange={(side) => setWanted((now) => ({ ...now, side: side as Stall["side"] }))}
+      />
+      {field("Speed", "velocity", "pps", [1, SPEED_MAX, 1000], "a turn a second")}
+      {field("Threshold", "threshold", "", [-64, 63, 1], "found by itself")}
+      {field("Current", "current_percent", "%", [1, 100, 5], "as it is set")}
+      {field("Hits", "hits", "", [1, 10, 1], "3")}
+      <Progress
+        value={100 * (search.data?.progress ?? 0)}
+        size={6}
+        color={failed ? "red" : "accent"}
+        aria-label="Search by stall"
+      />
+      <Text size="xs" c={failed ? "red" : "dimmed"} mih={36} role="status" data-testid="stall-state">
+        {outcome(search.data)}
+      </Text>
+      <Group gap={6} grow wrap="nowrap">
+        <Button
+          size="xs"
+          disabled={disabled}
+          variant={running ? "default" : "filled"}
+          data-testid="stall-search"
+          onClick={() =>
+            void action
+              .run(running ? "Ending the search" : "Starting the search", () =>
+                running
+                  ? motion.endSearch(at)
+                  : motion.search(at, { stall: wanted } as Schemas["ReferenceSearchStart"]),
+              )
+              .then(() => {
+                void queries.invalidateQueries({ queryKey: searchKey(at) });
+                void queries.invalidateQueries({ queryKey: ["emulator", at.device] });
+              })
+          }
+        >
+          {running ? "Abort" : "Run against the end"}
+        </Button>
+      </Group>
+    </>
+  );
+}
+
+function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
+  if (search === undefined) return "";
+  switch (search.state) {
+    case "idle":
+      return "Goes away from the end to see whether StallGuard works at that speed, then runs against it.";
+    case "running":
+      return search.edges.length > 0 ? `${search.phase}; ${search.edges.length} hits so far` : search.phase;
+    default:
+      return search.message || `The search was ${search.state}.`;
+  }
+}
