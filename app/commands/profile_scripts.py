@@ -12,8 +12,7 @@ from .profiles import Which, document_of
 from .shared import AsJson, Token, Url, connected, print_json
 
 HOW = {
-    "run": "run as a program against a server",
-    "sent": "sent to a module command by command",
+    "run": "run as a program, against a server or by a module",
     "compiled": "compiled, its frames sent",
     "read": "read back, for there is nothing here to run it",
 }

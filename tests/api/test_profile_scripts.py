@@ -29,7 +29,7 @@ async def test_a_document_that_is_not_kept_as_a_script(client: httpx.AsyncClient
     document = (await client.get(f"devices/{device.json()['id']}/profile")).json()
     answer = await client.post("profiles/script", json={"document": document, "language": "tmcl"})
     assert answer.status_code == 200, answer.text
-    assert answer.json()["checked"]["how"] == "sent"
+    assert answer.json()["checked"]["how"] == "run"
     assert "\nSAP 6, 0, " in answer.json()["text"]
     assert (await client.get("profiles")).json()["profiles"] == []
 

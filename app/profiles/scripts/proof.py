@@ -1,12 +1,14 @@
 """Trying a script on an emulated device that was just switched on: what the device holds afterwards.
 
-Python and curl run as programs against a server of our own, which nobody else knows of; the commands of a TMCL program
-and the frames that a C header makes go to an emulated device in this process. Where a compiler, a shell or curl is
+Python and curl run as programs against a server of our own, which nobody else knows of; a TMCL
+program is assembled, stored in an emulated module in this process and run by it; the frames that a C header makes go to
+an emulated device. Where a compiler, a shell or curl is
 missing, our own reader takes the writes out of the script: `how` tells which it was.
 """
 
 from __future__ import annotations
 
+import asyncio
 import shutil
 import sys
 from collections.abc import Iterable
@@ -16,9 +18,11 @@ from typing import Literal, assert_never
 
 import httpx
 
+from ...devices.core.capabilities import ProgramMemory
 from ...devices.core.device import Device
 from ...errors import BenchError
 from ...links.tmcl import Request, check_reply, has_reply
+from ...registers.tmcl.commands import STATUS_TEXTS
 from ..capture import capture
 from ..document import ProfileDocument, parse
 from ..items import key_of
@@ -28,13 +32,15 @@ from .bench import NAME, emulated, emulator_link
 from .errors import ScriptFailed
 from .plan import Plan
 from .process import Ended, guest_server, run, temporary_folder
-from .readers import commands_of_tmcl, frames_of_c, writes_of_curl
+from .readers import frames_of_c, writes_of_curl
 
 Language = Literal["python", "tmcl", "c", "curl"]
-How = Literal["run", "sent", "compiled", "read"]
+How = Literal["run", "compiled", "read"]
 COMPILERS = ("cc", "gcc", "clang")
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 CALL_WITHIN_S = 30.0
+PROGRAM_WITHIN_S = 30.0
+PROGRAM_LOOKS_S = 0.02
 
 _MAIN = """\
 #include "{header}"
@@ -78,8 +84,7 @@ async def attempt(plan: Plan, language: Language, text: str) -> Trial:
                     return await _read_curl(plan, text)
                 return await _on_server(plan, text, "profile.sh", (shell, "profile.sh"))
             case "tmcl":
-                commands = [Request(1, *command).encode() for command in commands_of_tmcl(text)]
-                return Trial("sent", await _frames(plan, commands))
+                return await _program(plan, text)
             case "c":
                 return await _c(plan, text)
             case _:
@@ -137,6 +142,26 @@ async def _read_curl(plan: Plan, text: str) -> Trial:
 
 
 # --- in this process --------------------------------------------------------------------------------
+
+
+async def _program(plan: Plan, text: str) -> Trial:
+    """Assembled, stored and run, as whoever takes it to a module would do it."""
+    async with emulated(plan.model, plan.clock_hz) as device:
+        memory = device.need(ProgramMemory)
+        made = memory.assemble(text, {})
+        if made.problems:
+            raise ValueError("; ".join(str(problem) for problem in made.problems))
+        await memory.download(made.commands)
+        await memory.run_program(0)
+        async with asyncio.timeout(PROGRAM_WITHIN_S):
+            while True:
+                state = await memory.program_state()
+                if state.status != "running":
+                    break
+                await asyncio.sleep(PROGRAM_LOOKS_S)
+        if state.error:
+            raise ValueError(f"the module refused one of its commands: {STATUS_TEXTS.get(state.error, state.error)}")
+        return Trial("run", await _captured(device, plan))
 
 
 async def _c(plan: Plan, text: str) -> Trial:

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 
 from ...devices.core.tmcl_frames import spelled, writing
 from ...errors import WrongState
-from ...links.tmcl import Request
-from ...registers.tmcl.commands import Opcode
 from .plan import Plan, Write, meaning
 from .text import ascii_only, lines, one_line
 
@@ -29,7 +27,7 @@ def _lines(plan: Plan) -> Iterator[str]:
             command = spelled(writing(0, write.register, write.value))
             yield f"{command:<28} // {ascii_only(_remark(write))}"
     yield ""
-    yield spelled(Request(0, Opcode.STOP))
+    yield "STOP"
 
 
 def _remarks(plan: Plan) -> Iterator[str]:

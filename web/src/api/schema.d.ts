@@ -940,6 +940,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/program/try": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Try Program
+         * @description Run a program on an emulated module that is set as this one is. This one is only read; nothing moves.
+         */
+        post: operations["try_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/program/includes": {
         parameters: {
             query?: never;
@@ -2965,7 +2985,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3006,7 +3026,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
              * @default full
              * @enum {string}
              */
@@ -3030,7 +3050,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3085,7 +3105,7 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
              * @default full
              * @enum {string}
              */
@@ -3109,7 +3129,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -4094,7 +4114,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4266,7 +4286,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -6019,6 +6039,44 @@ export interface components {
             velocity: number;
         };
         /**
+         * ListedChipCreate
+         * @description A connection to a chip of which a table of registers is known. Axes that are not given get defaults.
+         */
+        ListedChipCreate: {
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * ListedChipTrial
+         * @description A link to a chip of which a table of registers is known, to be tried.
+         */
+        ListedChipTrial: {
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+        };
+        /**
          * ListedCreate
          * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
          */
@@ -6048,7 +6106,7 @@ export interface components {
         };
         /**
          * ListedEmulatorLink
-         * @description A listed module emulated in this server: parameters hold what was written, axes move by their own.
+         * @description Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration.
          */
         ListedEmulatorLink: {
             /**
@@ -8267,6 +8325,100 @@ export interface components {
             binary?: boolean;
         };
         /**
+         * ProgramTrial
+         * @description What an emulated module, set as this one is, did with a program; the columns have a row each 0.02 s.
+         */
+        ProgramTrial: {
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "stopped" | "running" | "stepping" | "reset";
+            /** Downloading */
+            downloading: boolean;
+            /**
+             * Counter
+             * @description address of the command that is done next, or waits
+             */
+            counter: number;
+            /** Accumulator */
+            accumulator: number;
+            /** X */
+            x: number;
+            /**
+             * Error
+             * @description status of the latest command that was refused; null where it is not told
+             */
+            error: number | null;
+            /**
+             * Variables
+             * @description those that were asked for, by number
+             */
+            variables: {
+                [key: string]: number;
+            };
+            /**
+             * Ended
+             * @description by itself; when its time was over; when it had taken too much of the processor
+             * @enum {string}
+             */
+            ended: "stopped" | "time" | "work";
+            /** Flags */
+            flags: string[];
+            /** Stack */
+            stack: number[];
+            /** Time S */
+            time_s: number[];
+            /**
+             * Position
+             * @description [microsteps]
+             */
+            position: number[];
+            /** Velocity Pps */
+            velocity_pps: number[];
+            /**
+             * Counters
+             * @description address of the command that was next, or waited
+             */
+            counters: number[];
+        };
+        /**
+         * ProgramTrialStart
+         * @description A program to be tried on an emulator.
+         */
+        ProgramTrialStart: {
+            /**
+             * Text
+             * @description one command a line; labels, constants and #include as in the maker's manual
+             */
+            text: string;
+            /**
+             * Name
+             * @description what its file is called in messages
+             * @default program
+             */
+            name?: string;
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files?: {
+                [key: string]: string;
+            };
+            /**
+             * Address
+             * @description where it begins
+             * @default 0
+             */
+            address?: number;
+            /**
+             * Duration S
+             * @description how long, of the emulator's time [s]
+             * @default 10
+             */
+            duration_s?: number;
+        };
+        /**
          * PwmState
          * @description STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set.
          */
@@ -9405,6 +9557,12 @@ export interface components {
             /** Volatile */
             volatile: boolean;
             /**
+             * Untold
+             * @description what no source tells of it
+             * @default []
+             */
+            untold: ("width" | "access" | "reset" | "clearing")[];
+            /**
              * Stored
              * @description whether an EEPROM keeps it: with every write, when told to store it, or not at all
              * @default
@@ -9729,10 +9887,10 @@ export interface components {
             took_s: number;
             /**
              * How
-             * @description run as a program against a server; sent command by command to the emulated module; compiled, and its frames sent; or read back by our own reader, where this machine has no compiler, shell or curl
+             * @description run as a program against a server, or by the emulated module; compiled, and its frames sent; or read back by our own reader, where this machine has no compiler, shell or curl
              * @enum {string}
              */
-            how: "run" | "sent" | "compiled" | "read";
+            how: "run" | "compiled" | "read";
             /**
              * Differences
              * @description always empty: a difference is the error of the call
@@ -17069,6 +17227,105 @@ export interface operations {
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    try_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProgramTrialStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramTrial"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
