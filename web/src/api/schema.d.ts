@@ -713,6 +713,74 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Velocity Profile
+         * @description How a velocity profile goes, or how the latest one ended.
+         */
+        get: operations["get_velocity_profile"];
+        put?: never;
+        /**
+         * Start Velocity Profile
+         * @description Play a velocity over time on an axis that stands. It is judged first; answers when it has started.
+         */
+        post: operations["start_velocity_profile"];
+        /**
+         * Stop Velocity Profile
+         * @description End it and stop the motor.
+         */
+        delete: operations["stop_velocity_profile"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/lateness": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Velocity Profile Lateness
+         * @description How late each point of the present profile was, or of the latest one.
+         */
+        get: operations["get_velocity_profile_lateness"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/velocity-profile/check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check Velocity Profile
+         * @description Judge a profile by what the chip and the soft limits allow. Nothing moves.
+         */
+        post: operations["check_velocity_profile"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/axes/{axis}/closed-loop-calibration": {
         parameters: {
             query?: never;
@@ -2985,7 +3053,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3050,12 +3118,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module
+             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
             /**
@@ -3064,6 +3132,11 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
+            /**
+             * Nodes
+             * @description how many node addresses its UART has; 0: as many as a datagram can say
+             */
+            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3129,12 +3202,12 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
              * Datagram Bits
-             * @description length of a chip's datagram on SPI; 0 for a module
+             * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
             /**
@@ -3143,6 +3216,11 @@ export interface components {
              * @enum {string}
              */
             uart: "" | "plain" | "node";
+            /**
+             * Nodes
+             * @description how many node addresses its UART has; 0: as many as a datagram can say
+             */
+            nodes: number;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -3462,7 +3540,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -3628,7 +3706,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -4102,9 +4180,9 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -4114,7 +4192,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["DriverCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"] | components["schemas"]["ListedChipCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -4149,7 +4227,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4286,7 +4364,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["DriverTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"] | components["schemas"]["ListedChipTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -4447,6 +4525,120 @@ export interface components {
              */
             status: number;
         };
+        /**
+         * DriverCreate
+         * @description A connection to a driver that is stepped from outside.
+         */
+        DriverCreate: {
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Link */
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * DriverEmulatorLink
+         * @description A driver emulated in this server, with a motor.
+         */
+        DriverEmulatorLink: {
+            /**
+             * Time runs at
+             * @description how fast the chip's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Supply
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Node address
+             * @description of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless mstep_reg_select says otherwise
+             * @default 0
+             */
+            node?: number;
+            /**
+             * Seed of noise and faults
+             * @description of the noise in the load value and of bit errors
+             * @default 2209
+             */
+            seed?: number;
+            /**
+             * Rotor at first
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
+            /**
+             * Clock Hz
+             * @description fCLK, which velocities and delays hang on [Hz]
+             * @default 12000000
+             */
+            clock_hz?: number;
+            /**
+             * Motor and load
+             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
+             */
+            motor?: components["schemas"]["MotorOptions"] | "rigid";
+            /** Motor and load */
+            load?: components["schemas"]["LoadOptions"];
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]
+             */
+            full_scale_a?: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
+        };
+        /**
+         * DriverPinsChange
+         * @description Levels from outside: true is high.
+         */
+        DriverPinsChange: {
+            /**
+             * Enn
+             * @description level at ENN: high switches the bridges off
+             */
+            enn?: boolean | null;
+        };
+        /**
+         * DriverPinsState
+         * @description Levels: true is high.
+         */
+        DriverPinsState: {
+            /** Enn */
+            enn: boolean;
+            /**
+             * Diag
+             * @description an error of the driver, or a stall
+             */
+            diag: boolean;
+        };
         /** DriverSpecIn */
         DriverSpecIn: {
             /** Driver */
@@ -4490,6 +4682,40 @@ export interface components {
              * @description 12 status bits that the driver reports
              */
             status: number;
+        };
+        /**
+         * DriverTrial
+         * @description A link to a driver, to be tried.
+         */
+        DriverTrial: {
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Link */
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * DriverUartState
+         * @description The single-wire interface.
+         */
+        DriverUartState: {
+            /**
+             * Node
+             * @description address, by MS1 and MS2
+             */
+            node: number;
+            /**
+             * Reply Delay Bits
+             * @description bit times before an answer (SENDDELAY)
+             */
+            reply_delay_bits: number;
+            /**
+             * Writes
+             * @description IFCNT: accepted writes, modulo 256
+             */
+            writes: number;
         };
         /**
          * EmulatorHealth
@@ -7646,7 +7872,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
@@ -10984,6 +11210,86 @@ export interface components {
             faults: components["schemas"]["ChipFaultsState"];
         };
         /**
+         * TmcDriverPatch
+         * @description A change to a running driver; what is left out stays. A power cycle comes first.
+         */
+        TmcDriverPatch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 4.75
+             */
+            supply_v?: number | null;
+            pins?: components["schemas"]["DriverPinsChange"];
+            faults?: components["schemas"]["ChipFaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; the motor stays where it is
+             * @default false
+             */
+            power_cycle?: boolean;
+        };
+        /**
+         * TmcDriverState
+         * @description Everything that GET .../emulator answers for a driver.
+         */
+        TmcDriverState: {
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2209";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Rigid
+             * @description no physics: the shaft follows the field exactly
+             */
+            rigid: boolean;
+            /** Supply V */
+            supply_v: number;
+            motor: components["schemas"]["MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            truth: components["schemas"]["TruthState"];
+            uart: components["schemas"]["DriverUartState"];
+            pins: components["schemas"]["DriverPinsState"];
+            faults: components["schemas"]["ChipFaultsState"];
+        };
+        /**
          * TmclFields
          * @description A command by its four fields.
          */
@@ -11500,7 +11806,7 @@ export interface components {
         };
         /**
          * UartLink
-         * @description A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address.
+         * @description A chip on the single wire of its UART. Several may share the wire, each by its node address.
          */
         UartLink: {
             /**
@@ -11529,7 +11835,7 @@ export interface components {
             baud?: number;
             /**
              * Node address
-             * @description NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none
+             * @description NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none
              * @default 0
              */
             node?: number;
@@ -11605,7 +11911,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -11722,6 +12028,115 @@ export interface components {
             name: string;
             /** Axis */
             axis: number | null;
+        };
+        /**
+         * VelocityProfileBody
+         * @description A velocity over time: knots between which it is linear, or with `rate_hz` null the very points to send.
+         */
+        VelocityProfileBody: {
+            /**
+             * Time S
+             * @description rising from 0 [s]
+             */
+            time_s: number[];
+            /**
+             * Velocity Pps
+             * @description one for each time; 0 at the first and the last [pps]
+             */
+            velocity_pps: number[];
+            /**
+             * Rate Hz
+             * @description points to send a second, on straight lines between those given; null: those given
+             */
+            rate_hz?: number | null;
+        };
+        /**
+         * VelocityProfileLateness
+         * @description How late each point was.
+         */
+        VelocityProfileLateness: {
+            /**
+             * Time S
+             * @description when each was due, from the start on [s]
+             */
+            time_s: number[];
+            /**
+             * Late Ms
+             * @description until the chip had answered it [ms]; null for one that was left out, or not sent yet
+             */
+            late_ms: (number | null)[];
+        };
+        /**
+         * VelocityProfileState
+         * @description How a velocity profile goes, or went; lateness is of the points sent so far.
+         */
+        VelocityProfileState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            summary: components["schemas"]["VelocityProfileSummary"] | null;
+            /** Sent */
+            sent: number;
+            /**
+             * Skipped
+             * @description points left out because the next one was due already
+             */
+            skipped: number;
+            /** Late Median Ms */
+            late_median_ms: number | null;
+            /** Late P99 Ms */
+            late_p99_ms: number | null;
+            /** Late Max Ms */
+            late_max_ms: number | null;
+            /**
+             * Position
+             * @description where it ended [microsteps]
+             */
+            position: number | null;
+            /** Message */
+            message: string;
+        };
+        /**
+         * VelocityProfileSummary
+         * @description What a velocity profile asks for.
+         */
+        VelocityProfileSummary: {
+            /** Points */
+            points: number;
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Peak Pps
+             * @description as the chip rounds it [pps]
+             */
+            peak_pps: number;
+            /**
+             * Acceleration Pps2
+             * @description of the steepest part [pps^2]
+             */
+            acceleration_pps2: number;
+            /**
+             * Lowest
+             * @description the lowest position on the way [microsteps]
+             */
+            lowest: number;
+            /**
+             * Highest
+             * @description [microsteps]
+             */
+            highest: number;
+            /**
+             * End
+             * @description where it ends if every point comes in time [microsteps]
+             */
+            end: number;
+            /**
+             * Step Pps
+             * @description the chip's step of velocity [pps]
+             */
+            step_pps: number;
         };
         /**
          * WireHealth
@@ -16074,6 +16489,364 @@ export interface operations {
             };
         };
     };
+    get_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VelocityProfileBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_velocity_profile_lateness: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileLateness"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    check_velocity_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["VelocityProfileBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VelocityProfileSummary"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_calibration: {
         parameters: {
             query?: never;
@@ -19738,7 +20511,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -19791,7 +20564,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmcDriverPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
             };
         };
         responses: {
@@ -19801,7 +20574,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmcDriverState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
