@@ -1682,8 +1682,8 @@ export interface paths {
         };
         /**
          * List Models
-         * @description Every model, without its registers: first those that stepscope knows well, then those that an installed package
-         *     lists, whose parameters are read when one of them is asked for.
+         * @description Every model, without its registers: first those that stepscope knows well, then those of register maps, and those
+         *     that an installed package lists, whose parameters are read when one of them is asked for.
          */
         get: operations["list_models"];
         put?: never;
@@ -3094,11 +3094,11 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
+             * @description full: with calculators and a physical emulator; names: an installed package lists its registers or parameters; map: a register map of this server does. Of the last two there are no calculators, and the emulator holds what was written and moves by it
              * @default full
              * @enum {string}
              */
-            tier: "full" | "names";
+            tier: "full" | "names" | "map";
             /**
              * Unreadable
              * @description why the package's list of its parameters cannot be read
@@ -3178,11 +3178,11 @@ export interface components {
             registers: number | null;
             /**
              * Tier
-             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters or registers, there are no calculators, and its emulator holds what was written and moves by them
+             * @description full: with calculators and a physical emulator; names: an installed package lists its registers or parameters; map: a register map of this server does. Of the last two there are no calculators, and the emulator holds what was written and moves by it
              * @default full
              * @enum {string}
              */
-            tier: "full" | "names";
+            tier: "full" | "names" | "map";
             /**
              * Unreadable
              * @description why the package's list of its parameters cannot be read
