@@ -24,7 +24,7 @@ export const FAMILY_PAGES = Object.values(FAMILIES).flatMap(({ pages }) => pages
 /** The pages, in the order of the navigation. */
 export const PAGES: readonly PageEntry[] = [
   page(0, "/", "Bench", "Bench", IconActivity, { alone: true }),
-  page(10, "/registers", "Registers", "Registers", IconTableColumn, { needs: ["registers"], topic: "settings" }),
+  page(10, "/registers", "Registers", "Regs", IconTableColumn, { needs: ["registers"], topic: "settings" }),
   page(50, "/microsteps", "Microsteps", "µsteps", IconWaveSine, {
     needs: ["microsteps.ram", "microsteps.mslut", "step_dir"],
     alone: true,

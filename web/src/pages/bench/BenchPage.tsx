@@ -95,7 +95,10 @@ function Bench({ devices, lost }: BenchProps) {
         {device && !entry && (
           <Card className="pad">
             <EmptyState title={`${device.name} has no axis`} icon={<IconTableColumn size={22} />}>
-              Nothing of it moves by itself here. What it holds is on the page <Link href="/registers">Registers</Link>.
+              <Text size="sm" className="dim">
+                Nothing of it moves by itself here. What it holds is on the page{" "}
+                <Link href="/registers">Registers</Link>.
+              </Text>
             </EmptyState>
           </Card>
         )}

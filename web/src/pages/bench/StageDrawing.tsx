@@ -99,6 +99,13 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
     "aria-label": `${kind} of ${device.name} ${axis.name}`,
     "data-testid": "stage",
   };
+  if (!stage && emulator) {
+    return (
+      <Text size="sm" className="dim grow" p="xs">
+        Its shaft turns freely: no stage is emulated.
+      </Text>
+    );
+  }
   if (!stage) return <figure {...figure} aria-busy />; // its place is kept until the emulator has answered
   const at = (fullsteps: number) => START_X + ((fullsteps - stage.from) / (stage.to - stage.from)) * travel;
   const microsteps = scale.microstepsPerFullStep ?? 64;
