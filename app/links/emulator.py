@@ -54,7 +54,7 @@ class EmulatorPort:
         self._last_exchange_s = wire.clock.now()
         self._due: list[tuple[float, int, _Sampling]] = []
         self._order = 0
-        self._exchange = self._over_uart if datagram_uart.alone(wire.model) else wire.exchange
+        self._uart_alone = datagram_uart.alone(wire.model)
         self._unsolicited: Callable[[float], list[tuple[float, bytes]]] | None = getattr(wire, "unsolicited", None)
         self._event_listeners: list[Callable[[bytes], None]] = []
 
@@ -87,7 +87,7 @@ class EmulatorPort:
         clock = self.wire.clock
         skipped_s = clock.skipped_s
         try:
-            reply = self._exchange(frame, at_s)
+            reply = self._exchanged()(frame, at_s)
         except TimeoutError as error:
             raise LinkTimeout(self._name, 0.0, f"frame {frame.hex(' ')}") from error
         except ConnectionError as error:
@@ -97,6 +97,10 @@ class EmulatorPort:
         if self._event_listeners:
             self._tell_events(at_s)
         return reply
+
+    def _exchanged(self) -> Callable[[bytes, float], bytes]:
+        """What a frame goes through to the far end."""
+        return self._over_uart if self._uart_alone else self.wire.exchange
 
     def _over_uart(self, frame: bytes, at_s: float) -> bytes:
         """A datagram to a chip that has a UART alone. Behind a write it is asked for IFCNT, as over a line of its own.
@@ -206,7 +210,7 @@ class EmulatorPort:
         return failure
 
     def _take(self, sampling: _Sampling, chip_s: float) -> BenchError | None:
-        exchange, skipped_s = self._exchange, self.wire.clock.skipped_s
+        exchange, skipped_s = self._exchanged(), self.wire.clock.skipped_s
         try:
             replies = b"".join([exchange(frame, chip_s) for frame in sampling.frames])
         except TimeoutError:
