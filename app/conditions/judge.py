@@ -70,6 +70,7 @@ class Seen:
     limit : the soft limit of its range that stopped it
     reset_s : when the device was seen to have been reset, device time; None where nobody has, or it was seen to since
     held_back : why the driver leaves the device alone although it answers
+    counts_position : it knows where the motor is; what is stepped from outside does not
     resolution : what is wrong with the encoder's, by the places where the axis was
     """
 
@@ -85,6 +86,7 @@ class Seen:
     limit: Sign | None = None
     held_back: Sign | None = None
     resolution: WrongResolution | None = None
+    counts_position: bool = True
     thresholds: Thresholds = Thresholds(512, 1024)
 
 
@@ -191,9 +193,12 @@ def _block(seen: Seen) -> Sign | None:
 def _reset(seen: Seen) -> Sign | None:
     if seen.reset_s is None:
         return None
+    evidence = (Evidence("reset", "seen", seen.reset_s),)
+    if not seen.counts_position:
+        return Sign("the device was reset, and is set as after power-on: start it up", evidence, (start_up(seen.axis),))
     return Sign(
         "the device was reset, and its position counter began again: start it up and search its reference",
-        (Evidence("reset", "seen", seen.reset_s),),
+        evidence,
         (start_up(seen.axis), search(seen.axis)),
     )
 

@@ -293,6 +293,7 @@ class ConditionService:
             stopped=known.stopped,
             thresholds=thresholds(device, axis),
             held_back=held_back(device),
+            counts_position=device.family.counts_position,
         )
         if state is not None:
             signs = device.monitor.signs(axis, state)
@@ -355,7 +356,7 @@ class ConditionService:
             known.over = ends[-1] if ends else None
             known.sent = "target" in event.asked or "target" in event.what.lower()
             known.stopped = False
-            if known.sent:
+            if known.sent or not device.family.counts_position:
                 known.reset_s = None
         elif isinstance(event, LimitReached):
             way = "greater" if event.name.endswith("min") else "smaller"
@@ -365,9 +366,12 @@ class ConditionService:
             )
         elif isinstance(event, MotionEnd):
             self._tasks.begin(self._look_soon(device, event.axis), f"end of a motion of {device.id}")
-        elif isinstance(event, RegisterChanged) and event.register in _encoder_registers(device):
+        elif isinstance(event, RegisterChanged):
             for known in axes if event.axis is None else (axes[event.axis],):
-                known.forget_places()
+                if event.register in _encoder_registers(device):
+                    known.forget_places()
+                if not device.family.counts_position:  # only its settings were lost, and somebody sees to them
+                    known.reset_s = None
         elif isinstance(event, CounterWritten):
             known = axes[event.axis]
             known.forget_places()

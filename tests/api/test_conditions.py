@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -12,6 +13,10 @@ from app.emulators.build import build_emulator
 from app.emulators.server import serve_tcp
 from app.registers.catalog import MODELS
 
+CHIPS = [name for name, model in MODELS.items() if model.kind == "chip" and model.counts_position]
+STEPPED = [name for name, model in MODELS.items() if not model.counts_position]
+"""They are ready to turn after power-on, and count no position."""
+
 
 async def added(client: httpx.AsyncClient, model: str, **link: object) -> str:
     """An emulated device: the address of its first axis."""
@@ -20,7 +25,7 @@ async def added(client: httpx.AsyncClient, model: str, **link: object) -> str:
     return f"devices/{answer.json()['id']}/axes/0"
 
 
-@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if model.kind == "chip"])
+@pytest.mark.parametrize("model", CHIPS)
 async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remedy_is_a_call_that_helps(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
@@ -44,7 +49,7 @@ async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remed
     assert (await client.get(url)).json()["condition"]["kind"] in ("ready", "unknown")  # unknown: it was reset
 
 
-@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if model.kind == "chip"])
+@pytest.mark.parametrize("model", CHIPS)
 async def test_the_start_up_that_is_offered_after_a_power_cycle_lets_it_move(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
@@ -57,6 +62,52 @@ async def test_the_start_up_that_is_offered_after_a_power_cycle_lets_it_move(
     assert moved.status_code == 200, moved.text
     await clock.advance(10)
     assert (await client.get(url)).json()["condition"]["kind"] == "on_target"
+
+
+async def does(client: httpx.AsyncClient, remedy: dict[str, Any]) -> None:
+    """Call what a condition offers."""
+    done = await client.request(remedy["method"], remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])
+    assert done.status_code == 200, done.text
+
+
+@pytest.mark.parametrize("model", STEPPED)
+async def test_after_a_power_cycle_what_is_stepped_is_doubted_until_it_is_started_up(
+    client: httpx.AsyncClient, clock: VirtualClock, model: str
+) -> None:
+    url = await added(client, model)
+    assert (await client.get(url)).json()["condition"]["kind"] == "ready"
+    await client.patch(f"{url.split('/axes')[0]}/emulator", json={"power_cycle": True})
+    doubted = (await client.get(url)).json()["condition"]
+    assert (doubted["kind"], "position" in doubted["cause"]) == ("unknown", False)
+    assert [remedy["label"] for remedy in doubted["remedies"]] == ["start up"]
+    await clock.advance(5)
+    assert (await client.get(url)).json()["condition"]["kind"] == "unknown", "nobody has seen to it yet"
+    await does(client, doubted["remedy"])
+    assert (await client.get(url)).json()["condition"]["kind"] == "ready"
+    turning = await client.post(f"{url}/rotate", json={"velocity": 20_000})
+    assert turning.status_code == 200, turning.text
+    await clock.advance(1)
+    assert (await client.get(url)).json()["condition"]["kind"] == "moving"
+    await client.post(f"{url}/stop")
+    await clock.advance(1)
+    assert (await client.get(url)).json()["condition"]["kind"] == "ready"
+
+
+@pytest.mark.parametrize("remedy", [0, 1])
+@pytest.mark.parametrize("model", STEPPED)
+async def test_what_is_stepped_says_that_its_driver_is_off_and_each_remedy_helps(
+    client: httpx.AsyncClient, model: str, remedy: int
+) -> None:
+    url = await added(client, model)
+    off = {"fields": {"toff": 0}}
+    assert (await client.put(f"{url.split('/axes')[0]}/registers/CHOPCONF", json=off)).status_code == 200
+    condition = (await client.get(url)).json()["condition"]
+    assert (condition["kind"], len(condition["remedies"])) == ("cannot_move", 2)
+    assert condition["cause"].endswith(": no command can move this axis")
+    assert (await client.post(f"{url}/rotate", json={"velocity": 20_000})).status_code == 409
+    await does(client, condition["remedies"][remedy])
+    assert (await client.get(url)).json()["condition"]["kind"] == "ready"
+    assert (await client.post(f"{url}/rotate", json={"velocity": 20_000})).status_code == 200
 
 
 async def test_arrival_names_what_would_not_be_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:

@@ -12,7 +12,7 @@ from app.devices.core.config import AxisSettings
 from app.devices.core.device import Device
 from app.devices.core.start_up import Figures
 from app.devices.manager import DeviceChange
-from app.errors import OutOfRange, SoftLimit, UsageError, WrongState
+from app.errors import CannotMove, OutOfRange, SoftLimit, UsageError, WrongState
 from app.profiles.errors import ProfileTakenBack
 from app.profiles.items import items_by_key
 from app.profiles.service import ProfileService
@@ -21,6 +21,8 @@ from app.registers.catalog import MODELS
 
 from .bench import Bench, bench
 
+RAMPS = [name for name, model in MODELS.items() if model.counts_position]
+STEPPED = [name for name in MODELS if name not in RAMPS]
 CURRENTS = ["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
 
 
@@ -37,7 +39,12 @@ async def value(device: Device, name: str, axis: int | None = None) -> int:
 
 
 async def cannot_move(device: Device) -> None:
-    """From power-on only a module moves: its speed goes to 0 first."""
+    """From power-on a module moves, and what is stepped rotates: speed, or the bridges, go to 0 first."""
+    if not device.family.counts_position:
+        await device.registers.write("CHOPCONF", 0, fields={"toff": 0})
+        with pytest.raises(CannotMove, match="the driver is off"):
+            await device.motion.rotate(0, 1000)
+        return
     if device.family.kind == "module":
         await device.registers.write("maximum_positioning_speed", value=0)
     for axis in device.axes:
@@ -52,6 +59,20 @@ async def settled(b: Bench, axis: int) -> int:
         if not state.moving and state.position_reached:
             return state.position
     raise AssertionError("it does not arrive")
+
+
+async def moves(b: Bench, axis: int) -> None:
+    """It moves as told, or rotates where it counts no position."""
+    if b.device.family.counts_position:
+        started = await b.device.motion.move(axis, 2_000)
+        assert started.warnings == []
+        assert await settled(b, axis) == 2_000
+        return
+    await b.device.motion.rotate(axis, 20_000)
+    await b.clock.advance(1.0)
+    assert (await b.device.monitor.axis_state(axis)).velocity_pps == pytest.approx(20_000, rel=0.005)
+    assert (await b.device.stop_axes([axis]))[0].ok
+    await b.clock.advance(0.5)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -71,9 +92,7 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
             (key,) = [key for key, it in items.items() if (it.row.name, it.row.axis) == (change.name, change.axis)]
             assert items[key].row.decode(after[key]) == pytest.approx(change.wanted, abs=2), change
         for axis in b.device.axes:
-            started = await b.device.motion.move(axis.index, 2_000)
-            assert started.warnings == []
-            assert await settled(b, axis.index) == 2_000
+            await moves(b, axis.index)
         again = await start_up(service(tmp_path), b.device, Wish())
         assert again.written == []
 
@@ -167,6 +186,10 @@ async def test_an_encoder_shows_the_position_when_its_resolution_is_set(tmp_path
         ("tmc5160", Figures(run_current_a=1.0), UsageError, "sense_resistor_ohm"),
         ("tmc5160", Figures(run_scale=32), OutOfRange, "0..31"),
         ("pd42-1241", Figures(counts_per_rev=4000), UsageError, "encoder"),
+        ("tmc2209", Figures(velocity_pps=1000.0), UsageError, "has no ramp: leave velocity_pps out"),
+        ("tmc2209", Figures(acceleration_pps2=1000.0), UsageError, "has no ramp: leave acceleration_pps2 out"),
+        ("tmc2209", Figures(counts_per_rev=4000), UsageError, "encoder"),
+        ("tmc2209", Figures(run_scale=32), OutOfRange, "0..31"),
     ],
 )
 async def test_what_a_device_cannot_be_set_to_is_refused_before_anything_is_written(
@@ -183,7 +206,7 @@ async def test_what_a_device_cannot_be_set_to_is_refused_before_anything_is_writ
         assert b.truth() == before
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", RAMPS)
 async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refused(model: str, tmp_path: Path) -> None:
     async with bench(model, started=False) as b:
         limits = AxisLimits(velocity_max_pps=3_000.0, acceleration_max_pps2=10_000.0)
@@ -195,3 +218,19 @@ async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refuse
         assert {each.name for each in told.chosen} >= {"velocity_pps", "acceleration_pps2"}
         await b.device.motion.move(0, 1_000)
         assert await settled(b, 0) == 1_000
+
+
+@pytest.mark.parametrize("model", STEPPED)
+async def test_currents_of_what_is_stepped_stay_within_the_soft_limits(model: str, tmp_path: Path) -> None:
+    async with bench(model, started=False) as b:
+        await b.device.registers.write("IHOLD_IRUN", 0, fields={"IRUN": 4, "IHOLD": 2})
+        limits = AxisLimits(velocity_max_pps=3_000.0, current_max_a=0.5, sense_resistor_ohm=0.11)
+        await b.manager.edit(b.device.id, DeviceChange(axes=(AxisSettings(limits=limits),)))
+        with pytest.raises(SoftLimit):
+            await dry_run(b.device, Wish(figures=Figures(run_scale=31)))
+        told: StartUp = await start_up(service(tmp_path), b.device, Wish())
+        (run,) = [each.value for each in told.chosen if each.name == "run_scale"]
+        assert 0.9 * 0.5 < (run + 1) / 32 * 0.325 / 0.13 / math.sqrt(2) <= 0.5
+        with pytest.raises(SoftLimit):
+            await b.device.motion.rotate(0, 100_000)
+        await b.device.motion.rotate(0, 2_900)

@@ -25,11 +25,14 @@ MOST = 31
 
 
 async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
-    """What the axis needs after power-on, in its order."""
+    """What the axis needs after power-on, in its order. Raises UsageError for an encoder or a ramp: it has none."""
     items: list[WriteItem] = []
     for one in wanted:
         if one.figures.counts_per_rev:
             raise UsageError(f"a {device.family.title} reads no encoder: leave counts_per_rev out")
+        for name in ("velocity_pps", "acceleration_pps2", "deceleration_pps2"):
+            if getattr(one.figures, name) is not None:
+                raise UsageError(f"a {device.family.title} has no ramp: leave {name} out")
         microsteps = one.microsteps(DEFAULT_MICROSTEPS, MICROSTEPS)
         irun, ihold, vsense = _currents(device.model, one)
         vactual = device.family.table.find("VACTUAL", one.axis)

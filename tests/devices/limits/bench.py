@@ -33,6 +33,9 @@ LIMITS = AxisLimits(
 
 def limits_of(model: str, limits: AxisLimits = LIMITS) -> AxisLimits:
     """`limits` as far as `model` can keep them."""
+    if not MODELS[model].counts_position:  # nor has it a ramp
+        limits = replace(limits, position_min=None, position_max=None, acceleration_max_pps2=None)
+        return replace(limits, current_full_scale_a=None)
     if model == "tmc4210":
         return replace(limits, current_max_a=None)
     if model == "tmc5160" and limits is LIMITS:

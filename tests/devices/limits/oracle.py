@@ -13,6 +13,7 @@ from app.calc.tmc5xxx.coil import CurrentStage
 from app.calc.units.tmc5xxx import acceleration_unit_pps2, velocity_unit_pps
 from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
 from app.devices.core.axis_limits import AxisLimits
+from app.links.datagram_uart import UartForm
 from app.links.tmcl import Request
 from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Register, Space
@@ -61,6 +62,9 @@ class Oracle:
                 yield 2, request.value if request.opcode == Opcode.ROR else -request.value
             elif request.opcode == Opcode.MVP and request.type == 0:
                 yield 0, request.value
+        elif MODELS[self.model].uart_alone:
+            if UartForm().is_write(frame):
+                yield UartForm().register_of(frame), int.from_bytes(frame[3:7], "big")
         elif frame[0] & 0x80:
             yield frame[0] & 0x7F, int.from_bytes(frame[1:], "big")
 
@@ -97,6 +101,8 @@ class Oracle:
                 yield from self._s_ramp()
             elif self.model in MODULES:
                 yield from self._module()
+            elif not MODELS[self.model].counts_position:
+                yield from self._stepped()
             else:
                 yield from self._sixpoint(axis)
 
@@ -146,6 +152,16 @@ class Oracle:
         stage = CurrentStage(self.model, self.limits.sense_resistor_ohm)
         scale = max(currents["IRUN"], currents["IHOLD"])
         yield Meaning("current", "IHOLD_IRUN", axis, stage.setting(scale, select).peak_a / math.sqrt(2))
+
+    def _stepped(self) -> Iterator[Meaning]:
+        unit_pps = MODELS[self.model].clock_hz_default / (1 << 24)
+        yield Meaning("velocity", "VACTUAL", 0, abs(self.value("VACTUAL")) * unit_pps)
+        resistor_ohm = self.limits.sense_resistor_ohm
+        assert resistor_ohm is not None
+        currents = self.row("IHOLD_IRUN").unpack(self.words[self.row("IHOLD_IRUN").address])
+        vsense = self.row("CHOPCONF").unpack(self.words[self.row("CHOPCONF").address])["vsense"]
+        peak_a = (max(currents["IRUN"], currents["IHOLD"]) + 1) / 32 * (0.325, 0.18)[vsense] / (resistor_ohm + 0.02)
+        yield Meaning("current", "IHOLD_IRUN", 0, peak_a / math.sqrt(2))
 
     def _s_ramp(self) -> Iterator[Meaning]:
         told_hz = self.value("CLK_FREQ")
