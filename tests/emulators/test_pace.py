@@ -14,6 +14,7 @@ from app.emulators.core.family import Emulator
 from app.emulators.core.pace import AT_ONCE_S, IN_STORE_S, Pace
 from app.emulators.families import FAMILIES
 from app.links import datagram32, datagram40
+from app.links.datagram_uart import UartForm
 from app.links.emulator import EmulatorPort
 from app.links.tmcl import Reply, Request
 from app.registers.listed.package import listings
@@ -42,6 +43,10 @@ TURNING = {
     "tmc4361": [
         datagram40.write(address, word)
         for address, word in ((0x28, 80_000), (0x29, 80_000), (0x20, 1), (0x24, 5000 << 8))
+    ],
+    "tmc2209": [
+        UartForm().write(address, word)
+        for address, word in ((0x00, 0x1C4), (0x10, 0x1F0F), (0x6C, 0x1000_0053), (0x22, 71_583))
     ],
     "pd42-1241": [Request(1, 4, 4, 0, 1000).encode(), Request(1, 1, 0, 0, 500).encode()],
 }
@@ -72,7 +77,7 @@ def worked(emulator: Emulator) -> float:
 @pytest.mark.parametrize("model", TURNING)
 @pytest.mark.parametrize("scale", [1, 1000])
 def test_a_night_of_motion_holds_nobody_up(model: str, scale: int, caplog: pytest.LogCaptureFixture) -> None:
-    clock, emulator = bench(model, STIFF if model.startswith("tmc5") else {})
+    clock, emulator = bench(model, STIFF if model in ("tmc5160", "tmc2209") else {})
     turn(emulator, TURNING[model])
     emulator.clock.scale = scale
     clock.set(clock.now() + NIGHT_S)
@@ -189,7 +194,7 @@ def test_a_listed_module_works_a_night_out_as_one_step() -> None:
 @pytest.mark.parametrize("model", TURNING)
 async def test_no_answer_is_of_a_time_that_was_skipped(model: str) -> None:
     """Whoever asks after a night believes it to be of the chip's time then, and not of hours to come."""
-    clock, emulator = bench(model, STIFF if model.startswith("tmc5") else {})
+    clock, emulator = bench(model, STIFF if model in ("tmc5160", "tmc2209") else {})
     port = EmulatorPort(emulator, hurries=True)
     turn(emulator, TURNING[model])
     clock.set(NIGHT_S)

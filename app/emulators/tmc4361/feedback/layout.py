@@ -37,8 +37,8 @@ COUNT_RATE, COUNT_TURNS = range(k.REALS + 12, k.REALS + 14)
 
 MOTOR_CLOCKS = 256
 """Clocks from one step of the motor to the next, as in the drive: every other tick."""
-INTEGERS_AT = 64
-"""From here on int64."""
+INTEGERS_AT = COUNT_TURNS + 1
+"""From here on int64: right behind the last float cell."""
 
 # --- int64 cells (after the drive's) ---------------------------------------------------------------------------
 _I = k.INTEGERS
