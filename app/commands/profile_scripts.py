@@ -13,6 +13,7 @@ from .shared import AsJson, Token, Url, connected, print_json
 
 HOW = {
     "run": "run as a program, against a server or by a module",
+    "sent": "sent to a module command by command",
     "compiled": "compiled, its frames sent",
     "read": "read back, for there is nothing here to run it",
 }

@@ -115,6 +115,7 @@ async def test_a_profile_is_captured_kept_compared_applied_and_exported(client: 
         script = await client.post("profiles/script", json={"document": small, "language": language})
         assert script.status_code == 200, script.text
         assert speed in script.json()["text"]
+    assert script.json()["checked"]["how"] == "sent", "an emulated module of which only names are known stores none"
 
 
 async def test_without_the_package_the_cure_is_told(client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -226,9 +226,25 @@ async def test_a_binary_file_becomes_text_and_back(client: httpx.AsyncClient, mo
     text = (await client.post(f"{motor}/program/disassemble", json={"binary": made["binary"]})).json()["text"]
     again = (await client.post(f"{motor}/program/assemble", json={"text": text, "binary": True})).json()
     assert again["binary"] == made["binary"]
-    for binary, told in (("!", "base64"), ("AAAA", "no multiple")):
+    for binary, told in (("!", "base64"), ("\U00021cc50é", "base64"), ("AAAA", "no multiple")):
         refused = await client.post(f"{motor}/program/disassemble", json={"binary": binary})
         assert (refused.status_code, told in refused.json()["detail"]) == (422, True), refused.text
+
+
+@pytest.mark.parametrize(
+    ("call", "body", "named"),
+    [
+        ("debug", {"from_start": 0}, "from_start"),
+        ("assemble", {"text": "STOP", "listing": 1}, "listing"),
+        ("assemble", {"text": "STOP", "binary": "yes"}, "binary"),
+        ("try", {"text": "STOP", "duration_s": "5"}, "duration_s"),
+    ],
+)
+async def test_a_value_of_another_kind_is_not_taken_for_one(
+    client: httpx.AsyncClient, motor: str, call: str, body: dict[str, object], named: str
+) -> None:
+    refused = await client.post(f"{motor}/program/{call}", json=body)
+    assert (refused.status_code, named in refused.json()["detail"]) == (422, True), refused.text
 
 
 async def test_what_programs_may_include(client: httpx.AsyncClient, motor: str) -> None:

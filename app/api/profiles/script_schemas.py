@@ -40,9 +40,10 @@ class ScriptCheck(Answer):
     model: str = Field(description="what was emulated")
     registers: int = Field(description="how many were written, and compared with the profile afterwards")
     took_s: float
-    how: Literal["run", "compiled", "read"] = Field(
-        description="run as a program against a server, or by the emulated module; compiled, and its frames "
-        "sent; or read back by our own reader, where this machine has no compiler, shell or curl"
+    how: Literal["run", "sent", "compiled", "read"] = Field(
+        description="run as a program against a server, or by the emulated module; sent command by command to one that "
+        "has no memory for programs; compiled, and its frames sent; or read back by our own reader, where this machine "
+        "has no compiler, shell or curl"
     )
     differences: list[str] = Field(description="always empty: a difference is the error of the call")
 

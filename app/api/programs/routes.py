@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import binascii
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
@@ -77,7 +76,7 @@ async def disassemble_program(program: CurrentProgram, body: ProgramBinary) -> P
     """A binary file as a program that assembles to the same commands. Nothing is sent."""
     try:
         content = base64.b64decode(body.binary, validate=True)
-    except binascii.Error as error:
+    except ValueError as error:  # of letters beyond ASCII it is no binascii.Error
         raise UsageError(f"the binary file has to come as base64: {error}") from error
     commands = from_binary(content)
     if len(commands) > program.instructions.memory:

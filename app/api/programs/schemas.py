@@ -8,7 +8,7 @@ from pydantic import Field, RootModel, StringConstraints
 
 from ...procedures.debugging import BREAKPOINTS_MAX
 from ...procedures.trial import DURATION_MAX_S
-from ..schemas import Answer, Body, Problem
+from ..schemas import Answer, Body, Flag, Problem
 
 TEXT_MAX = 500_000
 FileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=120)]
@@ -27,8 +27,8 @@ class ProgramSource(Body):
 
 
 class ProgramToAssemble(ProgramSource):
-    listing: bool = Field(default=True, description="whether a listing is wanted")
-    binary: bool = Field(default=False, description="whether the binary file is wanted")
+    listing: Flag = Field(default=True, description="whether a listing is wanted")
+    binary: Flag = Field(default=False, description="whether the binary file is wanted")
 
 
 class ProgramStart(Body):
@@ -105,7 +105,7 @@ class ProgramTrialStart(ProgramSource):
     """A program to be tried on an emulator."""
 
     address: Address = Field(default=0, description="where it begins")
-    duration_s: Annotated[float, Field(gt=0, le=DURATION_MAX_S)] = Field(
+    duration_s: Annotated[float, Field(strict=True, gt=0, le=DURATION_MAX_S)] = Field(
         default=10.0, description="how long, of the emulator's time [s]"
     )
 
@@ -136,7 +136,7 @@ class DebugStart(Body):
         default="run", description="over: one command, or a whole subroutine; out: until the subroutine has returned"
     )
     breakpoints: Breakpoints = Field(default_factory=list, description="addresses at which it halts")
-    from_start: bool = Field(default=False, description="reset the program first: it begins at address 0")
+    from_start: Flag = Field(default=False, description="reset the program first: it begins at address 0")
 
 
 class DebugBreakpoints(Body):

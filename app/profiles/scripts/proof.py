@@ -1,9 +1,9 @@
 """Trying a script on an emulated device that was just switched on: what the device holds afterwards.
 
-Python and curl run as programs against a server of our own, which nobody else knows of; a TMCL
-program is assembled, stored in an emulated module in this process and run by it; the frames that a C header makes go to
-an emulated device. Where a compiler, a shell or curl is
-missing, our own reader takes the writes out of the script: `how` tells which it was.
+Python and curl run as programs against a server of our own, which nobody else knows of; a TMCL program is assembled,
+stored in an emulated module in this process and run by it, or sent to it command by command where it has no memory for
+programs; the frames that a C header makes go to an emulated device. Where a compiler, a shell or curl is missing, our
+own reader takes the writes out of the script: `how` tells which it was.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from .bench import NAME, emulated, emulator_link
 from .errors import ScriptFailed
 from .plan import Plan
 from .process import Ended, guest_server, run, temporary_folder
-from .readers import frames_of_c, writes_of_curl
+from .readers import commands_of_tmcl, frames_of_c, writes_of_curl
 
 Language = Literal["python", "tmcl", "c", "curl"]
-How = Literal["run", "compiled", "read"]
+How = Literal["run", "sent", "compiled", "read"]
 COMPILERS = ("cc", "gcc", "clang")
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 CALL_WITHIN_S = 30.0
@@ -145,9 +145,13 @@ async def _read_curl(plan: Plan, text: str) -> Trial:
 
 
 async def _program(plan: Plan, text: str) -> Trial:
-    """Assembled, stored and run, as whoever takes it to a module would do it."""
+    """Assembled, stored and run, as whoever takes it to a module would do it; or sent, to one that cannot store it."""
     async with emulated(plan.model, plan.clock_hz) as device:
-        memory = device.need(ProgramMemory)
+        memory = device.part(ProgramMemory)
+        if memory is None:
+            for command in commands_of_tmcl(text):
+                await _send(device, Request(1, *command).encode())
+            return Trial("sent", await _captured(device, plan))
         made = memory.assemble(text, {})
         if made.problems:
             raise ValueError("; ".join(str(problem) for problem in made.problems))

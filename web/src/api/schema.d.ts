@@ -10113,10 +10113,10 @@ export interface components {
             took_s: number;
             /**
              * How
-             * @description run as a program against a server, or by the emulated module; compiled, and its frames sent; or read back by our own reader, where this machine has no compiler, shell or curl
+             * @description run as a program against a server, or by the emulated module; sent command by command to one that has no memory for programs; compiled, and its frames sent; or read back by our own reader, where this machine has no compiler, shell or curl
              * @enum {string}
              */
-            how: "run" | "compiled" | "read";
+            how: "run" | "sent" | "compiled" | "read";
             /**
              * Differences
              * @description always empty: a difference is the error of the call

@@ -119,6 +119,7 @@ function OneScript({ profile, language }: { profile: Saved; language: Language }
 /** How the trial was made: it need not have been the program itself where a machine lacks what it runs in. */
 const HOW: Readonly<Record<Schemas["ScriptCheck"]["how"], string>> = {
   run: "It ran as a program, against a server with a fresh device or on a fresh module.",
+  sent: "Its commands were sent to a fresh module, one by one: the emulated one has no memory for programs.",
   compiled: "It was compiled without a warning, and its frames were sent to a fresh chip.",
   read: "What it writes was read back out of it and sent: this machine lacks what it would run in.",
 };
