@@ -50,7 +50,8 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
       title="Harmonics"
       note={complete ? "amplitude; phase from position 0" : "after one whole turn, with samples in every 45°"}
     >
-      <div className="scroll-x">
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too */}
+      <section className="scroll-x" tabIndex={0} aria-label="Orders of the deviation">
         <Table className="text-12 nowrap" withRowBorders={false} verticalSpacing={1} horizontalSpacing={6}>
           <Table.Thead>
             <Table.Tr>
@@ -135,7 +136,7 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
             </Table.Tr>
           </Table.Tbody>
         </Table>
-      </div>
+      </section>
       <Text size="xs" c="dimmed">
         Smaller than a step of the encoder is found, too: it comes from many samples.
       </Text>
