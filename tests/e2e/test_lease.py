@@ -47,7 +47,6 @@ def visit(
 ) -> Iterator[Callable[..., Page]]:
     """Open the bench as somebody of that name, who has never been here when it is None."""
     sessions: set[str] = set()
-    errors.expect(r"status of 409.*/api/v1/lease")  # a sign of life that meets the end of its lease on the way
 
     def come(name: str | None) -> Page:
         context = new_context(stranger=True)

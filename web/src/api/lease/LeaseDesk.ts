@@ -9,12 +9,12 @@ export type OnVanish = Lease["on_vanish"];
 export interface LeasePorts {
   look: () => Promise<Lease>;
   take: () => Promise<Lease>;
-  keep: (change?: { on_vanish: OnVanish; vanish_after_s: number }) => Promise<Lease>;
+  change: (change: { on_vanish: OnVanish; vanish_after_s: number }) => Promise<Lease>;
   giveBack: () => Promise<Lease>;
   ask: () => Promise<Lease>;
   handOver: (to: string) => Promise<Lease>;
   /** calls every few seconds until the answer is called */
-  beat: (keep: () => void) => () => void;
+  beat: (look: () => void) => () => void;
   /** whether our token may never have the bench: then nobody is asked for it, and the server says why it refuses */
   onlyLooks?: () => boolean;
 }
@@ -113,7 +113,7 @@ export class LeaseDesk {
   }
 
   onVanish(on_vanish: OnVanish, vanish_after_s: number): Promise<boolean> {
-    return this.step(() => this.ports.keep({ on_vanish, vanish_after_s }));
+    return this.step(() => this.ports.change({ on_vanish, vanish_after_s }));
   }
 
   async ask(): Promise<boolean> {
@@ -235,8 +235,8 @@ export class LeaseDesk {
   }
 
   private keepAlive(mine: boolean): void {
-    if (mine && this.endBeat === null)
-      this.endBeat = this.ports.beat(() => void this.hear(() => this.ports.keep()).catch(() => this.refresh()));
+    // a look is a sign of life as any request is, and none that the server refuses when the lease has ended meanwhile
+    if (mine && this.endBeat === null) this.endBeat = this.ports.beat(() => void this.refresh());
     else if (!mine) {
       this.endBeat?.();
       this.endBeat = null;

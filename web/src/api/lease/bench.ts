@@ -23,12 +23,12 @@ async function call(method: string, path = "", body?: unknown): Promise<Lease> {
 
 /** This page's lease. */
 export const desk = new LeaseDesk({
-  look: () => call("GET"),
-  take: () => call("POST", "", { name: userName() }),
-  keep: (change = undefined) => {
+  look: () => {
     sayHere();
-    return call("PUT", "", change ?? {});
+    return call("GET");
   },
+  take: () => call("POST", "", { name: userName() }),
+  change: (change) => call("PUT", "", change),
   giveBack: () => call("DELETE"),
   ask: () => call("POST", "/ask", { name: userName() }),
   handOver: (to) => call("POST", "/hand-over", { to }),
@@ -56,17 +56,12 @@ function leave() {
   void fetch(`${URL}/leave`, { method: "POST", headers: sessionHeaders(), keepalive: true });
 }
 
-function look() {
-  sayHere();
-  void desk.refresh();
-}
-
 /** Look at the lease from now on, for as long as the page is seen; what keeps it alive goes on when it is not. */
 export function watchLease(): void {
-  look();
-  setInterval(() => document.hidden || look(), LOOK_EVERY_MS);
-  document.addEventListener("visibilitychange", () => document.hidden || look());
+  void desk.refresh();
+  setInterval(() => document.hidden || void desk.refresh(), LOOK_EVERY_MS);
+  document.addEventListener("visibilitychange", () => document.hidden || void desk.refresh());
   window.addEventListener("pagehide", leave);
-  window.addEventListener("pageshow", (event) => event.persisted && look());
+  window.addEventListener("pageshow", (event) => event.persisted && void desk.refresh());
   window.addEventListener(STOP_EVENT, () => desk.drop());
 }

@@ -31,6 +31,8 @@ class Server {
   beating = false;
   beat: () => void = () => undefined;
   sent: string[] = [];
+  /** changes of the lease refused because it is not ours */
+  refused = 0;
   /** refusals that the next requests get */
   refusals: string[] = [];
 
@@ -42,7 +44,10 @@ class Server {
       this.lease = MINE;
       return this.say("take");
     },
-    keep: () => this.say("keep"),
+    change: () => {
+      this.refused += Number(!this.lease.mine);
+      return this.lease.mine ? this.say("change") : Promise.reject(new Error("refused"));
+    },
     giveBack: () => {
       if (this.lease.mine) this.lease = FREE;
       return this.say("give back");
@@ -214,7 +219,7 @@ describe("a page that has the bench", () => {
     expect(server.beating).toBe(true);
     server.beat();
     await settle();
-    expect(server.calls.at(-1)).toBe("keep");
+    expect(server.calls.at(-1)).toBe("look");
     await server.desk.giveBack();
     expect(server.beating).toBe(false);
     expect(server.desk.snapshot.news).toBeNull();
@@ -226,6 +231,18 @@ describe("a page that has the bench", () => {
     expect(server.desk.snapshot.news).toBe("lost");
     expect(server.beating).toBe(false);
   });
+
+  it.each([FREE, ANNS])(
+    "tells that it has lost it when a heartbeat finds it gone, and sends nothing refused",
+    async (lease) => {
+      server.lease = lease;
+      server.beat();
+      await settle();
+      expect(server.refused).toBe(0);
+      expect(server.desk.snapshot).toMatchObject({ news: "lost", problem: null });
+      expect(server.beating).toBe(false);
+    },
+  );
 
   it("takes it again when the server knows better, and sends what was refused", async () => {
     server.lease = FREE;
