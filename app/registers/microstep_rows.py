@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .model import Access, Field, Register
+from .build import Rows, W, choice
+from .model import Field, Register
 
 GROUP = "microsteps"
 MSLUT_RESET = (
@@ -22,41 +23,27 @@ START_RESET = 0xF70000
 
 def mslut_rows(address: int, source: str, source_of_fields: str) -> tuple[Register, ...]:
     """MSLUT[0] to MSLUT[7] from `address` on, and MSLUTSEL behind them; nobody can read them back."""
+    row = Rows(GROUP, source)
+    differences = {0: "-1 and 0", 1: "0 and 1", 2: "1 and 2", 3: "2 and 3"}
+    borders = "borders of the four segments of the quarter wave, and what a bit means in each"
     return (
         *(
-            Register(
+            row(
+                address + n,
                 f"MSLUT[{n}]",
                 32,
+                W,
                 f"differences of the quarter wave at places {32 * n} to {32 * n + 31}, one bit each",
-                address=address + n,
-                access=Access.W,
-                reset=word,
-                group=GROUP,
-                source=source,
-            )
+            ).having(reset=word)
             for n, word in enumerate(MSLUT_RESET)
         ),
-        Register(
-            "MSLUTSEL",
-            32,
-            "borders of the four segments of the quarter wave, and what a bit means in each",
-            address=address + len(MSLUT_RESET),
-            access=Access.W,
-            reset=MSLUTSEL_RESET,
-            group=GROUP,
-            source=source_of_fields,
-            fields=(
-                *(
-                    Field(
-                        f"W{n}",
-                        2,
-                        f"differences that a 0 and a 1 stand for in segment {n}",
-                        lsb=2 * n,
-                        values={0: "-1 and 0", 1: "0 and 1", 2: "1 and 2", 3: "2 and 3"},
-                    )
-                    for n in range(4)
-                ),
-                *(Field(f"X{n}", 8, f"place at which segment {n} begins", lsb=8 * n) for n in (1, 2, 3)),
+        row(address + len(MSLUT_RESET), "MSLUTSEL", 32, W, borders).having(
+            *(
+                choice(2 * n, f"W{n}", 2, f"differences that a 0 and a 1 stand for in segment {n}", differences)
+                for n in range(4)
             ),
+            *(Field(f"X{n}", 8, f"place at which segment {n} begins", lsb=8 * n) for n in (1, 2, 3)),
+            reset=MSLUTSEL_RESET,
+            source=source_of_fields,
         ),
     )

@@ -13,7 +13,7 @@ from enum import StrEnum
 from functools import reduce
 from operator import or_
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, TypedDict, Unpack
 
 Stored = Literal["", "auto", "on request", "unknown"]
 Untold = Literal["width", "access", "reset", "clearing"]
@@ -169,6 +169,23 @@ class Field(Bits):
         return (over & ~self.mask) | self.encode(value) << self.lsb
 
 
+class Particulars(TypedDict, total=False):
+    """What a row may tell beyond address, name, width, access and meaning: see `Register`."""
+
+    signed: bool
+    unit: str
+    range: tuple[int, int] | None
+    values: Mapping[int, str]
+    when: str
+    behaviour: str
+    axis: int | None
+    reset: int | None
+    source: str
+    write_note: str
+    volatile: bool
+    read_clears: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Register(Bits):
     """One addressable word of a chip.
@@ -232,6 +249,10 @@ class Register(Bits):
         if not self.fields:
             return self.mask
         return reduce(or_, (part.mask for part in self.fields if part.access.writable), 0)
+
+    def having(self, *fields: Field, **particulars: Unpack[Particulars]) -> Register:
+        """The row with these fields, and with what else is particular to it."""
+        return replace(self, fields=fields, **particulars)
 
     def completed(self, axis: int | None) -> Register:
         """The row on `axis`, its fields with the word's access and their part of its reset.

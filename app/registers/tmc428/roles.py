@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..build import RW, R, Rows, choice, flag
 from ..model import Access, Field, Register
 
 VELOCITY_UNIT = "fCLK/(65536*2^pulse_div) Hz"
@@ -9,7 +10,6 @@ ACCELERATION_UNIT = "fCLK^2/2^(pulse_div+ramp_div+29) Hz/s"
 DIVIDER_UNIT = "fCLK/32/2^n"
 
 RAMP_MODES = {0: "RAMP_MODE", 1: "SOFT_MODE", 2: "VELOCITY_MODE", 3: "HOLD_MODE"}
-OFF_ON = {0: "off", 1: "on"}
 INVERTED = {0: "as is", 1: "inverted"}
 ENABLED_DISABLED = {0: "stops", 1: "ignored"}
 
@@ -36,7 +36,7 @@ def interrupt_fields(upper_case: bool) -> tuple[Field, ...]:
         for bit, (name, what) in enumerate(INTERRUPTS)
     )
     masks = tuple(
-        Field(spelled(f"MASK_{name}"), 1, f"lets the flag be set when {what}", lsb=8 + bit, values=OFF_ON)
+        flag(8 + bit, spelled(f"MASK_{name}"), f"lets the flag be set when {what}")
         for bit, (name, what) in enumerate(INTERRUPTS)
     )
     return flags + masks
@@ -58,46 +58,26 @@ def reference_fields(upper_case: bool) -> tuple[Field, ...]:
     if not upper_case:
         mode, left, right, soft, reference = ("rm", "DISABLE_STOP_L", "DISABLE_STOP_R", "SOFT_STOP", "REF_RnL")
     return (
-        Field(mode, 2, "how the ramp generator finds its velocity", values=RAMP_MODES, lsb=0),
-        Field(left, 1, "whether the left switch stops motion to the left", values=ENABLED_DISABLED, lsb=8),
-        Field(right, 1, "whether the right switch stops motion to the right", values=ENABLED_DISABLED, lsb=9),
-        Field(soft, 1, "how a switch stops the motor", values={0: "at once", 1: "with the linear ramp"}, lsb=10),
-        Field(reference, 1, "which switch is the reference switch", values={0: "left", 1: "right"}, lsb=11),
-        Field(
-            "lp",
-            1,
-            "a position latch is armed and waits for the switch",
-            values={0: "idle", 1: "waiting"},
-            lsb=16,
-            access=Access.R,
-        ),
+        choice(0, mode, 2, "how the ramp generator finds its velocity", RAMP_MODES),
+        choice(8, left, 1, "whether the left switch stops motion to the left", ENABLED_DISABLED),
+        choice(9, right, 1, "whether the right switch stops motion to the right", ENABLED_DISABLED),
+        choice(10, soft, 1, "how a switch stops the motor", {0: "at once", 1: "with the linear ramp"}),
+        choice(11, reference, 1, "which switch is the reference switch", {0: "left", 1: "right"}),
+        choice(16, "lp", 1, "a position latch is armed and waits for the switch", {0: "idle", 1: "waiting"}, access=R),
     )
 
 
 def position_compare(name: str, source: str, interrupt: str, interrupt_source: str) -> tuple[Register, Register]:
     """The position that is compared, and the interrupt that it raises."""
+    row = Rows("position compare", source)
     return (
-        Register(
-            name,
-            24,
-            "position at which the compare interrupt is raised",
-            signed=True,
-            unit="microsteps",
-            address=0x35,
-            group="position compare",
-            source=source,
+        row(0x35, name, 24, RW, "position at which the compare interrupt is raised").having(
+            signed=True, unit="microsteps"
         ),
-        Register(
-            interrupt,
-            9,
-            "position compare interrupt and its mask",
-            address=0x36,
-            group="position compare",
-            volatile=True,
-            source=interrupt_source,
-            fields=(
-                Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
-                Field("M", 1, "lets the flag be set and raise the interrupt", values=OFF_ON, lsb=8),
-            ),
+        row(
+            0x36, interrupt, 9, RW, "position compare interrupt and its mask", volatile=True, source=interrupt_source
+        ).having(
+            Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
+            flag(8, "M", "lets the flag be set and raise the interrupt"),
         ),
     )

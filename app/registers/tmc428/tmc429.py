@@ -8,10 +8,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..model import Access, Field, Register, RegisterTable
+from ..build import RW, R, Rows, choice, flag
+from ..model import Field, Register, RegisterTable
 from . import tmc428
-from .roles import INVERTED, OFF_ON, position_compare
+from .roles import INVERTED, position_compare
 from .tmc4210 import TYPE_VERSION
+
+_motion = Rows("motion", "DS-TMC429")
+_step_dir = Rows("step/dir", "DS-TMC429")
+_global = Rows("global", "DS-TMC429")
 
 AXES = tmc428.AXES
 _AXIS_SECTIONS = {
@@ -54,12 +59,14 @@ def _taken_over(row: Register) -> Register:
 
 
 def _pointer(axis: int) -> Register:
-    return Register(
+    return _motion(
+        axis << 4 | 0xF,
         "ustep_count_429",
         8,
+        RW,
         "pointer of the internal microstep sequencer, 256 places to four full steps",
+    ).having(
         unit="sequencer steps",
-        address=axis << 4 | 0xF,
         axis=axis,
         volatile=True,
         source="DS-TMC429 8.1.16 (calls it read only; 8.1 and p. 22 read and write)",
@@ -67,48 +74,37 @@ def _pointer(axis: int) -> Register:
 
 
 _INTERFACE = (
-    Register(
+    _step_dir(
+        0x34,
         "if_configuration_429",
         9,
+        RW,
         "step/direction output and switch inputs; after power-on the motors are driven by SPI",
-        address=0x34,
-        group="step/dir",
-        source="DS-TMC429 8.2.4",
-        fields=(
-            Field("inv_ref", 1, "all switch inputs", values={0: "high active", 1: "low active"}, lsb=0),
-            Field(
-                "sdo_int",
-                1,
-                "makes the pin nINT_SDO_C an interrupt only; another pin, SDOZ_C, is read by then",
-                values=OFF_ON,
-                lsb=1,
-                behaviour="the emulated chip is read by SDOZ_C",
-            ),
-            Field("step_half", 1, "step outputs", values={0: "a pulse a step", 1: "an edge a step"}, lsb=2),
-            Field("inv_stp", 1, "levels of the step outputs", values=INVERTED, lsb=3),
-            Field("inv_dir", 1, "levels of the direction outputs; turns the motors round", values=INVERTED, lsb=4),
-            Field("en_sd", 1, "how motors are driven", values={0: "SPI driver chain", 1: "step/direction"}, lsb=5),
-            Field(
-                "pos_comp_sel",
-                2,
-                "motor whose position is compared",
-                values={0: "motor 1", 1: "motor 2", 2: "motor 3", 3: "off"},
-                lsb=6,
-            ),
-            Field("en_refr", 1, "inputs REFR1 to REFR3 as right switches", values=OFF_ON, lsb=8),
+    ).having(
+        choice(0, "inv_ref", 1, "all switch inputs", {0: "high active", 1: "low active"}),
+        flag(
+            1,
+            "sdo_int",
+            "makes the pin nINT_SDO_C an interrupt only; another pin, SDOZ_C, is read by then",
+            behaviour="the emulated chip is read by SDOZ_C",
         ),
+        choice(2, "step_half", 1, "step outputs", {0: "a pulse a step", 1: "an edge a step"}),
+        choice(3, "inv_stp", 1, "levels of the step outputs", INVERTED),
+        choice(4, "inv_dir", 1, "levels of the direction outputs; turns the motors round", INVERTED),
+        choice(5, "en_sd", 1, "how motors are driven", {0: "SPI driver chain", 1: "step/direction"}),
+        choice(
+            6,
+            "pos_comp_sel",
+            2,
+            "motor whose position is compared",
+            {0: "motor 1", 1: "motor 2", 2: "motor 3", 3: "off"},
+        ),
+        flag(8, "en_refr", "inputs REFR1 to REFR3 as right switches"),
+        source="DS-TMC429 8.2.4",
     ),
     *position_compare("pos_comp_429", "DS-TMC429 8.2.4.1", "pos_comp_int_429", "DS-TMC429 8.2.4.2, 7.3 (bits)"),
-    Register(
-        "type_version_429",
-        24,
-        "what chip this is; a TMC4210 says the same",
-        address=0x39,
-        access=Access.R,
-        reset=TYPE_VERSION,
-        values={TYPE_VERSION: "TMC429 version 1.01"},
-        group="global",
-        source="DS-TMC429 8.2.4.4",
+    _global(0x39, "type_version_429", 24, R, "what chip this is; a TMC4210 says the same").having(
+        reset=TYPE_VERSION, values={TYPE_VERSION: "TMC429 version 1.01"}, source="DS-TMC429 8.2.4.4"
     ),
 )
 

@@ -22,7 +22,6 @@ BOW_UNIT = "pps^3"
 CLOCKS = "tCLK"
 MICROSTEPS = "microsteps"
 
-OFF_ON = {0: "off", 1: "on"}
 LOW_HIGH = {0: "low active", 1: "high active"}
 INACTIVE_ACTIVE = {0: "inactive", 1: "active"}
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from ..build import RW, Rows, choice, flag
 from ..model import Field, Register
 from .general import START_TIME_ROWS
-from .rows import ACCELERATION_UNIT, BOW_UNIT, HEADERS, LOW_HIGH, MICROSTEPS, OFF_ON, TOM_TBONE, VELOCITY_UNIT
+from .rows import ACCELERATION_UNIT, BOW_UNIT, HEADERS, LOW_HIGH, MICROSTEPS, TOM_TBONE, VELOCITY_UNIT
 
 _WAITS = ("XTARGET", "VMAX", "RAMPMODE", "GEAR_RATIO")
 _TRIGGERS = ("the pin START, which is an input then", "TARGET_REACHED", "VEL_REACHED", "POS_COMP_REACHED")
@@ -13,84 +14,45 @@ _PIPED = ("XTARGET", "POS_COMP", "GEAR_RATIO", "GENERAL_CONF")
 OPTION = ("shadow_option = 0", "shadow_option = 1", "shadow_option = 2", "shadow_option = 3")
 _TRAPEZOIDS = "shadow_option = 2 or 3"
 
-_START_CONF = Register(
-    "START_CONF",
-    32,
-    "what waits for a start signal, and what gives one",
-    address=0x02,
-    group="start",
-    source=f"TOM4361; TBONE; {HEADERS}",
-    fields=(
-        *(
-            Field(f"start_en[{n}]", 1, f"a new {name} waits for the next start", lsb=n, values=OFF_ON)
-            for n, name in enumerate(_WAITS)
-        ),
-        Field("start_en[4]", 1, "a start takes over the shadow registers", lsb=4, values=OFF_ON),
-        *(
-            Field(f"trigger_events[{n}]", 1, f"starts come from {name}", lsb=5 + n, values=OFF_ON)
-            for n, name in enumerate(_TRIGGERS)
-        ),
-        Field("pol_start_signal", 1, "level of an active START", lsb=9, values=LOW_HIGH),
-        Field("immediate_start_in", 1, "no START_DELAY after the pin START", lsb=10, values=OFF_ON),
-        Field("busy_state_en", 1, "START stays busy, so that chips wait for each other", lsb=11, values=OFF_ON),
-        *(
-            Field(f"pipeline_en[{n}]", 1, f"a start moves the pipeline into {name}", lsb=12 + n, values=OFF_ON)
-            for n, name in enumerate(_PIPED)
-        ),
-        Field(
-            "shadow_option",
-            2,
-            "what the shadow registers hold",
-            lsb=16,
-            values={
-                0: "one set, all shapes",
-                1: "two sets, S-ramp",
-                2: "two sets, trapezoid with VSTART",
-                3: "two sets, trapezoid with VSTOP",
-            },
-        ),
-        Field("cyclic_shadow_regs", 1, "replaced values go back into the shadow registers", lsb=18, values=OFF_ON),
-        Field("shadow_miss_cnt", 4, "starts to let pass between two that take over the shadow registers", lsb=20),
-        *(
-            Field(
-                f"xpipe_rewrite_reg[{n}]",
-                1,
-                f"the value that leaves comes back at X_PIPE{n}",
-                lsb=24 + n,
-                values=OFF_ON,
-            )
-            for n in range(8)
-        ),
+_START_CONF = Rows("start", TOM_TBONE)(
+    0x02, "START_CONF", 32, RW, "what waits for a start signal, and what gives one"
+).having(
+    *(flag(n, f"start_en[{n}]", f"a new {name} waits for the next start") for n, name in enumerate(_WAITS)),
+    flag(4, "start_en[4]", "a start takes over the shadow registers"),
+    *(flag(5 + n, f"trigger_events[{n}]", f"starts come from {name}") for n, name in enumerate(_TRIGGERS)),
+    choice(9, "pol_start_signal", 1, "level of an active START", LOW_HIGH),
+    flag(10, "immediate_start_in", "no START_DELAY after the pin START"),
+    flag(11, "busy_state_en", "START stays busy, so that chips wait for each other"),
+    *(flag(12 + n, f"pipeline_en[{n}]", f"a start moves the pipeline into {name}") for n, name in enumerate(_PIPED)),
+    choice(
+        16,
+        "shadow_option",
+        2,
+        "what the shadow registers hold",
+        {
+            0: "one set, all shapes",
+            1: "two sets, S-ramp",
+            2: "two sets, trapezoid with VSTART",
+            3: "two sets, trapezoid with VSTOP",
+        },
     ),
+    flag(18, "cyclic_shadow_regs", "replaced values go back into the shadow registers"),
+    Field("shadow_miss_cnt", 4, "starts to let pass between two that take over the shadow registers", lsb=20),
+    *(flag(24 + n, f"xpipe_rewrite_reg[{n}]", f"the value that leaves comes back at X_PIPE{n}") for n in range(8)),
 )
 
 _PIPELINE = tuple(
-    Register(
-        f"X_PIPE{n}",
-        32,
-        f"stage {n} of the pipeline; pipeline_en says what it is for",
-        signed=True,
-        unit=MICROSTEPS,
-        address=0x38 + n,
-        group="pipeline",
-        volatile=True,
-        source=TOM_TBONE if n == 0 else HEADERS,
-    )
+    Rows("pipeline", TOM_TBONE if n == 0 else HEADERS)(
+        0x38 + n, f"X_PIPE{n}", 32, RW, f"stage {n} of the pipeline; pipeline_en says what it is for"
+    ).having(signed=True, unit=MICROSTEPS, volatile=True)
     for n in range(8)
 )
 
 
 def _shadow(number: int, width: int, *fields: Field) -> Register:
-    return Register(
-        f"SH_REG{number}",
-        width,
-        f"shadow register {number}; shadow_option says what it is for",
-        address=0x40 + number,
-        group="shadow",
-        volatile=True,
-        source=f"{HEADERS}; KMARX (RAMPMODE)" if number in (3, 4, 12, 13) else TOM_TBONE,
-        fields=fields,
-    )
+    row = Rows("shadow", f"{HEADERS}; KMARX (RAMPMODE)" if number in (3, 4, 12, 13) else TOM_TBONE)
+    help_ = f"shadow register {number}; shadow_option says what it is for"
+    return row(0x40 + number, f"SH_REG{number}", width, RW, help_).having(*fields, volatile=True)
 
 
 def _velocity(number: int, of: str, when: str, width: int = 31) -> Field:

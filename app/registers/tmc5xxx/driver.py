@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from ..build import RW, Rows, W, choice, flag, state
 from ..microstep_rows import GROUP as TABLE
 from ..microstep_rows import START_RESET, mslut_rows
-from ..model import Access, Field, Register
-from .rows import CLOCKS, VENDOR, VENDOR_RESET, flag, reading, state
+from ..model import Field, Register
+from .rows import CLOCKS, VENDOR, VENDOR_RESET, reading
 
 DRIVER = "driver"
 PWM = "stealthchop"
+_table = Rows(TABLE, VENDOR)
+_driver = Rows(DRIVER, VENDOR)
+_pwm = Rows(PWM, VENDOR)
 BLANK_CLOCKS = {0: 16, 1: 24, 2: 36, 3: 54}
 """TBL: clocks during which the current comparator is not looked at."""
 MRES = {n: f"{256 >> n}" for n in range(9)}
@@ -22,19 +26,10 @@ def table_rows(start_90: str) -> tuple[Register, ...]:
     """0x60 to 0x69: the quarter wave and its start. start_90: what the chip calls the value at place 256."""
     return (
         *mslut_rows(0x60, VENDOR_RESET, f"{VENDOR}; {VENDOR_RESET}"),
-        Register(
-            "MSLUTSTART",
-            24,
-            "values of the wave at its zero crossing and its peak",
-            address=0x69,
-            access=Access.W,
+        _table(0x69, "MSLUTSTART", 24, W, "values of the wave at its zero crossing and its peak").having(
+            Field("START_SIN", 8, "value at place 0", lsb=0),
+            Field(start_90, 8, "value at place 256", lsb=16),
             reset=START_RESET,
-            group=TABLE,
-            source=VENDOR,
-            fields=(
-                Field("START_SIN", 8, "value at place 0", lsb=0),
-                Field(start_90, 8, "value at place 256", lsb=16),
-            ),
         ),
     )
 
@@ -76,38 +71,34 @@ _DECAY = (
     Field("hend", 4, "end of the hysteresis: -3 to 12", unit="1, minus 3", lsb=7, when=_SPREADCYCLE),
     Field("offset", 4, "offset of the sine wave: -3 to 12", unit="1, minus 3", lsb=7, when=_CONSTANT_OFF),
     Field("fd3", 1, "fast decay time, highest bit", lsb=11, when=_CONSTANT_OFF),
-    Field(
+    choice(
+        12,
         "disfdcc",
         1,
         "what ends fast decay",
-        lsb=12,
-        values={0: "time, or current below zero", 1: "time alone"},
+        {0: "time, or current below zero", 1: "time alone"},
         when=_CONSTANT_OFF,
     ),
 )
 RANDOM = flag(13, "rndtf", "the off time varies at random")
-_CHM = Field("chm", 1, "kind of chopper", lsb=14, values={0: "SpreadCycle", 1: "constant off time"})
-_TBL = Field(
+_CHM = choice(14, "chm", 1, "kind of chopper", {0: "SpreadCycle", 1: "constant off time"})
+_TBL = choice(
+    15,
     "tbl",
     2,
     "time in which the comparator is not looked at",
+    {code: str(clocks) for code, clocks in BLANK_CLOCKS.items()},
     unit=CLOCKS,
-    lsb=15,
-    values={code: str(clocks) for code, clocks in BLANK_CLOCKS.items()},
 )
-_VSENSE = Field(
-    "vsense",
-    1,
-    "voltage at the sense resistor for full current",
-    lsb=17,
-    values={0: "low sensitivity", 1: "high sensitivity"},
+_VSENSE = choice(
+    17, "vsense", 1, "voltage at the sense resistor for full current", {0: "low sensitivity", 1: "high sensitivity"}
 )
 _HIGH_SPEED = (
     flag(18, "vhighfs", "full steps above the high velocity threshold"),
     flag(19, "vhighchm", "constant off time with fast decay above the high velocity threshold"),
 )
 _SYNC = Field("sync", 4, "chopper kept in step with a clock of fCLK / (64 n); 0 not at all", lsb=20)
-_MRES = Field("mres", 4, "microsteps a full step", range=(0, 8), lsb=24, values=MRES)
+_MRES = choice(24, "mres", 4, "microsteps a full step", MRES, range=(0, 8))
 _DEDGE = flag(29, "dedge", "both edges of STEP make a step")
 _SHORT_TO_GROUND = flag(30, "diss2g", "a short to ground is not looked for")
 
@@ -117,15 +108,8 @@ def _intpol(name: str) -> Field:
 
 
 def _chopconf(width: int, *fields: Field, reset: int = 0) -> Register:
-    return Register(
-        "CHOPCONF",
-        width,
-        "how the chopper regulates the coil currents",
-        address=0x6C,
-        reset=reset,
-        group=DRIVER,
-        source=VENDOR,
-        fields=(_TOFF, *_DECAY, *fields),
+    return _driver(0x6C, "CHOPCONF", width, RW, "how the chopper regulates the coil currents", reset=reset).having(
+        _TOFF, *_DECAY, *fields
     )
 
 
@@ -142,12 +126,12 @@ CHOPCONF_5062 = _chopconf(
     _MRES,
     _intpol("intpol16"),
     _SHORT_TO_GROUND,
-    Field(
+    choice(
+        31,
         "ph3sel",
         1,
         "kind of motor; with three phases bits 15..0 mean something else",
-        lsb=31,
-        values={0: "two phases", 1: "three phases"},
+        {0: "two phases", 1: "three phases"},
     ),
     Field("hyst", 6, "hysteresis", lsb=4, when=_THREE_PHASES),
     flag(10, "nosd3ph", "no slow decay", when=_THREE_PHASES),
@@ -174,40 +158,22 @@ CHOPCONF_5160 = _chopconf(
 )
 """tbl resets to 2, or as burnt in otp_TBL."""
 
-COOLCONF = Register(
-    "COOLCONF",
-    25,
-    "CoolStep and StallGuard",
-    address=0x6D,
-    access=Access.W,
-    group=DRIVER,
-    source=VENDOR,
-    fields=(
-        Field("semin", 4, "SG_RESULT below this raises the current; 0 switches CoolStep off", unit="32", lsb=0),
-        Field("seup", 2, "steps up of the current each time", lsb=5, values={0: "1", 1: "2", 2: "4", 3: "8"}),
-        Field("semax", 4, "SG_RESULT this far above semin lowers the current", unit="32, plus 32", lsb=8),
-        Field("sedn", 2, "values of SG_RESULT for each step down", lsb=13, values={0: "32", 1: "8", 2: "2", 3: "1"}),
-        Field("seimin", 1, "least current, of IRUN", lsb=15, values={0: "1/2", 1: "1/4"}),
-        Field("sgt", 7, "level of StallGuard: higher is less sensitive", signed=True, lsb=16),
-        Field("sfilt", 1, "SG_RESULT as measured", lsb=24, values={0: "each full step", 1: "mean of four full steps"}),
-    ),
+COOLCONF = _driver(0x6D, "COOLCONF", 25, W, "CoolStep and StallGuard").having(
+    Field("semin", 4, "SG_RESULT below this raises the current; 0 switches CoolStep off", unit="32", lsb=0),
+    choice(5, "seup", 2, "steps up of the current each time", {0: "1", 1: "2", 2: "4", 3: "8"}),
+    Field("semax", 4, "SG_RESULT this far above semin lowers the current", unit="32, plus 32", lsb=8),
+    choice(13, "sedn", 2, "values of SG_RESULT for each step down", {0: "32", 1: "8", 2: "2", 3: "1"}),
+    choice(15, "seimin", 1, "least current, of IRUN", {0: "1/2", 1: "1/4"}),
+    Field("sgt", 7, "level of StallGuard: higher is less sensitive", signed=True, lsb=16),
+    choice(24, "sfilt", 1, "SG_RESULT as measured", {0: "each full step", 1: "mean of four full steps"}),
 )
 
 
 def dcctrl(time_bits: int, sg_lsb: int, source: str = VENDOR) -> Register:
     """DCCTRL: 10 bits of DC_TIME and DC_SG from bit 16, with two axes 8 bits and from bit 8."""
-    return Register(
-        "DCCTRL",
-        sg_lsb + 8,
-        "how DcStep commutates",
-        address=0x6E,
-        access=Access.W,
-        group=DRIVER,
-        source=source,
-        fields=(
-            Field("DC_TIME", time_bits, "longest time that current is let in", unit=CLOCKS, lsb=0),
-            Field("DC_SG", 8, "shortest time that is no lost step; 0 does not look", unit="16 tCLK", lsb=sg_lsb),
-        ),
+    return _driver(0x6E, "DCCTRL", sg_lsb + 8, W, "how DcStep commutates", source=source).having(
+        Field("DC_TIME", time_bits, "longest time that current is let in", unit=CLOCKS, lsb=0),
+        Field("DC_SG", 8, "shortest time that is no lost step; 0 does not look", unit="16 tCLK", lsb=sg_lsb),
     )
 
 
@@ -244,31 +210,21 @@ DRV_STATUS_5160 = _drv_status(
 
 # --- StealthChop --------------------------------------------------------------------------------
 
-_FREQUENCY = Field(
-    "pwm_freq", 2, "frequency of the PWM, of fCLK", lsb=16, values={0: "2/1024", 1: "2/683", 2: "2/512", 3: "2/410"}
+_FREQUENCY = choice(
+    16, "pwm_freq", 2, "frequency of the PWM, of fCLK", {0: "2/1024", 1: "2/683", 2: "2/512", 3: "2/410"}
 )
 _AUTOSCALE = flag(18, "pwm_autoscale", "the current is regulated by what is measured")
-_FREEWHEEL = Field(
+_FREEWHEEL = choice(
+    20,
     "freewheel",
     2,
     "at rest, with IHOLD = 0",
-    lsb=20,
-    values={0: "normal", 1: "free", 2: "coils shorted, low side", 3: "coils shorted, high side"},
+    {0: "normal", 1: "free", 2: "coils shorted, low side", 3: "coils shorted, high side"},
 )
 
 
 def _pwmconf(address: int, width: int, reset: int, *fields: Field) -> Register:
-    return Register(
-        "PWMCONF",
-        width,
-        "StealthChop",
-        address=address,
-        access=Access.W,
-        reset=reset,
-        group=PWM,
-        source=VENDOR,
-        fields=fields,
-    )
+    return _pwm(address, "PWMCONF", width, W, "StealthChop", reset=reset).having(*fields)
 
 
 _AMPLITUDE = (
@@ -329,17 +285,8 @@ PWM_5160 = (
         ),
     ),
 )
-ENCM_CTRL = Register(
-    "ENCM_CTRL",
-    2,
-    "commutation by the encoder: for the factory",
-    address=0x72,
-    access=Access.W,
-    group=DRIVER,
-    source=VENDOR,
-    fields=(
-        flag(0, "inv", "the encoder counts the other way"),
-        flag(1, "maxspeed", "steps are ignored"),
-    ),
+ENCM_CTRL = _driver(0x72, "ENCM_CTRL", 2, W, "commutation by the encoder: for the factory").having(
+    flag(0, "inv", "the encoder counts the other way"),
+    flag(1, "maxspeed", "steps are ignored"),
 )
 LOST_STEPS = reading("LOST_STEPS", 20, "steps that DcStep left out, counted round", 0x73, DRIVER, unit="steps")

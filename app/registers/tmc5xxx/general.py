@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..model import Access, Field, Register
+from ..build import RW, R, Rows, W, choice, flag, state
+from ..model import Field, Register
 from .rows import (
     CLOCKS,
     LOW_HIGH,
@@ -12,12 +13,12 @@ from .rows import (
     OPEN_PUSH,
     VENDOR,
     clearing,
-    flag,
     reading,
-    state,
 )
 
 GROUP = "general"
+_general = Rows(GROUP, VENDOR)
+_current = Rows("current", VENDOR)
 _BIT_TIMES = {
     code: f"{times} bit times"
     for code, times in zip(range(0, 16, 2), ("8", *(f"{n}*8" for n in range(3, 17, 2))), strict=True)
@@ -25,16 +26,7 @@ _BIT_TIMES = {
 
 
 def _gconf(width: int, reset: int, *fields: Field) -> Register:
-    return Register(
-        "GCONF",
-        width,
-        "what the chip is set to do",
-        address=0x00,
-        reset=reset,
-        fields=fields,
-        group=GROUP,
-        source=VENDOR,
-    )
+    return _general(0x00, "GCONF", width, RW, "what the chip is set to do", reset=reset).having(*fields)
 
 
 # --- one axis -----------------------------------------------------------------------------------
@@ -50,16 +42,14 @@ _DIAGNOSTICS = (
     flag(9, "diag1_index", "DIAG1 shows place 0 of the microstep table"),
     flag(10, "diag1_onstate", "DIAG1 shows that the chopper lets current in"),
     flag(11, "diag1_steps_skipped", "DIAG1 changes with each step that DcStep leaves out"),
-    Field("diag0_int_pushpull", 1, "driver of the pin DIAG0, or of the interrupt on it", lsb=12, values=OPEN_PUSH),
-    Field(
-        "diag1_poscomp_pushpull", 1, "driver of the pin DIAG1, or of position compare on it", lsb=13, values=OPEN_PUSH
-    ),
-    Field(
+    choice(12, "diag0_int_pushpull", 1, "driver of the pin DIAG0, or of the interrupt on it", OPEN_PUSH),
+    choice(13, "diag1_poscomp_pushpull", 1, "driver of the pin DIAG1, or of position compare on it", OPEN_PUSH),
+    choice(
+        14,
         "small_hysteresis",
         1,
         "hysteresis of the step frequency that TSTEP is compared with",
-        lsb=14,
-        values={0: "1/16", 1: "1/32"},
+        {0: "1/16", 1: "1/32"},
     ),
     flag(15, "stop_enable", "the pin ENCA_DCIN stops the motor at once while it is high"),
     flag(16, "direct_mode", "XTARGET sets both coil currents instead of a position"),
@@ -78,13 +68,13 @@ GCONF_5160 = _gconf(
     18,
     0x8,
     flag(0, "recalibrate", "measures the offsets of the current comparators again while the driver is off"),
-    Field(
+    choice(
+        1,
         "faststandstill",
         1,
         "time without steps after which the motor counts as standing",
+        {0: "2^20", 1: "2^18"},
         unit=CLOCKS,
-        lsb=1,
-        values={0: "2^20", 1: "2^18"},
     ),
     flag(2, "en_pwm_mode", "StealthChop where the velocity allows it"),
     flag(3, "multistep_filt", "filters the steps that StealthChop sees"),
@@ -116,25 +106,17 @@ IFCNT = reading("IFCNT", 8, "UART writes that arrived with a right CRC, counted 
 
 def nodeconf(source: str = VENDOR) -> Register:
     """NODECONF, which the vendor's headers call SLAVECONF."""
-    return Register(
-        "NODECONF",
-        12,
-        "address and patience of the UART; SLAVECONF in the vendor's headers",
-        address=0x03,
-        access=Access.W,
-        group=GROUP,
+    return _general(
+        0x03, "NODECONF", 12, W, "address and patience of the UART; SLAVECONF in the vendor's headers"
+    ).having(
+        Field("NODEADDR", 8, "address of this chip on the line, plus 1 with NEXTADDR high", range=(0, 253), lsb=0),
+        _send_delay(8),
         source=source,
-        fields=(
-            Field("NODEADDR", 8, "address of this chip on the line, plus 1 with NEXTADDR high", range=(0, 253), lsb=0),
-            _send_delay(8),
-        ),
     )
 
 
 def _send_delay(lsb: int) -> Field:
-    return Field(
-        "SENDDELAY", 4, "rest before an answer; an odd code is as the even one below", lsb=lsb, values=_BIT_TIMES
-    )
+    return choice(lsb, "SENDDELAY", 4, "rest before an answer; an odd code is as the even one below", _BIT_TIMES)
 
 
 def _ioin(enable: str, index: str) -> Register:
@@ -146,15 +128,11 @@ def _ioin(enable: str, index: str) -> Register:
         0x04,
         GROUP,
         fields=(
-            *(Field(name, 1, f"pin {name}", lsb=n, values=LOW_HIGH) for n, name in enumerate(names)),
-            Field(
-                "SD_MODE",
-                1,
-                "pin SD_MODE: what moves the motor",
-                lsb=6,
-                values={0: "ramp generator", 1: "step and direction"},
+            *(choice(n, name, 1, f"pin {name}", LOW_HIGH) for n, name in enumerate(names)),
+            choice(
+                6, "SD_MODE", 1, "pin SD_MODE: what moves the motor", {0: "ramp generator", 1: "step and direction"}
             ),
-            Field("SWCOMP_IN", 1, "comparator of the UART's pins SWN and SWP", lsb=7, values=LOW_HIGH),
+            choice(7, "SWCOMP_IN", 1, "comparator of the UART's pins SWN and SWP", LOW_HIGH),
             Field("VERSION", 8, "version of the silicon", lsb=24),
         ),
     )
@@ -162,143 +140,69 @@ def _ioin(enable: str, index: str) -> Register:
 
 IOIN_5130 = _ioin("DRV_ENN_CFG6", "ENC_N_DCO")
 IOIN_5160 = _ioin("DRV_ENN", "ENC_N_DCO_CFG6")
-OUTPUT_PIN = Register(
-    "OUTPUT",
-    1,
-    "level of the pin that tells the next chip on a UART its address",
-    address=0x04,
-    access=Access.W,
-    reset=0x1,
-    group=GROUP,
-    source=VENDOR,
-    fields=(
-        Field(
-            "OUTPUT_PIN_POLARITY", 1, "level of SDO_CFG0 (NEXTADDR of the next chip) with UART", lsb=0, values=LOW_HIGH
-        ),
-    ),
+OUTPUT_PIN = _general(0x04, "OUTPUT", 1, W, "level of the pin that tells the next chip on a UART its address").having(
+    choice(0, "OUTPUT_PIN_POLARITY", 1, "level of SDO_CFG0 (NEXTADDR of the next chip) with UART", LOW_HIGH), reset=0x1
 )
-X_COMPARE = Register(
-    "X_COMPARE",
-    32,
-    "position that gives a pulse when XACTUAL is there; the vendor's headers read it unsigned",
-    signed=True,
-    unit=MICROSTEPS,
-    address=0x05,
-    access=Access.W,
-    group=GROUP,
-    source=VENDOR,
-)
+X_COMPARE = _general(
+    0x05, "X_COMPARE", 32, W, "position that gives a pulse when XACTUAL is there; the vendor's headers read it unsigned"
+).having(signed=True, unit=MICROSTEPS)
 OTP_5160 = (
-    Register(
-        "OTP_PROG",
-        16,
-        "burns one bit of the chip's memory, once and for all",
-        address=0x06,
-        access=Access.W,
-        reset=None,
-        group=GROUP,
-        source=VENDOR,
-        fields=(
-            Field("OTPBIT", 3, "which bit", lsb=0),
-            Field("OTPBYTE", 2, "which byte: stays 0", lsb=4),
-            Field("OTPMAGIC", 8, "anything but the key does nothing", lsb=8, values={0xBD: "burn"}),
-        ),
+    _general(0x06, "OTP_PROG", 16, W, "burns one bit of the chip's memory, once and for all", reset=None).having(
+        Field("OTPBIT", 3, "which bit", lsb=0),
+        Field("OTPBYTE", 2, "which byte: stays 0", lsb=4),
+        choice(8, "OTPMAGIC", 8, "anything but the key does nothing", {0xBD: "burn"}),
     ),
-    Register(
-        "OTP_READ",
-        8,
-        "what is burnt into the chip",
-        address=0x07,
-        access=Access.R,
-        reset=None,
-        group=GROUP,
-        source=VENDOR,
-        fields=(
-            Field("OTP_FCLKTRIM", 5, "trim of the internal clock, from the factory", lsb=0),
-            Field("otp_S2_LEVEL", 1, "levels of short detection after a reset", lsb=5, values={0: "6", 1: "12"}),
-            Field("otp_BBM", 1, "BBMCLKS after a reset", lsb=6, values={0: "4", 1: "2"}),
-            Field("otp_TBL", 1, "TBL after a reset", lsb=7, values={0: "2", 1: "1"}),
-        ),
+    _general(0x07, "OTP_READ", 8, R, "what is burnt into the chip", reset=None).having(
+        Field("OTP_FCLKTRIM", 5, "trim of the internal clock, from the factory", lsb=0),
+        choice(5, "otp_S2_LEVEL", 1, "levels of short detection after a reset", {0: "6", 1: "12"}),
+        choice(6, "otp_BBM", 1, "BBMCLKS after a reset", {0: "4", 1: "2"}),
+        choice(7, "otp_TBL", 1, "TBL after a reset", {0: "2", 1: "1"}),
     ),
-    Register(
-        "FACTORY_CONF",
-        5,
-        "trim of the internal clock; after a reset as burnt",
-        address=0x08,
-        reset=None,
-        group=GROUP,
-        source=VENDOR,
-        fields=(Field("FCLKTRIM", 5, "0 is slowest, 31 fastest", lsb=0),),
+    _general(0x08, "FACTORY_CONF", 5, RW, "trim of the internal clock; after a reset as burnt", reset=None).having(
+        Field("FCLKTRIM", 5, "0 is slowest, 31 fastest", lsb=0)
     ),
-    Register(
-        "SHORT_CONF",
-        19,
-        "when a current through a MOSFET is a short; another reset with otp_S2_LEVEL burnt",
-        address=0x09,
-        access=Access.W,
+    _general(
+        0x09, "SHORT_CONF", 19, W, "when a current through a MOSFET is a short; another reset with otp_S2_LEVEL burnt"
+    ).having(
+        Field("S2VS_LEVEL", 4, "level of the low side; higher is less sensitive", range=(4, 15), lsb=0),
+        Field("S2G_LEVEL", 4, "level of the high side; higher is less sensitive", range=(2, 15), lsb=8),
+        choice(16, "SHORTFILTER", 2, "how long a spike may last", {0: "100 ns", 1: "1 us", 2: "2 us", 3: "3 us"}),
+        choice(18, "shortdelay", 1, "rest before the high side is watched", {0: "750 ns", 1: "1500 ns"}),
         reset=0x10606,
-        group=GROUP,
-        source=VENDOR,
-        fields=(
-            Field("S2VS_LEVEL", 4, "level of the low side; higher is less sensitive", range=(4, 15), lsb=0),
-            Field("S2G_LEVEL", 4, "level of the high side; higher is less sensitive", range=(2, 15), lsb=8),
-            Field(
-                "SHORTFILTER",
-                2,
-                "how long a spike may last",
-                lsb=16,
-                values={0: "100 ns", 1: "1 us", 2: "2 us", 3: "3 us"},
-            ),
-            Field("shortdelay", 1, "rest before the high side is watched", lsb=18, values={0: "750 ns", 1: "1500 ns"}),
-        ),
     ),
-    Register(
+    _general(
+        0x0A,
         "DRV_CONF",
         22,
+        W,
         "how the gates of the MOSFETs are driven; another reset with otp_BBM burnt, API has 0x00080400",
-        address=0x0A,
-        access=Access.W,
-        reset=0x400,
-        group=GROUP,
-        source=VENDOR,
-        fields=(
-            Field("BBMTIME", 5, "break before make, from 100 ns (0) to 375 ns (24)", range=(0, 24), lsb=0),
-            Field("BBMCLKS", 4, "break before make counted in clocks; the longer of both holds", unit=CLOCKS, lsb=8),
-            Field(
-                "OTSELECT",
-                2,
-                "temperature at which the driver shuts down",
-                lsb=16,
-                values={0: "150 degC", 1: "143 degC", 2: "136 degC", 3: "120 degC"},
-            ),
-            Field(
-                "DRVSTRENGTH",
-                2,
-                "current into the gates",
-                lsb=18,
-                values={0: "weak", 1: "weak, medium above the temperature warning", 2: "medium", 3: "strong"},
-            ),
-            Field(
-                "FILT_ISENSE",
-                2,
-                "filter of the measured current",
-                lsb=20,
-                values={0: "100 ns", 1: "200 ns", 2: "300 ns", 3: "400 ns"},
-            ),
+    ).having(
+        Field("BBMTIME", 5, "break before make, from 100 ns (0) to 375 ns (24)", range=(0, 24), lsb=0),
+        Field("BBMCLKS", 4, "break before make counted in clocks; the longer of both holds", unit=CLOCKS, lsb=8),
+        choice(
+            16,
+            "OTSELECT",
+            2,
+            "temperature at which the driver shuts down",
+            {0: "150 degC", 1: "143 degC", 2: "136 degC", 3: "120 degC"},
         ),
+        choice(
+            18,
+            "DRVSTRENGTH",
+            2,
+            "current into the gates",
+            {0: "weak", 1: "weak, medium above the temperature warning", 2: "medium", 3: "strong"},
+        ),
+        choice(
+            20, "FILT_ISENSE", 2, "filter of the measured current", {0: "100 ns", 1: "200 ns", 2: "300 ns", 3: "400 ns"}
+        ),
+        reset=0x400,
     ),
 )
 CURRENT_5160 = (
-    Register(
-        "GLOBAL_SCALER",
-        8,
-        "scales all motor currents; 0 stands for 256, and 1 to 31 must not be",
-        unit="1/256",
-        address=0x0B,
-        access=Access.W,
-        group="current",
-        source=VENDOR,
-    ),
+    _current(
+        0x0B, "GLOBAL_SCALER", 8, W, "scales all motor currents; 0 stands for 256, and 1 to 31 must not be"
+    ).having(unit="1/256"),
     reading(
         "OFFSET_READ",
         16,
@@ -349,25 +253,9 @@ GSTAT_DUAL = _gstat(
     state(3, "uv_cp", "the charge pump has too little voltage, and the drivers are off"),
 )
 _TEST_SEL = Field("TEST_SEL", 4, "output for the factory: stays 0", lsb=0)
-TEST_SEL = Register(
-    "TEST_SEL",
-    4,
-    "for the factory; SLAVECONF in the vendor's headers",
-    address=0x03,
-    access=Access.W,
-    group=GROUP,
-    source=VENDOR,
-    fields=(_TEST_SEL,),
-)
-SLAVECONF = Register(
-    "SLAVECONF",
-    8,
-    "patience of the UART, which knows no addresses",
-    address=0x03,
-    access=Access.W,
-    group=GROUP,
-    source=VENDOR,
-    fields=(_TEST_SEL, _send_delay(4)),
+TEST_SEL = _general(0x03, "TEST_SEL", 4, W, "for the factory; SLAVECONF in the vendor's headers").having(_TEST_SEL)
+SLAVECONF = _general(0x03, "SLAVECONF", 8, W, "patience of the UART, which knows no addresses").having(
+    _TEST_SEL, _send_delay(4)
 )
 
 
@@ -383,7 +271,7 @@ def _input(*fields: Field) -> Register:
 
 
 def _pin(lsb: int, field: str, pin: str) -> Field:
-    return Field(field, 1, f"pin {pin}", lsb=lsb, values=LOW_HIGH)
+    return choice(lsb, field, 1, f"pin {pin}", LOW_HIGH)
 
 
 _PINS = (*(_pin(n, f"io{n}_in", f"IO{n}") for n in range(4)), _pin(4, "iop_in", "IOP"), _pin(5, "ion_in", "ION"))
@@ -393,26 +281,14 @@ INPUT_5072 = _input(
     *_PINS,
     _pin(6, "nextaddr_in", "NEXTADDR"),
     _pin(7, "drv_enn_in", "DRV_ENN"),
-    Field("sw_comp_in", 1, "comparator of the UART's pins", lsb=8, values={0: "ION above IOP", 1: "IOP above ION"}),
+    choice(8, "sw_comp_in", 1, "comparator of the UART's pins", {0: "ION above IOP", 1: "IOP above ION"}),
 )
 
 
 def _output(levels: int, directions: int) -> Register:
-    return Register(
-        "OUTPUT",
-        8 + directions,
-        "levels and directions of the pins IO0 and up",
-        address=0x04,
-        access=Access.W,
-        group=GROUP,
-        source=VENDOR,
-        fields=(
-            *(Field(f"io{n}_out", 1, f"level of IO{n} as an output", lsb=n, values=LOW_HIGH) for n in range(levels)),
-            *(
-                Field(f"ioddr{n}", 1, f"direction of IO{n}", lsb=8 + n, values={0: "input", 1: "output"})
-                for n in range(directions)
-            ),
-        ),
+    return _general(0x04, "OUTPUT", 8 + directions, W, "levels and directions of the pins IO0 and up").having(
+        *(choice(n, f"io{n}_out", 1, f"level of IO{n} as an output", LOW_HIGH) for n in range(levels)),
+        *(choice(8 + n, f"ioddr{n}", 1, f"direction of IO{n}", {0: "input", 1: "output"}) for n in range(directions)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..build import RW, R, Rows, W, choice, flag, state
 from ..model import Access, Field, Register
 from .rows import (
     ACCELERATION_UNIT,
@@ -10,15 +11,18 @@ from .rows import (
     DELAY_UNIT,
     LOW_HIGH,
     MICROSTEPS,
-    NO_YES,
     SCALE_UNIT,
     VELOCITY_UNIT,
     VENDOR,
     clearing,
-    flag,
     reading,
-    state,
 )
+
+_ramp = Rows("ramp", VENDOR)
+_switches = Rows("switches", VENDOR)
+_current = Rows("current", VENDOR)
+_thresholds = Rows("thresholds", VENDOR)
+_encoder = Rows("encoder", VENDOR)
 
 VELOCITY_MAX = (1 << 23) - 512
 """VMAX: the ramp generator goes no faster [velocity units]."""
@@ -26,50 +30,27 @@ RAMP_MODES = {0: "positioning", 1: "velocity, positive", 2: "velocity, negative"
 
 
 def _velocity(name: str, address: int, width: int, help_: str, reset: int = 0, highest: int | None = None) -> Register:
-    return Register(
-        name,
-        width,
-        help_,
-        unit=VELOCITY_UNIT,
-        range=None if highest is None else (0, highest),
-        address=address,
-        access=Access.W,
-        reset=reset,
-        group="ramp",
-        source=VENDOR,
+    return _ramp(
+        address, name, width, W, help_, unit=VELOCITY_UNIT, range=None if highest is None else (0, highest), reset=reset
     )
 
 
 def _acceleration(name: str, address: int, help_: str) -> Register:
-    return Register(
-        name, 16, help_, unit=ACCELERATION_UNIT, address=address, access=Access.W, group="ramp", source=VENDOR
-    )
+    return _ramp(address, name, 16, W, help_, unit=ACCELERATION_UNIT)
 
 
 def _position(
-    name: str, address: int, help_: str, access: Access = Access.RW, group: str = "ramp", volatile: bool = False
+    name: str, address: int, help_: str, access: Access = RW, group: str = "ramp", volatile: bool = False
 ) -> Register:
-    return Register(
-        name,
-        32,
-        help_,
-        signed=True,
-        unit=MICROSTEPS,
-        address=address,
-        access=access,
-        reset=0 if access.writable else None,
-        group=group,
-        volatile=volatile,
-        source=VENDOR,
+    return Rows(group, VENDOR)(address, name, 32, access, help_).having(
+        signed=True, unit=MICROSTEPS, reset=0 if access.writable else None, volatile=volatile
     )
 
 
 def ramp_rows(vstop_reset: int = 0) -> tuple[Register, ...]:
     """0x20 to 0x2D. vstop_reset: 1 of the TMC5160, 0 of the others."""
     return (
-        Register(
-            "RAMPMODE", 2, "what the ramp generator does", values=RAMP_MODES, address=0x20, group="ramp", source=VENDOR
-        ),
+        _ramp(0x20, "RAMPMODE", 2, RW, "what the ramp generator does", values=RAMP_MODES),
         _position(
             "XACTUAL", 0x21, "position now; written while positioning, the motor sets off to XTARGET", volatile=True
         ),
@@ -88,16 +69,7 @@ def ramp_rows(vstop_reset: int = 0) -> tuple[Register, ...]:
             "velocity that a motion ends from; never 0, not below VSTART, better 10 or more",
             reset=vstop_reset,
         ),
-        Register(
-            "TZEROWAIT",
-            16,
-            "rest at standstill before the motor sets off again",
-            unit="512 tCLK",
-            address=0x2C,
-            access=Access.W,
-            group="ramp",
-            source=VENDOR,
-        ),
+        _ramp(0x2C, "TZEROWAIT", 16, W, "rest at standstill before the motor sets off again", unit="512 tCLK"),
         _position("XTARGET", 0x2D, "target of positioning; at most 2^31 - 1 from where the motor is"),
     )
 
@@ -107,7 +79,7 @@ XLATCH = _position(
     "XLATCH",
     0x36,
     "XACTUAL when a switch or the index channel last latched it; the vendor's headers read it unsigned",
-    Access.R,
+    R,
     "switches",
     volatile=True,
 )
@@ -115,8 +87,8 @@ XLATCH = _position(
 _SWITCH_BITS = (
     flag(0, "stop_l_enable", "the left switch stops motion to the left"),
     flag(1, "stop_r_enable", "the right switch stops motion to the right"),
-    Field("pol_stop_l", 1, "level of the left switch", lsb=2, values=ACTIVE_LEVEL),
-    Field("pol_stop_r", 1, "level of the right switch", lsb=3, values=ACTIVE_LEVEL),
+    choice(2, "pol_stop_l", 1, "level of the left switch", ACTIVE_LEVEL),
+    choice(3, "pol_stop_r", 1, "level of the right switch", ACTIVE_LEVEL),
     flag(4, "swap_lr", "left and right switch change places"),
     flag(5, "latch_l_active", "XLATCH takes the position where the left switch becomes active"),
     flag(6, "latch_l_inactive", "XLATCH takes the position where the left switch becomes inactive"),
@@ -126,20 +98,12 @@ _SWITCH_BITS = (
 _LATCH_ENCODER = flag(9, "en_latch_encoder", "ENC_LATCH takes the encoder position with XLATCH")
 _STOP_BITS = (
     flag(10, "sg_stop", "StallGuard stops the motor; not together with en_softstop"),
-    Field("en_softstop", 1, "how a switch stops the motor", lsb=11, values={0: "at once", 1: "with DMAX, V1, D1"}),
+    choice(11, "en_softstop", 1, "how a switch stops the motor", {0: "at once", 1: "with DMAX, V1, D1"}),
 )
 
 
 def _sw_mode(*fields: Field) -> Register:
-    return Register(
-        "SW_MODE",
-        12,
-        "what switches and StallGuard do to a motion",
-        address=0x34,
-        group="switches",
-        source=VENDOR,
-        fields=fields,
-    )
+    return _switches(0x34, "SW_MODE", 12, RW, "what switches and StallGuard do to a motion").having(*fields)
 
 
 SW_MODE = _sw_mode(*_SWITCH_BITS, _LATCH_ENCODER, *_STOP_BITS)
@@ -148,7 +112,7 @@ SW_MODE_NO_ENCODER = _sw_mode(*_SWITCH_BITS, *_STOP_BITS)
 
 def _now(lsb: int, name: str, help_: str) -> Field:
     """A flag that is as things are, and that nobody can clear."""
-    return Field(name, 1, help_, lsb=lsb, values=NO_YES, access=Access.R)
+    return state(lsb, name, help_, access=R)
 
 
 def ramp_stat(write_clears: bool) -> Register:
@@ -185,40 +149,21 @@ def ramp_stat(write_clears: bool) -> Register:
 
 def ihold_irun(address: int) -> Register:
     """0x10 of the single-axis chips, 0x30 of the others."""
-    return Register(
-        "IHOLD_IRUN",
-        20,
-        "motor current in motion and at rest",
-        address=address,
-        access=Access.W,
-        group="current",
-        source=VENDOR,
-        fields=(
-            Field("IHOLD", 5, "scale of the current at rest", unit=SCALE_UNIT, lsb=0),
-            Field("IRUN", 5, "scale of the current in motion", unit=SCALE_UNIT, lsb=8),
-            Field("IHOLDDELAY", 4, "time for each step down from IRUN to IHOLD; 0 at once", unit=DELAY_UNIT, lsb=16),
-        ),
+    return _current(address, "IHOLD_IRUN", 20, W, "motor current in motion and at rest").having(
+        Field("IHOLD", 5, "scale of the current at rest", unit=SCALE_UNIT, lsb=0),
+        Field("IRUN", 5, "scale of the current in motion", unit=SCALE_UNIT, lsb=8),
+        Field("IHOLDDELAY", 4, "time for each step down from IRUN to IHOLD; 0 at once", unit=DELAY_UNIT, lsb=16),
     )
 
 
 def _clocks(name: str, address: int, help_: str) -> Register:
-    return Register(name, 20, help_, unit=CLOCKS, address=address, access=Access.W, group="thresholds", source=VENDOR)
+    return _thresholds(address, name, 20, W, help_, unit=CLOCKS)
 
 
 def time_threshold_rows(powerdown_reset: int, powerdown_help: str) -> tuple[Register, ...]:
     """0x11 to 0x15 of the single-axis chips: thresholds that count the clocks of a microstep."""
     return (
-        Register(
-            "TPOWERDOWN",
-            8,
-            powerdown_help,
-            unit=DELAY_UNIT,
-            address=0x11,
-            access=Access.W,
-            reset=powerdown_reset,
-            group="current",
-            source=VENDOR,
-        ),
+        _current(0x11, "TPOWERDOWN", 8, W, powerdown_help, unit=DELAY_UNIT, reset=powerdown_reset),
         reading(
             "TSTEP",
             20,
@@ -234,9 +179,7 @@ def time_threshold_rows(powerdown_reset: int, powerdown_help: str) -> tuple[Regi
 
 
 def _threshold(name: str, address: int, help_: str) -> Register:
-    return Register(
-        name, 23, help_, unit=VELOCITY_UNIT, address=address, access=Access.W, group="thresholds", source=VENDOR
-    )
+    return _thresholds(address, name, 23, W, help_, unit=VELOCITY_UNIT)
 
 
 VELOCITY_THRESHOLDS = (
@@ -257,55 +200,36 @@ _LATCH_NOW = flag(11, "latch_now", "this write latches both positions at once")
 
 
 def _encmode(*more: Field) -> Register:
-    return Register(
-        "ENCMODE",
-        11 + len(more),
-        "what the encoder's index channel does, and how ENC_CONST counts",
-        address=0x38,
-        group="encoder",
+    return _encoder(
+        0x38, "ENCMODE", 11 + len(more), RW, "what the encoder's index channel does, and how ENC_CONST counts"
+    ).having(
+        choice(0, "pol_A", 1, "level of A at an event of the index channel", LOW_HIGH),
+        choice(1, "pol_B", 1, "level of B at an event of the index channel", LOW_HIGH),
+        choice(2, "pol_N", 1, "active level of the index channel", LOW_HIGH),
+        flag(3, "ignore_AB", "A and B do not matter to an event"),
+        flag(4, "clr_cont", "each event latches (and clears, with clr_enc_x)"),
+        flag(5, "clr_once", "the next event latches (and clears, with clr_enc_x), the chip then takes the bit back"),
+        flag(6, "pos_edge", "the index channel's becoming active is an event"),
+        flag(7, "neg_edge", "the index channel's becoming inactive is an event"),
+        flag(8, "clr_enc_x", "an event clears X_ENC after latching it"),
+        flag(9, "latch_x_act", "an event latches XACTUAL too"),
+        choice(10, "enc_sel_decimal", 1, "how the fraction of ENC_CONST counts", {0: "1/65536", 1: "1/10000"}),
+        *more,
         volatile=True,
         source=f"{VENDOR}; pos_edge and neg_edge: the data sheet alone",
-        fields=(
-            Field("pol_A", 1, "level of A at an event of the index channel", lsb=0, values=LOW_HIGH),
-            Field("pol_B", 1, "level of B at an event of the index channel", lsb=1, values=LOW_HIGH),
-            Field("pol_N", 1, "active level of the index channel", lsb=2, values=LOW_HIGH),
-            flag(3, "ignore_AB", "A and B do not matter to an event"),
-            flag(4, "clr_cont", "each event latches (and clears, with clr_enc_x)"),
-            flag(
-                5, "clr_once", "the next event latches (and clears, with clr_enc_x), the chip then takes the bit back"
-            ),
-            flag(6, "pos_edge", "the index channel's becoming active is an event"),
-            flag(7, "neg_edge", "the index channel's becoming inactive is an event"),
-            flag(8, "clr_enc_x", "an event clears X_ENC after latching it"),
-            flag(9, "latch_x_act", "an event latches XACTUAL too"),
-            Field(
-                "enc_sel_decimal",
-                1,
-                "how the fraction of ENC_CONST counts",
-                lsb=10,
-                values={0: "1/65536", 1: "1/10000"},
-            ),
-            *more,
-        ),
     )
 
 
 def _enc_const(reset: int) -> Register:
-    return Register(
-        "ENC_CONST",
-        32,
-        "microsteps for each edge of the encoder; its sign is the way it counts",
+    return _encoder(
+        0x3A, "ENC_CONST", 32, W, "microsteps for each edge of the encoder; its sign is the way it counts"
+    ).having(
+        Field("FRACTIONAL", 16, "fraction, as enc_sel_decimal counts it", lsb=0),
+        Field("INTEGER", 16, "whole microsteps, with the sign", signed=True, lsb=16),
         signed=True,
         unit="1/65536 or 1/10000 microsteps",
-        address=0x3A,
-        access=Access.W,
         reset=reset,
-        group="encoder",
         source=f"{VENDOR}, which read it unsigned, and alone tell its parts",
-        fields=(
-            Field("FRACTIONAL", 16, "fraction, as enc_sel_decimal counts it", lsb=0),
-            Field("INTEGER", 16, "whole microsteps, with the sign", signed=True, lsb=16),
-        ),
     )
 
 
@@ -330,7 +254,7 @@ def _encoder_rows(encmode: Register, const_reset: int, write_clears: bool) -> tu
         _position("X_ENC", 0x39, "position of the encoder", group="encoder", volatile=True),
         _enc_const(const_reset),
         _enc_status(write_clears),
-        _position("ENC_LATCH", 0x3C, "X_ENC at the last event", Access.R, "encoder", volatile=True),
+        _position("ENC_LATCH", 0x3C, "X_ENC at the last event", R, "encoder", volatile=True),
     )
 
 
@@ -340,14 +264,7 @@ ENCODER_5130 = _encoder_rows(_encmode(), 0, write_clears=False)
 """ENC_CONST resets to 0 by the data sheet, to 1.0 by API."""
 ENCODER_5160 = (
     *_encoder_rows(_encmode(), 0x10000, write_clears=True),
-    Register(
-        "ENC_DEVIATION",
-        20,
-        "greatest distance of X_ENC from XACTUAL without a warning; 0 never warns",
-        unit=MICROSTEPS,
-        address=0x3D,
-        access=Access.W,
-        group="encoder",
-        source=VENDOR,
-    ),
+    _encoder(
+        0x3D, "ENC_DEVIATION", 20, W, "greatest distance of X_ENC from XACTUAL without a warning; 0 never warns"
+    ).having(unit=MICROSTEPS, source=VENDOR),
 )

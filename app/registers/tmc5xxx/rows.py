@@ -22,9 +22,7 @@ ACCELERATION_UNIT = "fCLK^2/2^41 pps^2"
 DELAY_UNIT = "2^18 tCLK"
 SCALE_UNIT = "1/32, plus 1/32"
 
-OFF_ON = {0: "off", 1: "on"}
 LOW_HIGH = {0: "low", 1: "high"}
-NO_YES = {0: "no", 1: "yes"}
 ACTIVE_LEVEL = {0: "high active", 1: "low active"}
 OPEN_PUSH = {0: "open drain", 1: "push-pull"}
 
@@ -33,16 +31,6 @@ VENDOR_RESET = "API (reset)"
 
 MODE_RAMP = "driver by the ramp generator (SD_MODE low)"
 MODE_STEP_DIR = "driver by step and direction (SD_MODE high)"
-
-
-def flag(lsb: int, name: str, help_: str, when: str = "") -> Field:
-    """A bit that is on or off."""
-    return Field(name, 1, help_, lsb=lsb, values=OFF_ON, when=when)
-
-
-def state(lsb: int, name: str, help_: str) -> Field:
-    """A bit that tells whether something is so."""
-    return Field(name, 1, help_, lsb=lsb, values=NO_YES)
 
 
 def reading(

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..model import Access, Field, Register
+from ..build import RW, R, Rows, W, choice, flag, state
+from ..model import Field, Register
 from . import driver, general, motion
 from .rows import (
     ACCELERATION_UNIT,
     CLOCKS,
     LOW_HIGH,
     MICROSTEPS,
-    NO_YES,
     VELOCITY_UNIT,
     VENDOR,
     VENDOR_RESET,
     clearing,
-    flag,
-    state,
 )
 from .rows import reading as _reading
 
@@ -36,7 +34,7 @@ NO_DCSTEP = "the emulated chip has no DcStep: whether the silicon has it is not 
 
 def _readable(*rows: Register) -> tuple[Register, ...]:
     """Rows of the sisters, which can only write some of them."""
-    return tuple(replace(row, access=Access.RW) if row.access is Access.W else row for row in rows)
+    return tuple(replace(row, access=RW) if row.access is W else row for row in rows)
 
 
 def _word(
@@ -51,10 +49,8 @@ def _word(
     signed: bool = False,
     source: str = VENDOR,
 ) -> Register:
-    return Register(
-        name, width, help_, signed=signed, unit=unit, address=address, reset=reset, group=group, source=source,
-        fields=fields,
-    )  # fmt: skip
+    row = Rows(group, source)(address, name, width, RW, help_)
+    return row.having(*fields, signed=signed, unit=unit, reset=reset)
 
 
 # --- the whole chip -----------------------------------------------------------------------------
@@ -69,10 +65,10 @@ _COMPARATORS = (
     (12, "OUTPUT", "level of SDO_CFG0, the address of the next chip on a UART"),
 )
 _IOIN = (
-    *(Field(name, 1, f"pin {name}", lsb=lsb, values=LOW_HIGH) for lsb, name in enumerate(_PINS)),
-    *(Field(name, 1, help_, lsb=lsb, values=LOW_HIGH) for lsb, name, help_ in _COMPARATORS),
+    *(choice(lsb, name, 1, f"pin {name}", LOW_HIGH) for lsb, name in enumerate(_PINS)),
+    *(choice(lsb, name, 1, help_, LOW_HIGH) for lsb, name, help_ in _COMPARATORS),
     state(13, "EXT_RES_DET", "a resistor between IREF and ground was seen"),
-    Field("EXT_CLK", 1, "where the clock comes from", lsb=14, values={0: "inside", 1: "outside"}),
+    choice(14, "EXT_CLK", 1, "where the clock comes from", {0: "inside", 1: "outside"}),
     state(15, "ADC_ERR", "the ADC does not work"),
     Field("SILICON_RV", 3, "revision of the silicon", lsb=16),
     Field("VERSION", 8, "version of the chip", lsb=24),
@@ -139,19 +135,15 @@ AXIS = (
         0x0A,
         "range of the motor current, and how the bridges switch",
         "current",
-        Field(
+        choice(
+            0,
             "CURRENT_RANGE",
             2,
             "greatest peak current; with another resistor than 12 kOhm at IREF less",
-            lsb=0,
-            values={0: "1 A", 1: "2 A", 2: "3 A", 3: "3 A"},
+            {0: "1 A", 1: "2 A", 2: "3 A", 3: "3 A"},
         ),
-        Field(
-            "SLOPE_CONTROL",
-            2,
-            "slope of the bridges",
-            lsb=4,
-            values={0: "100 V/us", 1: "200 V/us", 2: "400 V/us", 3: "800 V/us"},
+        choice(
+            4, "SLOPE_CONTROL", 2, "slope of the bridges", {0: "100 V/us", 1: "200 V/us", 2: "400 V/us", 3: "800 V/us"}
         ),
         Field("BBM_CLKS", 4, "break before make counted in clocks", unit=CLOCKS, lsb=8),
         reset=0x20,
@@ -224,19 +216,15 @@ RAMP = (
         *motion.SW_MODE.fields,
         flag(12, "en_virtual_stop_l", "VIRTUAL_STOP_L stops motion to the left"),
         flag(13, "en_virtual_stop_r", "VIRTUAL_STOP_R stops motion to the right"),
-        Field("virtual_stop_enc", 1, "what the virtual stops look at", lsb=14, values={0: "XACTUAL", 1: "X_ENC"}),
+        choice(14, "virtual_stop_enc", 1, "what the virtual stops look at", {0: "XACTUAL", 1: "X_ENC"}),
     ),
     replace(
         motion.ramp_stat(write_clears=True),
         width=16,
         fields=(
             *motion.ramp_stat(write_clears=True).fields,
-            Field(
-                "status_virtual_stop_l", 1, "the left virtual stop is active", lsb=14, values=NO_YES, access=Access.R
-            ),
-            Field(
-                "status_virtual_stop_r", 1, "the right virtual stop is active", lsb=15, values=NO_YES, access=Access.R
-            ),
+            state(14, "status_virtual_stop_l", "the left virtual stop is active", access=R),
+            state(15, "status_virtual_stop_r", "the right virtual stop is active", access=R),
         ),
     ),
     motion.XLATCH,
