@@ -184,6 +184,9 @@ class Particulars(TypedDict, total=False):
     write_note: str
     volatile: bool
     read_clears: bool
+    space: Space
+    stored: Stored
+    internal_range: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 
-from ..model import Access, Register, RegisterTable, Space
+from ..model import Register, RegisterTable, Space
+from .build import Parameters
 from .description import TmclModule
 from .pd42_globals import COORDINATE_ROWS, GLOBAL_PARAMETERS, PORTS
 from .tmcm1161_axis import AXIS_PARAMETERS, INT24
@@ -19,6 +21,7 @@ from .tmcm1161_axis import AXIS_PARAMETERS, INT24
 SOURCE = "PyTrinamic TMCM1161"
 _BANK0 = frozenset({65, 66, 68, 75, 76, 77, 81, 84, 85, 87, 128, 129, 130, 132, 133, 255})
 """What both modules have; this one has no CAN."""
+_kept = partial(Parameters, source=SOURCE, space=Space.GLOBAL_0, stored="auto")
 
 
 def _shared(rows: Iterable[Register]) -> Iterator[Register]:
@@ -30,31 +33,13 @@ def _shared(rows: Iterable[Register]) -> Iterator[Register]:
         yield replace(row, source=SOURCE, range=limits)
 
 
-def _switch(number: int, name: str, group: str, help_: str) -> Register:
-    return Register(
-        name=name,
-        width=32,
-        help=help_,
-        signed=True,
-        range=(0, 1),
-        values={0: "off", 1: "on"},
-        address=number,
-        access=Access.RW,
-        reset=0,
-        group=group,
-        source=SOURCE,
-        space=Space.GLOBAL_0,
-        stored="auto",
-    )
-
-
 TABLE = RegisterTable(
     "TMCM-1161",
     (
         *AXIS_PARAMETERS,
         *_shared(GLOBAL_PARAMETERS),
-        _switch(79, "limit_switch_polarity", "switches", "1 inverts both stop inputs"),
-        _switch(90, "reverse_shaft_direction", "motor", "1 turns the motor the other way round"),
+        _kept("switches").switch(79, "limit_switch_polarity", "1 inverts both stop inputs", reset=0),
+        _kept("motor").switch(90, "reverse_shaft_direction", "1 turns the motor the other way round", reset=0),
         *_shared(PORTS),
         *_shared(COORDINATE_ROWS),
     ),
