@@ -24,7 +24,7 @@ from .api.http.sessions import Sessions
 from .api.links.port_routes import serial_ports
 from .api.register_maps.shelf import MapShelf
 from .api.schemas import Port
-from .audit.listener import Ear, lease_words
+from .audit.listener import AuditListener, lease_words
 from .clock import BackgroundClock, Clock, WallClock
 from .conditions.service import ConditionService
 from .devices.core.actor import STEPSCOPE
@@ -51,13 +51,13 @@ from .links.registry import (
     uart_factory,
 )
 from .links.serial_address import allow_ports
-from .positions import EndlessService
+from .positions import ExtendedPositionService
 from .preparation import Preparation
 from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
 from .profiles.start_up import Wish, start_up
-from .recording.service import RecordingDesk
+from .recording.service import RecordingService
 from .registers.catalog import find_model
 from .registers.wires import BOARD
 from .settings import Settings
@@ -110,14 +110,14 @@ def create_app(
 
     def changed() -> None:
         hub.sync(manager.devices)
-        endless.sync(manager.devices)
+        extended_positions.sync(manager.devices)
         found_moving.sync(manager.devices)
         conditions.sync(manager.devices)
         procedures.sync(manager.devices)
         twin.sync(manager.devices)
         if opened.is_set():  # what comes from the disk need not go back there, and the demo is nobody's doing
             saver.request()
-            ear.sync(manager.devices)
+            audit_listener.sync(manager.devices)
 
     found_moving = FoundMoving(background)
 
@@ -140,9 +140,9 @@ def create_app(
     """Saved connections that are not open yet: they stay saved, whatever happens until then."""
     saver = Saver(store, lambda: [*manager.configs(), *to_come], clock)
     positions = PositionStore(settings.data_dir)
-    endless = EndlessService(clock, changed=lambda: position_saver.request())
-    position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
-    desk = RecordingDesk(
+    extended_positions = ExtendedPositionService(clock, changed=lambda: position_saver.request())
+    position_saver = Saver(positions, extended_positions.saved, clock, SAVE_EVERY_S)
+    recording_service = RecordingService(
         Library(settings.data_dir),
         hub,
         clock,
@@ -151,7 +151,7 @@ def create_app(
     )
     database = Database(settings.data_dir)
     audit = AuditLog(database, clock)
-    ear = Ear(audit)
+    audit_listener = AuditListener(audit)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
@@ -186,8 +186,8 @@ def create_app(
         manager,
         hub,
         procedures,
-        endless,
-        desk,
+        extended_positions,
+        recording_service,
         database,
         audit,
         lease,
@@ -238,7 +238,7 @@ def create_app(
         for warning in (*saved.warnings, *kept.warnings):
             log.warning("%s", warning)
             vitals.notes.append(warning)
-        endless.restore(kept.positions)
+        extended_positions.restore(kept.positions)
         await asyncio.to_thread(database.open)
         await bench.tokens.start()
         profiles.tell_unfinished()
@@ -248,10 +248,10 @@ def create_app(
         if preparation.progress.done == preparation.progress.total:
             await opening  # else the server answers meanwhile
         opened.set()
-        ear.sync(manager.devices)
+        audit_listener.sync(manager.devices)
         audit.note("start", "stepscope", detail=f"version {__version__}")
         lease_watch.start()
-        desk.read_ahead()
+        recording_service.read_ahead()
         vitals.start()
         try:
             yield
@@ -272,9 +272,9 @@ def create_app(
             await found_moving.close()
             await conditions.close()
             await bench.twin.off()
-            await desk.close()  # behind the stops, which belong to what is recorded
-            await endless.close()
-            if endless.saved():
+            await recording_service.close()  # behind the stops, which belong to what is recorded
+            await extended_positions.close()
+            if extended_positions.saved():
                 position_saver.request()
             await position_saver.close()
             await hub.close()

@@ -11,11 +11,11 @@ from ..devices.manager import DeviceManager
 from ..kernels import Progress
 from ..lease.calls import CallsUnderWay
 from ..lease.lease import Lease
-from ..positions import EndlessService
+from ..positions import ExtendedPositionService
 from ..procedures.procedures import Procedures
 from ..profiles.scripts.service import Scripts
 from ..profiles.service import ProfileService
-from ..recording.service import RecordingDesk
+from ..recording.service import RecordingService
 from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
@@ -43,8 +43,8 @@ class Bench:
     manager: DeviceManager
     hub: TelemetryHub
     procedures: Procedures
-    endless: EndlessService
-    desk: RecordingDesk
+    positions: ExtendedPositionService
+    recordings: RecordingService
     database: Database
     audit: AuditLog
     lease: Lease

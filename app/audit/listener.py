@@ -13,7 +13,7 @@ from ..lease.lease import LeaseEvent
 from ..store.audit import AuditLog
 
 
-class Ear:
+class AuditListener:
     """Hears of register writes on every device there is, and of axes that were stopped at their limits."""
 
     def __init__(self, audit: AuditLog) -> None:

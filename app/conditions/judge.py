@@ -121,9 +121,9 @@ def judge(seen: Seen) -> Condition:
     held = _hold(seen, state)
     if held is not None and not arrived:
         return _of("held", held)
-    doubt = _doubt(seen, state)
-    if doubt is not None:
-        return _of("unknown", doubt)
+    untrusted = _untrusted(seen, state)
+    if untrusted is not None:
+        return _of("unknown", untrusted)
     return _at_rest(seen, state, arrived=arrived, held=held)
 
 
@@ -288,8 +288,8 @@ def _hold(seen: Seen, state: AxisState) -> Sign | None:
     return _ended(end) if found is None and end is not None else found
 
 
-def _doubt(seen: Seen, state: AxisState) -> Sign | None:
-    found = _first(seen.signs.doubts) or _reset(seen)
+def _untrusted(seen: Seen, state: AxisState) -> Sign | None:
+    found = _first(seen.signs.untrusted) or _reset(seen)
     if found is not None:
         return found
     end = _end(seen, state, "unknown", "lost_link")

@@ -10,7 +10,7 @@ from functools import partial
 
 from ..calc.positions.encoder_resolution import SLACK_MICROSTEPS, Place
 from ..clock import Clock
-from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.background_tasks import BackgroundTasks
 from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.changes import RegisterChanged
 from ..devices.core.counter import CounterWritten, PositionSeen
@@ -117,7 +117,7 @@ class ConditionService:
         self._searched = searched
         self._watched: dict[Device, _Watched] = {}
         self._listeners: list[Listener] = []
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
 
     def sync(self, devices: Sequence[Device]) -> None:
         """These are all devices now, under these ids."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..clock import Clock
 from ..devices.core.actor import STEPSCOPE, actor
-from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.background_tasks import BackgroundTasks
 from ..devices.core.device import Device
 from ..errors import BenchError
 from ..settings import OnVanish
@@ -35,7 +35,7 @@ class LeaseWatch:
         self._clock = clock
         self._act = act
         self._changed = asyncio.Event()
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
         lease.listen(self._heard)
 
     def start(self) -> None:

@@ -16,8 +16,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from ..errors import LinkDown, LinkError
-from .conversation import Conversation
 from .incidents import Incidents
+from .line_session import LineSession
 from .port import Answer
 from .streams import Stream
 
@@ -113,7 +113,7 @@ class _Bell:
 
 
 class LineThread:
-    """`open_stream` opens the line at a baud rate, `converse` begins to talk over it at that rate.
+    """`open_stream` opens the line at a baud rate, `begin_session` begins to talk over it at that rate.
 
     `tell_down` is called on this thread.
     """
@@ -122,14 +122,14 @@ class LineThread:
         self,
         name: str,
         open_stream: Callable[[int], Stream],
-        converse: Callable[[Stream, int], Conversation],
+        begin_session: Callable[[Stream, int], LineSession],
         incidents: Incidents,
         tell_down: Callable[[LinkDown], None],
         after: threading.Thread | None = None,
     ) -> None:
         self._name = name
         self._open_stream = open_stream
-        self._converse = converse
+        self._begin_session = begin_session
         self._incidents = incidents
         self._tell_down = tell_down
         self._after = after
@@ -140,7 +140,7 @@ class LineThread:
         self._closing = False
         self._ended = False
         self._stream: Stream | None = None
-        self._talk: Conversation | None = None
+        self._session: LineSession | None = None
         self._baud = 0
         self._refused = ""
         self.thread = threading.Thread(target=self._run, name=f"line {name}", daemon=True)
@@ -204,11 +204,11 @@ class LineThread:
             return
         job.started_s = time.monotonic()
         try:
-            talk = self._talk
-            if talk is None or baud != self._baud:
-                talk = self._open(baud)
+            session = self._session
+            if session is None or baud != self._baud:
+                session = self._open(baud)
                 job.started_s = time.monotonic()
-            talk.ask_all(job.frames, job.must_end, job.timeout_s, job.answer, job.replies, job.answered_s)
+            session.ask_all(job.frames, job.must_end, job.timeout_s, job.answer, job.replies, job.answered_s)
         except LinkError as error:
             job.error = error
         except (
@@ -218,7 +218,7 @@ class LineThread:
         job.ended_s = time.monotonic()
         job.tell()
 
-    def _open(self, baud: int) -> Conversation:
+    def _open(self, baud: int) -> LineSession:
         self._drop()
         try:
             stream = self._open_stream(baud)
@@ -234,9 +234,9 @@ class LineThread:
         self._incidents.add("opened", f"{self._name} at {baud} baud" if baud else self._name)
         self._baud = baud
         self._stream = stream
-        self._talk = self._converse(stream, baud)
-        self._talk.wanted = lambda: bool(self._jobs)
-        return self._talk
+        self._session = self._begin_session(stream, baud)
+        self._session.wanted = lambda: bool(self._jobs)
+        return self._session
 
     def _went_down(self, error: Exception) -> LinkDown:
         self._drop()
@@ -246,18 +246,18 @@ class LineThread:
         return down
 
     def _drop(self) -> None:
-        stream, self._stream, self._talk = self._stream, None, None
+        stream, self._stream, self._session = self._stream, None, None
         if stream is not None:
             stream.close()
 
     def _listen(self) -> None:
         """Until something is to be done: positions reached and other people's bytes come unasked, and a cable goes."""
-        stream, talk, bell = self._stream, self._talk, self._bell
-        if stream is None or talk is None:
+        stream, session, bell = self._stream, self._session, self._bell
+        if stream is None or session is None:
             bell.wait(None)
             bell.quiet()
             return
-        wait_s = talk.silence_s if talk.hears_half else None
+        wait_s = session.silence_s if session.hears_half else None
         try:
             if bell.fd is not None and stream.fd is not None:
                 poll = select.poll()
@@ -267,15 +267,15 @@ class LineThread:
                 if bell.fd in ready:
                     bell.quiet()
                 if stream.fd in ready:
-                    talk.hear(stream.read(0))
+                    session.hear(stream.read(0))
                 elif not ready:
-                    talk.hear(b"")
+                    session.hear(b"")
             else:
                 bell.wait(wait_s or LISTEN_S)
                 bell.quiet()
                 data = stream.read(0)
-                if data or talk.hears_half:
-                    talk.hear(data)
+                if data or session.hears_half:
+                    session.hear(data)
         except LinkError:
             return  # noted as an incident; nobody waits for an answer
         except Exception as error:

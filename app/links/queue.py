@@ -43,7 +43,7 @@ class FrameGate(Protocol):
         """They went out and were answered."""
         ...
 
-    def doubt(self, frames: Sequence[bytes]) -> None:
+    def mark_unknown(self, frames: Sequence[bytes]) -> None:
         """They may have gone out, or some of them."""
         ...
 
@@ -261,7 +261,7 @@ class Turn:
             else:
                 replies = [await self.exchange(frames[0], timeout_s, answer)]
         except BaseException:
-            gate.doubt(frames)
+            gate.mark_unknown(frames)
             raise
         finally:
             self._passed = False

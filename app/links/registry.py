@@ -15,7 +15,7 @@ from .port import FramePort
 from .serial_address import port_url
 from .serial_line import ADDRESS, BAUD, SOCKET, serial_port
 from .tcp import TIMEOUT_S, TcpPort
-from .uart_dialogue import Echo
+from .uart_session import Echo
 
 Link = Mapping[str, object]
 """What a connection is made of: `kind` and the options of that kind."""

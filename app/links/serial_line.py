@@ -19,15 +19,15 @@ from typing import TypeVar, cast
 from ..clock import Clock, WallClock
 from ..errors import LinkDown
 from .arbiter import Arbiter
-from .conversation import Conversation
-from .dialogue import Dialogue
 from .download import Downloads
 from .incidents import Incidents
+from .line_session import LineSession
 from .line_thread import Job, LineThread
 from .port import Answer, Batch, PortTraits
 from .serial_address import device_of
 from .streams import Stream, open_stream
 from .tmcl import FRAME_BYTES
+from .tmcl_session import TmclSession
 from .wire_budget import BITS_PER_BYTE, WireBudget
 
 BAUD = 9600
@@ -92,9 +92,9 @@ class Line:
         """The budget at that baud rate, where question and answer have `call_bytes`."""
         return self._wires.setdefault(baud, WireBudget(baud, call_bytes))
 
-    def converse(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> Conversation:
+    def session(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> LineSession:
         """How the open line is talked over, on its thread; `byte_s` is the time of a byte [s]."""
-        return Dialogue(self.name, stream, self.incidents, tell_event, byte_s, self.downloads.stores)
+        return TmclSession(self.name, stream, self.incidents, tell_event, byte_s, self.downloads.stores)
 
     def put(self, port: LinePort, job: Job) -> None:
         """Raises LinkDown where others have the line open at another baud rate."""
@@ -107,7 +107,7 @@ class Line:
             self._thread = LineThread(
                 self.name,
                 self._open_at,
-                lambda stream, baud: self.converse(stream, BITS_PER_BYTE / baud if baud else 0.0, tell_event),
+                lambda stream, baud: self.session(stream, BITS_PER_BYTE / baud if baud else 0.0, tell_event),
                 self.incidents,
                 partial(_call, loop, self._tell_down),
                 after=self._before,

@@ -11,13 +11,13 @@ from functools import partial
 
 from ..clock import Clock
 from ..errors import LinkDown
-from .conversation import Conversation
 from .datagram_uart import WRITE_BIT, UartForm
+from .line_session import LineSession
 from .line_thread import Job
 from .serial_address import device_of
 from .serial_line import SOCKET, Line, LinePort, open_device, shared_line
 from .streams import Stream
-from .uart_dialogue import Echo, UartDialogue
+from .uart_session import Echo, UartSession
 
 BAUD = 115_200
 """The chips measure the baud rate themselves, from 9000 baud up to a sixteenth of their clock."""
@@ -43,10 +43,10 @@ class UartLine(Line):
                     raise LinkDown(port.name, f"the line is open for {other.name}; chips without a node need their own")
         super().put(port, job)
 
-    def converse(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> Conversation:
+    def session(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> LineSession:
         del tell_event  # chips speak only when they are asked
         port = next(user for user in self.users if isinstance(user, UartPort))
-        return UartDialogue(self.name, stream, self.incidents, port.form, port.echo, byte_s)
+        return UartSession(self.name, stream, self.incidents, port.form, port.echo, byte_s)
 
 
 class UartPort(LinePort):

@@ -12,9 +12,9 @@ from ..errors import BenchError, UsageError, WrongState
 from ..registers.model import to_signed
 from ..store.positions import SavedPosition
 from .mover import AGAIN_S, Mover
-from .observer import Wake, link_text, track_of
+from .observer import Wake, link_text, tracker_of
 from .state import CompareState, ExtendedState, HistoryState, Latched, TurnState
-from .tracker import Track
+from .tracker import Tracker
 from .turn import Turn
 
 FRESH_S = 0.02
@@ -24,7 +24,7 @@ ENCODER_LOOKS_S = 5.0
 
 
 class WatchedAxis(Mover):
-    """One axis of the service. Positions in requests and answers are the user's, those of a journey the track's."""
+    """One axis of the service. Positions in requests and answers are the user's, those of a move the tracker's."""
 
     turn: Turn | None = None
     compare: int | None = None
@@ -53,8 +53,8 @@ class WatchedAxis(Mover):
             )
         device.session.require_connected()
         look = await device.counter.look(axis)
-        track = Track(Counter(bits), look.count, look.asked_at_s, look.count)
-        watched = cls(device, axis, track, unix_s, wake, changed)
+        tracker = Tracker(Counter(bits), look.count, look.asked_at_s, look.count)
+        watched = cls(device, axis, tracker, unix_s, wake, changed)
         watched._note(None)
         return watched
 
@@ -72,24 +72,24 @@ class WatchedAxis(Mover):
         if saved.microsteps_per_turn is not None:
             turn = Turn(saved.microsteps_per_turn, saved.gear, checked_position(saved.zero))
         compare = None if saved.compare is None else checked_position(saved.compare)
-        watched = cls(device, saved.axis, track_of(device, saved, unix_s()), unix_s, wake, changed)
+        watched = cls(device, saved.axis, tracker_of(device, saved, unix_s()), unix_s, wake, changed)
         watched.turn, watched.compare = turn, compare
         watched.restore(saved)
         return watched
 
     def saved(self) -> SavedPosition:
         """What has to outlive this run."""
-        turn, track = self.turn, self.track
+        turn, tracker = self.turn, self.tracker
         return SavedPosition(
             device=self.device.id,
             model=self.device.model,
             link=link_text(self.device),
             axis=self.axis,
-            bits=track.counter.bits,
-            count=track.count,
-            position=track.position,
+            bits=tracker.counter.bits,
+            count=tracker.count,
+            position=tracker.position,
             seen_unix_s=self.seen_unix_s,
-            doubt="" if track.doubt is None else track.doubt.reason,
+            lost="" if tracker.lost is None else tracker.lost.reason,
             microsteps_per_turn=None if turn is None else turn.microsteps_per_turn,
             gear=None if turn is None else turn.gear,
             zero=0 if turn is None else turn.zero,
@@ -114,15 +114,16 @@ class WatchedAxis(Mover):
         register = self.device.counter.compare_register(self.axis)
         if self.compare is None or register is None:
             return
-        track = self.track
-        wanted = compare_count(track.counter, self.compare - track.origin, track.followed) if track.trusted else None
+        tracker, wanted = self.tracker, None
+        if tracker.trusted:
+            wanted = compare_count(tracker.counter, self.compare - tracker.origin, tracker.extended)
         self._armed = wanted is not None
         if wanted is None:
             # There is no switch to turn it off with: opposite the axis the counter gets to it last of all.
             written = self._compare_written
-            if written is not None and abs(track.counter.way(written, track.count)) > track.counter.piece:
+            if written is not None and abs(tracker.counter.way(written, tracker.count)) > tracker.counter.piece:
                 return
-            wanted = track.counter.shows(track.followed + track.counter.half)
+            wanted = tracker.counter.shows(tracker.extended + tracker.counter.half)
         if wanted != self._compare_written:
             try:
                 await self.device.registers.write(register, self.axis, value=wanted)
@@ -151,16 +152,16 @@ class WatchedAxis(Mover):
                 return
         # What others have seen of the position does not tell of a reset: only a look of our own does.
         looked_s = float("-inf") if self._times is None else self._times[1]
-        if self.track.away is not None or now_s - looked_s > FRESH_S or self.encoder is not None:
+        if self.tracker.away is not None or now_s - looked_s > FRESH_S or self.encoder is not None:
             await self.look()
 
     async def require_trusted(self) -> None:
         """Look, and raise WrongState where the position is not known."""
         self.device.session.require_connected()
         await self._looked()
-        doubt = self.track.doubt or self.track.away
-        if doubt is not None:
-            raise WrongState(f"the position of axis {self.axis} is not known: {doubt.reason}", doubt.way_out)
+        lost = self.tracker.lost or self.tracker.away
+        if lost is not None:
+            raise WrongState(f"the position of axis {self.axis} is not known: {lost.reason}", lost.way_out)
 
     async def _looked(self) -> None:
         """Raises WrongState where no look succeeds."""
@@ -170,15 +171,15 @@ class WatchedAxis(Mover):
     async def go_to(self, position: int) -> None:
         """Raises BenchError."""
         await self.require_trusted()
-        await self.set_off(self._track_position(position))
+        await self.set_off(self._tracker_position(position))
 
-    def _track_position(self, position: int) -> int:
-        """The track's number of a position of the user's. Raises UsageError beyond 64 bits."""
-        return _checked(position) - self.track.origin
+    def _tracker_position(self, position: int) -> int:
+        """The tracker's number of a position of the user's. Raises UsageError beyond 64 bits."""
+        return _checked(position) - self.tracker.origin
 
     async def go_to_place(self, place: Fraction, way: Way) -> None:
         """To a place within the turn, that way. Raises BenchError."""
-        rotary, origin = self._turn().rotary, self.track.origin
+        rotary, origin = self._turn().rotary, self.tracker.origin
         await self.require_trusted()
         await self.set_off_from_rest(lambda at: rotary.target(at + origin, place, way) - origin)
 
@@ -191,7 +192,7 @@ class WatchedAxis(Mover):
         turn = self._turn()
         await self.require_trusted()
         way = turns * turn.microsteps_per_turn
-        _checked(self.track.position + int(way))
+        _checked(self.tracker.position + int(way))
         await self.set_off_from_rest(lambda at: at + int((2 * way + 1) // 2))
 
     async def set_actual(self, position: int) -> None:
@@ -201,14 +202,14 @@ class WatchedAxis(Mover):
         if (await self.device.monitor.axis_state(self.axis)).moving:
             raise WrongState(f"axis {self.axis} moves: a position can only be set at rest", "stop it first")
         await self._looked()
-        self.track.set_actual(position)
+        self.tracker.set_actual(position)
         self._set_anew()
 
     async def confirm(self) -> None:
         """What is shown is right. Raises WrongState."""
         self.device.session.require_connected()
         await self._looked()
-        self.track.confirm()
+        self.tracker.confirm()
         self._set_anew()
 
     def _set_anew(self) -> None:
@@ -246,62 +247,62 @@ class WatchedAxis(Mover):
         if register is None:
             raise WrongState(f"axis {self.axis} of a {self.device.family.title} has no position latch")
         await self.require_trusted()
-        counter, track = self.track.counter, self.track
+        counter, tracker = self.tracker.counter, self.tracker
         raw = (await self.device.registers.read(register, self.axis)).value
         count = to_signed(raw & (counter.modulus - 1), counter.bits)
-        return Latched(register, count, track.position + counter.way(count, track.count))
+        return Latched(register, count, tracker.position + counter.way(count, tracker.count))
 
     # --- answers --------------------------------------------------------------------------------
 
     def state(self) -> ExtendedState:
         """As of the latest look."""
-        track, journey = self.track, self.journey
-        doubt = track.away or track.doubt
-        target = None if journey is None or journey.target is None else journey.target + track.origin
+        tracker, move = self.tracker, self.move
+        lost = tracker.away or tracker.lost
+        target = None if move is None or move.target is None else move.target + tracker.origin
         register = self.device.counter.compare_register(self.axis)
         compare = None
         if self.compare is not None and register is not None:
             compare = CompareState(register, self.compare, self._armed)
-        warnings = [*([] if journey is None else journey.warnings), *([self.trouble] if self.trouble else [])]
+        warnings = [*([] if move is None else move.warnings), *([self.trouble] if self.trouble else [])]
         return ExtendedState(
             watching=True,
-            counter_bits=track.counter.bits,
+            counter_bits=tracker.counter.bits,
             speed_limit_pps=self.speed_limit_pps,
             latch_register=self.device.counter.latch_register(self.axis),
-            state="lost" if doubt is not None else "idle" if self.going is None else "moving",
-            trusted=doubt is None,
-            reason="" if doubt is None else doubt.reason,
-            way_out="" if doubt is None else doubt.way_out,
-            actual=track.position,
+            state="lost" if lost is not None else "idle" if self.going is None else "moving",
+            trusted=lost is None,
+            reason="" if lost is None else lost.reason,
+            way_out="" if lost is None else lost.way_out,
+            actual=tracker.position,
             target=target,
-            message="" if journey is None else journey.message,
-            counter=track.count,
-            pieces=None if journey is None else journey.pieces(track.followed),
-            progress=None if journey is None else journey.progress(track.followed),
+            message="" if move is None else move.message,
+            counter=tracker.count,
+            pieces=None if move is None else move.pieces(tracker.extended),
+            progress=None if move is None else move.progress(tracker.extended),
             encoder_position=self.encoder,
             rotary=self._turn_state(),
             compare=compare,
-            last_look_s=track.asked_s,
-            look_age_s=max(0.0, self.device.device_time_s() - track.asked_s),
+            last_look_s=tracker.asked_s,
+            look_age_s=max(0.0, self.device.device_time_s() - tracker.asked_s),
             service_period_s=self.period_s,
             allowed_s=self.allowed_s,
             warnings=warnings,
         )
 
     def _turn_state(self) -> TurnState | None:
-        turn, track = self.turn, self.track
+        turn, tracker = self.turn, self.tracker
         if turn is None:
             return None
         rotary = turn.rotary
-        turns, place = rotary.split(track.position)
+        turns, place = rotary.split(tracker.position)
         return TurnState(
             turn,
             turns,
             place,
-            rotary.angle_deg(track.position),
+            rotary.angle_deg(tracker.position),
             None if self.encoder is None else rotary.angle_deg(self.encoder),
-            turn.displacement_const(track.counter.modulus),
-            turn.offset(track.position, track.count, track.counter.modulus),
+            turn.displacement_const(tracker.counter.modulus),
+            turn.offset(tracker.position, tracker.count, tracker.counter.modulus),
         )
 
     def looks(self, seconds: float) -> HistoryState:

@@ -1,4 +1,4 @@
-"""One axis that is followed: its own looks and everybody else's, and what they say. Times are device time [s]."""
+"""One axis that is observed: its own looks and everybody else's, and what they say. Times are device time [s]."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..devices.core.results import ChipEvents
 from ..errors import BenchError
 from ..store.positions import SavedPosition
 from .history import History
-from .tracker import CLOCK_TOLERANCE, Track
+from .tracker import CLOCK_TOLERANCE, Tracker
 
 RESET_NAMES = frozenset({"RST_EV", "reset"})
 """Names of events by which chips tell that they were reset."""
@@ -28,26 +28,26 @@ CONNECT = "connect the device: it is trusted again where a look can show that no
 class Wake(Protocol):
     """Has an axis served."""
 
-    def __call__(self, watched: Followed, in_s: float = 0.0) -> None:
+    def __call__(self, watched: Observer, in_s: float = 0.0) -> None:
         """In `in_s` of device time [s]."""
         ...
 
 
-class Followed:
+class Observer:
     """One axis from the beginning of its watch to the end. `changed` has it saved."""
 
     def __init__(
         self,
         device: Device,
         axis: int,
-        track: Track,
+        tracker: Tracker,
         unix_s: Callable[[], float],
         wake: Wake,
         changed: Callable[[], None],
     ) -> None:
         self.device = device
         self.axis = axis
-        self.track = track
+        self.tracker = tracker
         self.lock = asyncio.Lock()
         """One operation at a time: the service's, or somebody's request."""
         self.due_s = float("inf")
@@ -70,16 +70,16 @@ class Followed:
 
     def restore(self, saved: SavedPosition) -> None:
         """It is what was kept of an earlier run; trusted when a look shows that nothing was missed."""
-        track = self.track
-        if saved.doubt:
-            track.distrust(saved.doubt)
+        tracker = self.tracker
+        if saved.lost:
+            tracker.lose(saved.lost)
         elif saved.seen_unix_s > self._unix_s():
-            track.distrust("it was saved in the future: this computer's clock was set back")
+            tracker.lose("it was saved in the future: this computer's clock was set back")
         elif saved.model != self.device.model or saved.bits != self.device.counter.counter_bits(self.axis):
-            track.distrust(f"it was saved of a {saved.model} with a counter of {saved.bits} bits")
+            tracker.lose(f"it was saved of a {saved.model} with a counter of {saved.bits} bits")
         elif saved.link != link_text(self.device):
-            track.distrust("the connection's link was changed: it may lead to another chip")
-        track.lost_sight("not looked at since the server started", CONNECT)
+            tracker.lose("the connection's link was changed: it may lead to another chip")
+        tracker.lost_sight("not looked at since the server started", CONNECT)
 
     def close(self) -> None:
         """Follow no more."""
@@ -95,7 +95,7 @@ class Followed:
             case MotionCommanded(axis=self.axis):
                 self._commanded(event)
             case CounterWritten(axis=self.axis):
-                self.track.counter_written(event.what)
+                self.tracker.counter_written(event.what)
                 self._wake(self)
             case ChipEvents(axis=self.axis):
                 if RESET_NAMES.intersection(event.names):
@@ -104,22 +104,22 @@ class Followed:
                 self._wake(self)
             case StateChanged(state="failed" | "disconnected"):
                 why = "the device is not connected" if event.problem is None else f"the link failed: {event.problem}"
-                self.track.lost_sight(why, CONNECT)
+                self.tracker.lost_sight(why, CONNECT)
                 self._lost_sight(why)
                 self._changed()
             case _:
                 pass
 
     def _saw(self, event: PositionSeen) -> None:
-        track = self.track
-        if 0 <= event.asked_at_s - track.asked_s < HEARD_EVERY_S and not self.lock.locked():
+        tracker = self.tracker
+        if 0 <= event.asked_at_s - tracker.asked_s < HEARD_EVERY_S and not self.lock.locked():
             return  # telemetry shows more than anybody needs here, and each look costs
-        trusted = track.trusted
-        track.seen(event.count, event.asked_at_s, self.device.device_time_s(), self.speed_limit_pps)
-        if track.asked_s == event.asked_at_s and track.count == event.count:
+        trusted = tracker.trusted
+        tracker.seen(event.count, event.asked_at_s, self.device.device_time_s(), self.speed_limit_pps)
+        if tracker.asked_s == event.asked_at_s and tracker.count == event.count:
             encoder = event.encoder_count
-            self._note(None if encoder is None else track.position + track.counter.way(encoder, event.count))
-        if trusted != track.trusted:
+            self._note(None if encoder is None else tracker.position + tracker.counter.way(encoder, event.count))
+        if trusted != tracker.trusted:
             self._wake_for_others()
 
     def _wake_for_others(self) -> None:
@@ -128,18 +128,18 @@ class Followed:
             self._wake(self)
 
     def _note(self, encoder: int | None) -> None:
-        """There was a look, the track has taken it in, and the encoder said so."""
-        track = self.track
+        """There was a look, the tracker has taken it in, and the encoder said so."""
+        tracker = self.tracker
         if encoder is not None:
             self.encoder = encoder
-        if track.trusted:
-            self.history.add(track.asked_s, track.position, encoder)
+        if tracker.trusted:
+            self.history.add(tracker.asked_s, tracker.position, encoder)
         self._changed()
 
     @property
     def seen_unix_s(self) -> float:
         """When the counter was read, at the earliest, Unix time [s]."""
-        return self._unix_s() - (self.device.device_time_s() - self.track.asked_s)
+        return self._unix_s() - (self.device.device_time_s() - self.tracker.asked_s)
 
     def _commanded(self, event: MotionCommanded) -> None:
         """Somebody commanded the axis."""
@@ -160,37 +160,37 @@ class Followed:
     @property
     def allowed_s(self) -> float:
         """After so long without a look the position is lost [s]."""
-        return self.track.counter.allowed_s(self.speed_limit_pps * CLOCK_TOLERANCE)
+        return self.tracker.counter.allowed_s(self.speed_limit_pps * CLOCK_TOLERANCE)
 
     @property
     def period_s(self) -> float:
         """How often it has to be looked at [s]."""
-        return self.track.counter.service_period_s(self.speed_limit_pps * CLOCK_TOLERANCE)
+        return self.tracker.counter.service_period_s(self.speed_limit_pps * CLOCK_TOLERANCE)
 
     async def look(self) -> bool:
-        """Look; whether that went well. Everything that is wrong is in the track then."""
-        device, track = self.device, self.track
-        before, before_s = track.followed, track.asked_s
+        """Look; whether that went well. Everything that is wrong is in the tracker then."""
+        device, tracker = self.device, self.tracker
+        before, before_s = tracker.extended, tracker.asked_s
         try:
             look = await device.counter.look(self.axis)
-            if track.away is not None and look.reset_seen is None:
+            if tracker.away is not None and look.reset_seen is None:
                 look = await self._with_run_time(look)
         except BenchError as error:
             self.trouble = f"the latest look failed: {error}"
             return False
         self.trouble = ""
-        track.returned(look, device.device_time_s(), self.speed_limit_pps)
+        tracker.returned(look, device.device_time_s(), self.speed_limit_pps)
         self._check_counter()
         self._check_sleep()
-        elapsed_s = track.asked_s - before_s
+        elapsed_s = tracker.asked_s - before_s
         if elapsed_s > 0:
-            self._pps = abs(track.followed - before) / elapsed_s
+            self._pps = abs(tracker.extended - before) / elapsed_s
         self._note(None)
         return True
 
     def _check_counter(self) -> None:
-        if self.device.counter.counter_bits(self.axis) != self.track.counter.bits:
-            self.track.distrust("the counter does not wrap any more where it did: its range was changed")
+        if self.device.counter.counter_bits(self.axis) != self.tracker.counter.bits:
+            self.tracker.lose("the counter does not wrap any more where it did: its range was changed")
 
     def _check_sleep(self) -> None:
         """A computer that sleeps has clocks that stand; the time of day does not, and neither does a motor."""
@@ -199,7 +199,7 @@ class Followed:
             return
         unix_s, device_s = self._times[0] - before[0], self._times[1] - before[1]
         if unix_s > max(self.allowed_s, 2 * device_s):
-            self.track.distrust(
+            self.tracker.lose(
                 f"by the time of day {unix_s:.4g} s have gone by, and only {device_s:.4g} s were counted:"
                 " this computer slept, or its clock was set forward"
             )
@@ -209,14 +209,14 @@ class Followed:
         runs_s = await self.device.counter.runs_for_s()
         if runs_s is None:
             return look
-        unseen_s = self.device.device_time_s() - self.track.asked_s
+        unseen_s = self.device.device_time_s() - self.tracker.asked_s
         return replace(look, reset_seen=runs_s < unseen_s * CLOCK_TOLERANCE)
 
 
-def track_of(device: Device, saved: SavedPosition, unix_s: float) -> Track:
-    """The track of what was kept, as seen at `unix_s`, Unix time [s]. Raises ValueError for what cannot be."""
+def tracker_of(device: Device, saved: SavedPosition, unix_s: float) -> Tracker:
+    """The tracker of what was kept, as seen at `unix_s`, Unix time [s]. Raises ValueError for what cannot be."""
     asked_s = device.device_time_s() - (unix_s - saved.seen_unix_s)
-    return Track(Counter(saved.bits), saved.count, asked_s, checked_position(saved.position))
+    return Tracker(Counter(saved.bits), saved.count, asked_s, checked_position(saved.position))
 
 
 def link_text(device: Device) -> str:

@@ -18,7 +18,7 @@ RESTS = 2
 """At how many looks in a row the motor has to stand short of the target before that is told."""
 
 
-class Journey:
+class SegmentedMove:
     """One move. Positions are what the counter counts, without its end.
 
     `find` tells the target from where the axis stands; None where `target` is known from the start. Before it is

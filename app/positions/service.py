@@ -20,11 +20,11 @@ from ..devices.core.device import Device
 from ..errors import UsageError, WrongState
 from ..store.positions import Gear, SavedPosition
 from .axis import WatchedAxis
-from .observer import Followed
+from .observer import Observer
 from .state import ExtendedState, HistoryState, Latched
 from .turn import Turn
 
-log = logging.getLogger("stepscope.endless")
+log = logging.getLogger("stepscope.positions")
 
 PERIOD_MIN_S = 0.005
 """No axis is looked at more often than this, however fast an emulator's time runs [s, server time]."""
@@ -34,7 +34,7 @@ LAST_LOOK_S = 0.5
 """How long the last looks at the end of the program may take [s]."""
 
 
-class EndlessService:
+class ExtendedPositionService:
     """All axes that are watched. `changed` hears of whatever is worth saving; `unix_s` is the time of day [s].
 
     `period_max_s` [s, server time] caps what the counter's range and the chip's greatest speed allow.
@@ -244,7 +244,7 @@ class EndlessService:
                 self._wake(watched)
             return watched
 
-    def _wake(self, watched: Followed, in_s: float = 0.0) -> None:
+    def _wake(self, watched: Observer, in_s: float = 0.0) -> None:
         assert isinstance(watched, WatchedAxis)
         self._schedule(watched, self._clock.now() + self._server_s(watched, in_s))
 

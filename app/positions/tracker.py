@@ -23,35 +23,35 @@ SAY = 'say where it is: PUT {"actual": n}, or {"confirm": true} where what is sh
 
 
 @dataclass(frozen=True, slots=True)
-class Doubt:
+class PositionLost:
     """Why a position is not trusted, and the way out."""
 
     reason: str
     way_out: str = SAY
 
 
-class Track:
+class Tracker:
     """One axis. Times are device time [s]; `count` and `position` belong together at `asked_s`."""
 
     def __init__(self, counter: Counter, count: int, asked_s: float, position: int) -> None:
         self.counter = counter
-        self._followed = ExtendedPosition(counter, count, asked_s)
+        self._extended = ExtendedPosition(counter, count, asked_s)
         self._reached = count
         self.count = count
         """What the counter showed at the latest look."""
         self.asked_s = asked_s
         """When that look was asked: the counter cannot have been read before."""
         self.origin = position - count
-        self.doubt: Doubt | None = None
+        self.lost: PositionLost | None = None
         """Why the position is not trusted; stays until somebody says where it is."""
-        self.away: Doubt | None = None
+        self.away: PositionLost | None = None
         """Why it cannot be looked at now."""
         self._proven = position
         """Where the axis was at the latest look that came with word of resets."""
         self._rebase = False
 
     @property
-    def followed(self) -> int:
+    def extended(self) -> int:
         """The counter without its end: what the counter shows are the lowest bits of this."""
         return self._reached
 
@@ -62,7 +62,7 @@ class Track:
 
     @property
     def trusted(self) -> bool:
-        return self.doubt is None and self.away is None
+        return self.lost is None and self.away is None
 
     # --- looks ----------------------------------------------------------------------------------
 
@@ -82,17 +82,17 @@ class Track:
         way = self.counter.way(count, self.count)
         speed_pps = speed_limit_pps * CLOCK_TOLERANCE
         try:
-            self._reached = self._followed.look(count, heard_s, speed_pps)
+            self._reached = self._extended.look(count, heard_s, speed_pps)
         except TooLate as late:
-            self._doubt(f"looked at too late: {_late(late)}")
+            self.lose(f"looked at too late: {_late(late)}")
             self._reached = before + way
-            self._followed.set(self._reached, count, asked_s)
+            self._extended.set(self._reached, count, asked_s)
         else:
             # The next look counts from when this one may have been taken at the earliest.
-            self._followed.time_s = asked_s
+            self._extended.time_s = asked_s
             if abs(way) > speed_pps * (elapsed_s + SLACK_S) + 1:
                 self.origin -= way  # no motor did that: the place is the same, and the counter shows another number
-                self._doubt(
+                self.lose(
                     f"the counter went on by {way} microsteps in {elapsed_s:.3g} s, faster than the chip can:"
                     " somebody else wrote it, or the chip was reset"
                 )
@@ -105,27 +105,23 @@ class Track:
         if look.reset_seen:
             # Others' looks since may be from before the reset or from behind it, and nobody can tell.
             self.origin += self._proven - self.position
-            self._doubt("the chip was reset, and its counter with it")
+            self.lose("the chip was reset, and its counter with it")
         if look.reset_seen or self._rebase:
             self._restart(look.count, look.asked_at_s)
         else:
             self._seen(look.count, look.asked_at_s, heard_s, speed_limit_pps)
         if was_away is not None and look.reset_seen is None:
-            self._doubt(f"{was_away.reason}; and this chip cannot tell whether it was reset meanwhile")
+            self.lose(f"{was_away.reason}; and this chip cannot tell whether it was reset meanwhile")
         self._proven = self.position
 
     def lost_sight(self, reason: str, way_out: str) -> None:
         """It cannot be looked at: trusted again when a look has shown that nothing was missed."""
-        self.away = Doubt(reason, way_out)
+        self.away = PositionLost(reason, way_out)
 
     def counter_written(self, what: str) -> None:
         """Somebody writes the counter: where the axis was just before is not known to the microstep."""
-        self._doubt(f"somebody wrote the position counter ({what})")
+        self.lose(f"somebody wrote the position counter ({what})")
         self._rebase = True
-
-    def distrust(self, reason: str) -> None:
-        """For what only others can know."""
-        self._doubt(reason)
 
     # --- by somebody who knows ------------------------------------------------------------------
 
@@ -136,7 +132,7 @@ class Track:
 
     def confirm(self) -> None:
         """What `position` says is right."""
-        self.doubt = None
+        self.lost = None
         self._proven = self.position
         self._check_range()
 
@@ -145,17 +141,18 @@ class Track:
     def _restart(self, count: int, asked_s: float) -> None:
         """The counter shows another number for the same place."""
         position, self._rebase = self.position, False
-        self._followed.set(count, count, asked_s)
+        self._extended.set(count, count, asked_s)
         self._reached = self.count = count
         self.asked_s, self.origin = asked_s, position - count
 
-    def _doubt(self, reason: str) -> None:
-        if self.doubt is None:  # the first is the cause of the others
-            self.doubt = Doubt(reason)
+    def lose(self, reason: str) -> None:
+        """The position is not to be trusted from now on."""
+        if self.lost is None:  # the first is the cause of the others
+            self.lost = PositionLost(reason)
 
     def _check_range(self) -> None:
         if not -LIMIT <= self.position < LIMIT:
-            self._doubt("the position has left 64 bits")
+            self.lose("the position has left 64 bits")
 
 
 def _late(late: TooLate) -> str:

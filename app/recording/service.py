@@ -45,11 +45,11 @@ Course = Recorder | Outcome
 
 
 def open_no_port(model: str, link: Link, clock: Clock) -> FramePort:
-    """Of a desk that was given no way to make emulators."""
+    """Of a service that was given no way to make emulators."""
     raise UsageError(f"no {model} can be emulated here")
 
 
-class RecordingDesk:
+class RecordingService:
     """All recordings of this server."""
 
     def __init__(

@@ -27,7 +27,7 @@ class SavedPosition:
     device : the connection's id; `model` and `link` are its own, so that another chip is not taken for it
     count, bits : what the counter showed, and how many bits it has
     seen_unix_s : when the counter was read, at the earliest, Unix time [s]
-    doubt : why the position was not trusted, "" where it was
+    lost : why the position was not trusted, "" where it was
     microsteps_per_turn, gear, zero : None, None, 0 of an axis that is not rotary
     compare : the position that the compare register is for; None for none
     """
@@ -40,7 +40,7 @@ class SavedPosition:
     count: int
     position: int
     seen_unix_s: float
-    doubt: str = ""
+    lost: str = ""
     microsteps_per_turn: Fraction | None = None
     gear: Gear | None = None
     zero: int = 0
@@ -111,7 +111,7 @@ def _entry(saved: SavedPosition) -> Entry:
         "count": saved.count,
         "position": str(saved.position),
         "seen_unix_s": saved.seen_unix_s,
-        "doubt": saved.doubt,
+        "doubt": saved.lost,
         "microsteps_per_turn": None if turn is None else str(turn),
         "gear": None if saved.gear is None else list(saved.gear),
         "zero": str(saved.zero),
@@ -133,7 +133,7 @@ def _position(entry: Entry) -> SavedPosition:
         count=_whole(entry["count"]),
         position=_whole(_text(entry, "position")),
         seen_unix_s=float(seen),
-        doubt=_text(entry, "doubt"),
+        lost=_text(entry, "doubt"),
         microsteps_per_turn=None if turn is None else Fraction(_text(entry, "microsteps_per_turn")),
         gear=None if gear is None else _gear(gear),
         zero=_whole(_text(entry, "zero")),

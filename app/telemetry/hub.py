@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 from ..clock import Clock
-from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.background_tasks import BackgroundTasks
 from ..devices.core.device import Device
 from ..errors import UnknownThing, WrongState
 from .feed import Feed, Joined
@@ -30,7 +30,7 @@ class TelemetryHub:
         self._feeds: dict[str, Feed] = {}
         self._ending: list[Feed] = []
         """Closed, with a sample still on its way."""
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
         self._history_bytes = 0
         self._stretch = 1.0
 

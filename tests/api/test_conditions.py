@@ -71,18 +71,18 @@ async def does(client: httpx.AsyncClient, remedy: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("model", STEPPED)
-async def test_after_a_power_cycle_what_is_stepped_is_doubted_until_it_is_started_up(
+async def test_after_a_power_cycle_what_is_stepped_is_unknown_until_it_is_started_up(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     url = await added(client, model)
     assert (await client.get(url)).json()["condition"]["kind"] == "ready"
     await client.patch(f"{url.split('/axes')[0]}/emulator", json={"power_cycle": True})
-    doubted = (await client.get(url)).json()["condition"]
-    assert (doubted["kind"], "position" in doubted["cause"]) == ("unknown", False)
-    assert [remedy["label"] for remedy in doubted["remedies"]] == ["start up"]
+    unknown = (await client.get(url)).json()["condition"]
+    assert (unknown["kind"], "position" in unknown["cause"]) == ("unknown", False)
+    assert [remedy["label"] for remedy in unknown["remedies"]] == ["start up"]
     await clock.advance(5)
     assert (await client.get(url)).json()["condition"]["kind"] == "unknown", "nobody has seen to it yet"
-    await does(client, doubted["remedy"])
+    await does(client, unknown["remedy"])
     assert (await client.get(url)).json()["condition"]["kind"] == "ready"
     turning = await client.post(f"{url}/rotate", json={"velocity": 20_000})
     assert turning.status_code == 200, turning.text

@@ -9,7 +9,7 @@ from fastapi import FastAPI
 
 from app.clock import VirtualClock
 from app.main import bench_of
-from app.recording.service import RecordingDesk
+from app.recording.service import RecordingService
 from app.telemetry.frames import decode
 from tests.api.test_recordings import CHANNELS, detail, run, start
 
@@ -130,12 +130,12 @@ async def test_a_full_disk_ends_a_recording_and_says_so(
 ) -> None:
     recording = await start(client)
     await run(clock, 1.0)
-    monkeypatch.setattr(RecordingDesk, "room_bytes", 0)
+    monkeypatch.setattr(RecordingService, "room_bytes", 0)
     await run(clock, 2.0)
     found = await detail(client, recording)
     assert (found["state"], found["rows"]) == ("done", pytest.approx(100, abs=110))
     assert "disk is full" in str(found["message"])
-    assert recording not in bench_of(app).desk.library.running
+    assert recording not in bench_of(app).recordings.library.running
     answer = await client.post("recordings", json={"device": "bench", "channels": CHANNELS})
     assert answer.status_code == 409
     assert "delete recordings" in answer.text

@@ -143,7 +143,7 @@ async def test_files_for_other_programs(client: httpx.AsyncClient, clock: Virtua
 
 
 async def test_a_long_recording_goes_out_piece_by_piece(client: httpx.AsyncClient, app: FastAPI) -> None:
-    library = bench_of(app).desk.library
+    library = bench_of(app).recordings.library
     head = Head("20261123-200000-0a0a", "bench", "tmc428", (Column("a.0", "pps"),), 1000.0, 0.0, 0.0, True, 16e6)
     writer = library.begin(head, Label("long"))
     values = np.arange(3 * PIECE_ROWS, dtype=float)
@@ -246,7 +246,7 @@ async def test_the_end_of_the_server_ends_it_properly(
 ) -> None:
     recording = await start(client)
     await run(clock, 0.5)
-    await app.state.bench.desk.close()
+    await app.state.bench.recordings.close()
     path = settings.data_dir / "recordings" / f"{recording}.arrows"
     table = pa.ipc.open_stream(path.read_bytes()).read_all()
     assert table.num_rows == pytest.approx(50, abs=10)

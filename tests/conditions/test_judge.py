@@ -96,8 +96,8 @@ def test_what_cannot_be_known_is_unknown_with_its_cause() -> None:
     assert (never.kind, never.cause) == ("unknown", "nobody has looked at this axis yet")
     failing = judge(Seen(0, "connected", problem="no reply within 0.1 s"))
     assert (failing.kind, failing.cause) == ("unknown", "no reply within 0.1 s")
-    doubtful = judge(replace(SENT, signs=Signs(doubts=(Sign("its counter is not to be believed"),))))
-    assert (doubtful.kind, doubtful.cause) == ("unknown", "its counter is not to be believed")
+    untrusted = judge(replace(SENT, signs=Signs(untrusted=(Sign("its counter is not to be believed"),))))
+    assert (untrusted.kind, untrusted.cause) == ("unknown", "its counter is not to be believed")
     reset = judge(replace(SENT, reset_s=3.0))
     assert (reset.kind, [remedy.label for remedy in reset.remedies]) == (
         "unknown",
@@ -105,7 +105,7 @@ def test_what_cannot_be_known_is_unknown_with_its_cause() -> None:
     )
     puzzling = judge(replace(SENT, end=end("unknown", "nothing says why it stands")))
     assert (puzzling.kind, puzzling.cause) == ("unknown", "nothing says why it stands")
-    # What is known to be wrong comes before a doubt, and a motion too.
+    # What is known to be wrong comes before what is unknown, and a motion too.
     assert judge(replace(SENT, reset_s=3.0, signs=FAULT)).kind == "driver_fault"
     assert judge(replace(SENT, reset_s=3.0, state=replace(STATE, moving=True))).kind == "moving"
 

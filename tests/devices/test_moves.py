@@ -16,7 +16,7 @@ PPS_PER_UNIT = 16e6 / (2**4 * 2048 * 32)
 
 
 @BOTH
-async def test_a_move_arrives_when_it_was_foreseen(model: str) -> None:
+async def test_a_move_arrives_as_predicted(model: str) -> None:
     async with bench(model) as b:
         started = await b.device.motion.move(0, -20_000)
         assert (started.from_position, started.target_position, started.warnings) == (0, -20_000, [])

@@ -93,7 +93,7 @@ def test_a_handle_is_dragged_and_the_ramp_follows(designer: Page) -> None:
     assert value(page, "D1") == value(page, "A1")
 
 
-def test_doubtful_values_are_told(designer: Page) -> None:
+def test_questionable_values_are_told(designer: Page) -> None:
     page = designer
     enter(page, "VSTOP in chip units", "0")
     expect(page.get_by_text("VSTOP is 0", exact=False)).to_be_visible()

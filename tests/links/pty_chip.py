@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from typing import cast
 
 from app.links.datagram_uart import IFCNT, UartForm, crc8
-from app.links.uart_dialogue import FENCES, Echo
 from app.links.uart_line import UartPort, uart_port
+from app.links.uart_session import FENCES, Echo
 from tests.links.pty_module import LONG_S, Behaviour, PtyModule
 
 XACTUAL, VMAX, XTARGET, AMAX = 0x21, 0x27, 0x2D, 0x26

@@ -12,9 +12,9 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from app.links.dialogue import FENCES
 from app.links.serial_line import LinePort, serial_port
 from app.links.tmcl import Reply, Request
+from app.links.tmcl_session import FENCES
 from app.registers.tmcl.commands import Opcode
 
 VERSION = 1241 << 16 | 0x012C

@@ -13,11 +13,11 @@ from contextlib import asynccontextmanager
 import pytest
 
 from app.errors import BadReply, LinkTimeout
-from app.links.dialogue import FENCES
 from app.links.incidents import IncidentKind
 from app.links.queue import LinkQueue
 from app.links.serial_line import LinePort
 from app.links.tmcl import Reply, Request, version_string
+from app.links.tmcl_session import FENCES
 from app.registers.tmcl.commands import Opcode
 from tests.links.pty_module import (
     LONG_S,

@@ -25,8 +25,8 @@ from app.links.queue import LinkQueue, Priority
 from app.links.register_access import UartAccess
 from app.links.registry import uart_factory
 from app.links.serial_line import serial_port
-from app.links.uart_dialogue import Echo
 from app.links.uart_line import UartPort
+from app.links.uart_session import Echo
 from tests.links.gate import settle
 from tests.links.pty_chip import AMAX, VMAX, XACTUAL, XTARGET, PtyChip, but_fences, port_to, pty_chip, right, word_of
 from tests.links.pty_module import PtyModule, silent, until

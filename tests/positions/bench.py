@@ -33,7 +33,7 @@ from app.links.port import FramePort, Wire
 from app.links.register_access import access_of
 from app.links.registry import Link
 from app.links.tmcl import Request
-from app.positions import EndlessService
+from app.positions import ExtendedPositionService
 from app.positions.axis import WatchedAxis
 from app.positions.state import ExtendedState
 from app.registers.catalog import MODELS
@@ -90,7 +90,7 @@ class Bench:
 
     hardware: Hardware
     manager: DeviceManager
-    service: EndlessService
+    service: ExtendedPositionService
     changes: list[int]
     told: list[DeviceEvent] = field(default_factory=list)
     stopped: asyncio.Future[list[StopOutcome]] | None = None
@@ -219,7 +219,7 @@ async def server(
 ) -> AsyncIterator[Bench]:
     """A server with one device; with `set_up` its chip is made ready to move."""
     changes: list[int] = []
-    service = EndlessService(hardware.clock, partial(changes.append, 1), hardware.unix_s)
+    service = ExtendedPositionService(hardware.clock, partial(changes.append, 1), hardware.unix_s)
     manager = DeviceManager(
         {"emulator": hardware.port, "tcp": hardware.port}, hardware.clock, lambda: service.sync(manager.devices)
     )

@@ -92,10 +92,10 @@ async def test_a_stop_that_comes_while_the_target_is_moved_on_wins(model: str) -
     async with bench(model) as b:
         await b.service.go_to(b.device, 0, 10 * b.whole)
         await b.clock.advance(1)
-        journey = b.watched().journey
-        assert journey is not None
+        move = b.watched().move
+        assert move is not None
         target = await b.target()
-        journey.written = 0  # as if the target had to be moved on now
+        move.written = 0  # as if the target had to be moved on now
         b.stop_within_the_next_retarget()
         await b.watched().serve()
         assert b.stopped is not None

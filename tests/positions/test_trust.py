@@ -304,7 +304,7 @@ async def test_an_emulator_in_the_server_is_reset_with_it(model: str) -> None:
         assert "the chip was reset" in state.reason
 
 
-async def test_a_doubt_outlives_a_restart() -> None:
+async def test_a_loss_outlives_a_restart() -> None:
     hardware = Hardware()
     async with server(hardware, "tmc428") as first:
         await first.service.watch(first.device, 0)

@@ -59,8 +59,8 @@ async def state(bench: Bench) -> dict[str, object]:
     return {
         "connections.json": [device.name for device in devices],
         DATABASE: [profile.name for profile in await bench.profile_store.all()],
-        "recordings": [entry.id for entry in bench.desk.library.page().entries],
-        "positions.json": [(await bench.endless.state(device, 0)).watching for device in devices],
+        "recordings": [entry.id for entry in bench.recordings.library.page().entries],
+        "positions.json": [(await bench.positions.state(device, 0)).watching for device in devices],
     }
 
 

@@ -30,7 +30,7 @@ saved = st.builds(
     count=st.integers(-(1 << 23), 1 << 23),
     position=positions,
     seen_unix_s=st.floats(0, 1e11),
-    doubt=st.text(max_size=10),
+    lost=st.text(max_size=10),
     microsteps_per_turn=st.none() | st.fractions(min_value=Fraction(1, 1000), max_value=1 << 40),
     gear=st.none() | st.tuples(st.integers(1, 1 << 40), st.integers(1, 1000), st.integers(1, 1000)),
     zero=positions,

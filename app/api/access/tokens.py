@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Sequence
 
 from ...clock import WallClock
-from ...devices.core.background_tasks import OwnTasks
+from ...devices.core.background_tasks import BackgroundTasks
 from ...errors import StoreUnavailable
 from ...store.tokens import NamedToken, Role, TokenStore, hash_of
 
@@ -29,7 +29,7 @@ class Tokens:
         self._by_hash: dict[str, NamedToken] = {}
         self._stamp: tuple[int, int, int] | None = None
         self._reading = asyncio.Lock()
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
         self._clock = WallClock()  # of the file's changes, whatever time a test owns
         self.warnings: tuple[str, ...] = ()
 

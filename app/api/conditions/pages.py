@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 
 from ...clock import Clock
-from ...devices.core.background_tasks import OwnTasks
+from ...devices.core.background_tasks import BackgroundTasks
 from ...lease.lease import Lease
 
 RETURN_S = 2.0
@@ -29,7 +29,7 @@ class Pages:
         self._clock = clock
         self._anything_moves = anything_moves
         self._open: Counter[str] = Counter()
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
 
     @contextmanager
     def page(self, session: str) -> Iterator[None]:

@@ -48,7 +48,7 @@ async def change_emulator(
 ) -> AnyState:
     """Force switches, cause faults, load the motor, run faster or slower, cut the power; what is left out stays."""
     state = cast("Emulator", port.wire).patch(_suited(body, family_of(port.wire.model).patch), port.take_turn())
-    bench.endless.hurry(device)  # how fast its time runs may have changed, and its chip may have been reset
+    bench.positions.hurry(device)  # how fast its time runs may have changed, and its chip may have been reset
     bench.conditions.stirred(device)
     return state
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ...clock import Clock, WallClock
 from ...connections import Door
-from ...devices.core.background_tasks import OwnTasks
+from ...devices.core.background_tasks import BackgroundTasks
 from ..http.sockets import Sockets
 
 BEAT_S = 0.1
@@ -92,7 +92,7 @@ class Vitals:
         """The connections of the server; None where another program serves this application."""
         self._started_s = clock.now()
         self._disk_look: asyncio.Task[Disk] | None = None
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
 
     def start(self) -> None:
         """Begin to measure. Needs a running event loop."""

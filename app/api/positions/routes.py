@@ -21,7 +21,7 @@ router = APIRouter(prefix="/devices/{device}/axes/{axis}/extended-position", tag
 @router.get("", responses=problems(UnknownThing))
 async def get_extended_position(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ExtendedPosition:
     """Where the axis is, looked at now; where that fails, as it was last seen, and why it is not trusted."""
-    return extended_out(await bench.endless.state(device, axis.index), device.device_time_s())
+    return extended_out(await bench.positions.state(device, axis.index), device.device_time_s())
 
 
 @router.put("", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
@@ -30,14 +30,14 @@ async def put_extended_position(
 ) -> ExtendedPosition:
     """Set the position or the turn, or set off somewhere. Answers when it has started, not when it has arrived."""
     await _change(bench, device, axis.index, body)
-    return extended_out(await bench.endless.state(device, axis.index), device.device_time_s())
+    return extended_out(await bench.positions.state(device, axis.index), device.device_time_s())
 
 
 @router.delete("", responses=problems(*DEVICE_PROBLEMS))
 async def delete_extended_position(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ExtendedPosition:
     """Watch the axis no more, and forget where it is; a move under way is stopped by its ramp."""
-    await bench.endless.unwatch(device, axis.index)
-    return extended_out(await bench.endless.state(device, axis.index), device.device_time_s())
+    await bench.positions.unwatch(device, axis.index)
+    return extended_out(await bench.positions.state(device, axis.index), device.device_time_s())
 
 
 @router.get("/history", responses=problems(UnknownThing, WrongState))
@@ -48,17 +48,17 @@ async def get_extended_history(
     seconds: Annotated[float, Query(description="how far back [s]", gt=0, le=1e9)] = 600.0,
 ) -> ExtendedHistory:
     """Where the axis was, as far as it was looked at."""
-    return history_out(bench.endless.history(device, axis.index, seconds))
+    return history_out(bench.positions.history(device, axis.index, seconds))
 
 
 @router.get("/latched", responses=problems(*DEVICE_PROBLEMS))
 async def get_latched_position(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> LatchedPosition:
     """What the chip's snapshot register holds, extended: right as long as the axis is not half a range away from it."""
-    return latched_out(await bench.endless.latched(device, axis.index))
+    return latched_out(await bench.positions.latched(device, axis.index))
 
 
 async def _change(bench: Bench, device: Device, axis: int, body: ExtendedPositionChange) -> None:
-    service = bench.endless
+    service = bench.positions
     thing = next(iter(body.model_fields_set - {"way"}))
     match thing:
         case "watch":

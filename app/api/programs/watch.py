@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from ...clock import BackgroundClock
-from ...devices.core.background_tasks import OwnTasks
+from ...devices.core.background_tasks import BackgroundTasks
 from ...devices.core.capabilities import ProgramMemory
 from ...devices.core.device import Device
 from ...devices.core.results import ProgramState
@@ -91,7 +91,7 @@ class ProgramWatch:
         self._clock = clock
         self._procedures = procedures
         self._watched: dict[Device, _Watched] = {}
-        self._tasks = OwnTasks()
+        self._tasks = BackgroundTasks()
 
     def rate_hz(self, device: Device, variables: int) -> float:
         """About how often the device is looked at."""

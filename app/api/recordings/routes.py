@@ -63,12 +63,12 @@ async def list_recordings(
     before: Annotated[str, Query(max_length=60, description="`next` of the page before")] = "",
 ) -> RecordingList:
     """Recordings, the latest first, page by page; a page ends early where files have to be read for too long."""
-    library = bench.desk.library
+    library = bench.recordings.library
     page, free_bytes = await _aside(
         lambda: (library.page(search, device, limit, before, READ_WITHIN_S), library.free_bytes)
     )
-    found = [info(entry, bench.desk.course(entry.id)) for entry in page.entries]
-    room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
+    found = [info(entry, bench.recordings.course(entry.id)) for entry in page.entries]
+    room_bytes = max(0, free_bytes - bench.recordings.reserve_bytes)
     return RecordingList(
         recordings=found,
         next=page.next,
@@ -84,7 +84,7 @@ async def list_recordings(
 @policy(lease="free", role="look", audit="silent")
 async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
     """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
-    return await bench.desk.readers.do(lambda: compare(bench.desk.library, body))
+    return await bench.recordings.readers.do(lambda: compare(bench.recordings.library, body))
 
 
 @router.api_route("/compare", methods=["GET", "PUT", "PATCH", "DELETE"], include_in_schema=False)
@@ -108,10 +108,10 @@ async def start_recording(bench: CurrentBench, body: RecordingStart) -> Recordin
     configuration, axes = await configuration_of(device), await axes_of(device)
     label = Label(body.name, body.note)
     channels = tuple(dict.fromkeys(body.channels))
-    recording = await bench.desk.start(
+    recording = await bench.recordings.start(
         device, channels, body.rate_hz, trigger, body.duration_s, label, configuration, axes
     )
-    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+    return info(bench.recordings.library.entry(recording), bench.recordings.course(recording))
 
 
 @router.get(
@@ -128,17 +128,21 @@ async def get_recording(
     figures: Annotated[bool, Query(description="false: without figures, which take a reading of all rows")] = True,
 ) -> RecordingDetail:
     """What a recording is of, its marks and figures; or with `format` all of its rows as a file."""
-    desk = bench.desk
-    opened = await desk.readers.do(lambda: desk.library.open(recording))
+    recordings = bench.recordings
+    opened = await recordings.readers.do(lambda: recordings.library.open(recording))
     if format != "json":
         write = csv_of if format == "csv" else parquet_of
-        content = await desk.readers.stream(write(opened.head, opened.pieces(0, opened.rows)))
+        content = await recordings.readers.stream(write(opened.head, opened.pieces(0, opened.rows)))
         named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
         return StreamingResponse(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
-    course = desk.course(recording)
-    return await desk.readers.do(
+    course = recordings.course(recording)
+    return await recordings.readers.do(
         lambda: detail(
-            desk.library.entry(recording), course, opened, desk.library.marks(recording), with_figures=figures
+            recordings.library.entry(recording),
+            course,
+            opened,
+            recordings.library.marks(recording),
+            with_figures=figures,
         )
     )
 
@@ -146,8 +150,8 @@ async def get_recording(
 @router.get("/{recording}/info", responses=problems(UnknownThing))
 async def get_recording_info(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
     """Its line of the list: how far one is that runs."""
-    entry = await _aside(lambda: bench.desk.library.entry(recording))
-    return info(entry, bench.desk.course(recording))
+    entry = await _aside(lambda: bench.recordings.library.entry(recording))
+    return info(entry, bench.recordings.course(recording))
 
 
 @router.get(
@@ -170,8 +174,8 @@ async def plot_recording(
     ] = "json",
 ) -> RecordingPlot:
     """What a plot of so many points shows, in full or of a stretch of it."""
-    library = bench.desk.library
-    readers = bench.desk.readers
+    library = bench.recordings.library
+    readers = bench.recordings.readers
     opened = await readers.do(lambda: library.open(recording))
     marks = await _aside(lambda: library.marks(recording))
     if format == "frame":
@@ -187,7 +191,7 @@ async def get_recording_figures(
     bench: CurrentBench, recording: RecordingId, from_s: Since = None, to_s: Since = None
 ) -> RecordingFigures:
     """Figures of a stretch: of what a plot shows, between two cursors."""
-    library = bench.desk.library
+    library = bench.recordings.library
 
     def figures() -> RecordingFigures:
         opened = library.open(recording)
@@ -197,7 +201,7 @@ async def get_recording_figures(
         found = figures_of(opened.head, lambda: opened.pieces(first, last))
         return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found)
 
-    return await bench.desk.readers.do(figures)
+    return await bench.recordings.readers.do(figures)
 
 
 @router.get("/{recording}/spectrum", responses=problems(UnknownThing, WrongState, OutOfRange))
@@ -214,8 +218,8 @@ async def get_spectrum(
     points: Annotated[int, Query(description="lines at the most", ge=8, le=100_000)] = 4000,
 ) -> Spectrum:
     """What a channel swings at: amplitudes and power density over frequency."""
-    library = bench.desk.library
-    return await bench.desk.readers.do(
+    library = bench.recordings.library
+    return await bench.recordings.readers.do(
         lambda: spectrum_of(
             library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
         )
@@ -226,7 +230,7 @@ async def get_spectrum(
 @policy(lease="free", words=wording.named("edit recording"))
 async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
     """Another name or note."""
-    library = bench.desk.library
+    library = bench.recordings.library
 
     def relabel() -> Entry:
         old = library.entry(recording).label
@@ -236,15 +240,15 @@ async def label_recording(bench: CurrentBench, recording: RecordingId, body: Rec
         )
         return library.entry(recording)
 
-    return info(await _aside(relabel), bench.desk.course(recording))
+    return info(await _aside(relabel), bench.recordings.course(recording))
 
 
 @router.post("/{recording}/stop", responses=problems(UnknownThing))
 @policy(lease="free", words=wording.named("stop recording"))
 async def stop_recording(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
     """End it with what is there; one that is over stays as it is."""
-    await bench.desk.stop(recording)
-    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+    await bench.recordings.stop(recording)
+    return info(bench.recordings.library.entry(recording), bench.recordings.course(recording))
 
 
 @router.post(
@@ -259,17 +263,17 @@ async def replay_recording(bench: CurrentBench, recording: RecordingId, body: Re
     asked = body or ReplayStart()
     options = None
     if asked.device is not None:
-        device, head = bench.manager.get(asked.device), (await _aside(lambda: bench.desk.library.head(recording)))
+        device, head = bench.manager.get(asked.device), (await _aside(lambda: bench.recordings.library.head(recording)))
         if not device.session.emulated or device.model != head.model:
             raise WrongState(f"{device.name} is no emulated {head.model}", "name one that is, or none")
         options = options_of(device)
-    return Replay.model_validate(await bench.desk.replay(recording, options, asked.name))
+    return Replay.model_validate(await bench.recordings.replay(recording, options, asked.name))
 
 
 @router.get("/{recording}/replay", responses=problems(UnknownThing))
 async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | None:
     """How the latest replay of this recording goes, or went; null where this server has made none."""
-    progress = await _aside(lambda: bench.desk.progress(recording))
+    progress = await _aside(lambda: bench.recordings.progress(recording))
     return None if progress is None else Replay.model_validate(progress)
 
 
@@ -277,12 +281,12 @@ async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | No
 @policy(lease="free", words=wording.named("mark recording"))
 async def mark_recording(bench: CurrentBench, recording: RecordingId, body: RecordingMark) -> RecordingInfo:
     """Mark this moment of a recording that runs."""
-    bench.desk.note(recording, body.text)
-    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+    bench.recordings.note(recording, body.text)
+    return info(bench.recordings.library.entry(recording), bench.recordings.course(recording))
 
 
 @router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
 @policy(words=wording.named("delete recording"))
 async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
     """Gone for good."""
-    await _aside(lambda: bench.desk.delete(recording))
+    await _aside(lambda: bench.recordings.delete(recording))

@@ -60,7 +60,7 @@ async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
     recorded = bench.twin.recorded(body.recording)
     if recorded is None or body.time_s > recorded.span_s[1]:  # one that is being written may have grown meanwhile
         asked, known = body.recording, recorded
-        recorded = await bench.desk.readers.do(lambda: _recorded(bench, asked, known))
+        recorded = await bench.recordings.readers.do(lambda: _recorded(bench, asked, known))
     await bench.twin.scrub(recorded, body.time_s, body.scheme)
     return _state(bench.twin.info)
 
@@ -70,7 +70,7 @@ def _recorded(bench: Bench, recording: str, known: RecordedAxis | None) -> Recor
 
     Raises UnknownThing, WrongState.
     """
-    library = bench.desk.library
+    library = bench.recordings.library
     opened = library.open(recording)
     if known is not None and known.rows == opened.rows:
         return known

@@ -60,12 +60,12 @@ def measured_encoder(
 class Place:
     """Where an axis was seen, and by how much its encoder differed then.
 
-    doubt : by how much that may be wrong, because encoder and position were not read at one moment [microsteps]
+    uncertainty : by how much that may be wrong, because encoder and position were not read at one moment [microsteps]
     """
 
     position: int
     deviation: float
-    doubt: float = 0.0
+    uncertainty: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ def encoder_line(forward: Sequence[Place], backward: Sequence[Place], full_step:
     # An encoder that counts more than it should tells its own errors, and the rotor's lag, as so much greater.
     allowed = min(OFF_MAX_FULLSTEPS * full_step * max(1.0, abs(1 + slope)), OFF_MAX_SHARE * differ)
     off = [abs(place.deviation - deviation - slope * (place.position - position)) for place in places]
-    if any(far > allowed + place.doubt for far, place in zip(off, places, strict=True)):
+    if any(far > allowed + place.uncertainty for far, place in zip(off, places, strict=True)):
         return None
     return EncoderLine(slope, len(places), _way(places), max(off))
 

@@ -9,7 +9,7 @@ from contextvars import Context
 from typing import Any
 
 
-class OwnTasks:
+class BackgroundTasks:
     """Tasks of one owner."""
 
     def __init__(self) -> None:

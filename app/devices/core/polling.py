@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 
 from ...errors import BadReply, BenchError
 from ...links.queue import SampleDropped
-from .background_tasks import OwnTasks
+from .background_tasks import BackgroundTasks
 from .motion_watch import POLL_S
 from .session import Session
 
@@ -19,7 +19,7 @@ class Looking:
     """The task that looks at `device` as long as it is connected; `moves` tells whether a motion is under way."""
 
     def __init__(
-        self, device: Session, tasks: OwnTasks, look: Callable[[], Awaitable[None]], moves: Callable[[], bool]
+        self, device: Session, tasks: BackgroundTasks, look: Callable[[], Awaitable[None]], moves: Callable[[], bool]
     ) -> None:
         self._device = device
         self._tasks = tasks

@@ -47,7 +47,7 @@ class Signs:
     blocks : what keeps every command from moving the motor
     stall : a stall stopped it, and holds it
     holds : what keeps it from going one way
-    doubts : why what the position counter shows may not be true
+    untrusted : why what the position counter shows may not be true
     resets : how often a reset of the device was seen, that of its power-on included; None where it cannot tell
     takes_encoder : the position can be set to what the encoder shows (`PositionFromEncoder`)
     encoder_apart_s : how long after the position the encoder was read, of the state [s]
@@ -58,7 +58,7 @@ class Signs:
     blocks: tuple[Sign, ...] = ()
     stall: Sign | None = None
     holds: tuple[Sign, ...] = ()
-    doubts: tuple[Sign, ...] = ()
+    untrusted: tuple[Sign, ...] = ()
     resets: int | None = None
     takes_encoder: bool = False
     encoder_apart_s: float = 0.0

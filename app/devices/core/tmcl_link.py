@@ -10,7 +10,7 @@ from ...errors import BadReply, LinkError
 from ...links.queue import Priority
 from ...links.tmcl import Request
 from ...registers.model import Register
-from .background_tasks import OwnTasks
+from .background_tasks import BackgroundTasks
 from .config import DeviceConfig
 from .session import Session
 from .tmcl_calls import Calls, Lacking
@@ -51,7 +51,7 @@ class Heard(Protocol):
 class TmclLink:
     """Sends commands to the module at `address`; what they tell, `state` hears."""
 
-    def __init__(self, session: Session, state: Heard, tasks: OwnTasks) -> None:
+    def __init__(self, session: Session, state: Heard, tasks: BackgroundTasks) -> None:
         self._session = session
         self._state = state
         self._tasks = tasks

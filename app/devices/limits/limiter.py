@@ -73,8 +73,8 @@ class Limiter:
 
         What cannot, the driver knows as far as anybody does; what may have arrived or not stays unknown.
         """
-        doubtful = {address for address, word in self._held.items() if word is None}
-        self._held = dict.fromkeys(doubtful | {address for address in self._depends if self.rules.readable(address)})
+        unknown = {address for address, word in self._held.items() if word is None}
+        self._held = dict.fromkeys(unknown | {address for address in self._depends if self.rules.readable(address)})
         self.positions.clear()
 
     def reset(self) -> None:
@@ -134,7 +134,7 @@ class Limiter:
                 self._held.update(rules.writes(frame))
                 self._held.update(dict.fromkeys(rules.forgotten(frame)))
 
-    def doubt(self, frames: Sequence[bytes]) -> None:
+    def mark_unknown(self, frames: Sequence[bytes]) -> None:
         """The frames may have gone out, or some of them."""
         for frame in frames:
             for address, _ in self.rules.writes(frame):

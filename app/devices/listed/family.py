@@ -13,7 +13,7 @@ from ...links.queue import LinkQueue
 from ...registers.catalog import MODELS
 from ...registers.listed.chips import FAMILY as NAME
 from ..core.axis_limits import AxisLimits
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
@@ -44,7 +44,7 @@ def compose(
     if MODELS[config.model].kind == "chip":
         return chips.compose(device_id, config, port, clock, queue)
     session = Session(device_id, config, port, clock, queue=queue)
-    tasks = OwnTasks()
+    tasks = BackgroundTasks()
     state = ListedState(session)
     link = TmclLink(session, state, tasks)
     motions = ListedMotions(session, state, link, tasks)

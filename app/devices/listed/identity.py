@@ -8,7 +8,7 @@ from ...errors import OtherModel
 from ...links.tmcl import Request, is_retriable, module_version
 from ...registers import catalog
 from ...registers.tmcl.commands import Opcode
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.session import Session
 from ..core.tmcl_link import TmclLink
@@ -23,7 +23,7 @@ DEPTH = (
 class ListedIdentity(Identity):
     """Asks the module who it is. Modules call themselves by the number in their title."""
 
-    def __init__(self, session: Session, state: ListedState, link: TmclLink, tasks: OwnTasks) -> None:
+    def __init__(self, session: Session, state: ListedState, link: TmclLink, tasks: BackgroundTasks) -> None:
         self._session = session
         self._state = state
         self._link = link

@@ -7,7 +7,7 @@ import asyncio
 from ...errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout
 from ...links.queue import Priority, SampleDropped
 from ...registers.model import Register
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.motion_watch import POLL_S, Kind, Look, MotionWatch
 from ..core.results import DeviceState, MotionEnd
 from ..core.session import Session
@@ -47,7 +47,7 @@ class ListedAxisMotion:
 class ListedMotions:
     """Of all axes, and the task that polls those that move."""
 
-    def __init__(self, session: Session, state: ListedState, link: TmclLink, tasks: OwnTasks) -> None:
+    def __init__(self, session: Session, state: ListedState, link: TmclLink, tasks: BackgroundTasks) -> None:
         self._session = session
         self._state = state
         self._link = link

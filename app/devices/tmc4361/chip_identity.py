@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...errors import OtherModel, WrongState
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.register_link import RegisterLink
 from ..core.unread_registers import NOTHING, on_board
@@ -15,7 +15,7 @@ from .memory import ChipMemory
 class ChipIdentity(Identity):
     """Tells one TMC4361 from everything else; `tasks` are the driver's own, which end when it is let go."""
 
-    def __init__(self, link: RegisterLink, memory: ChipMemory, tasks: OwnTasks) -> None:
+    def __init__(self, link: RegisterLink, memory: ChipMemory, tasks: BackgroundTasks) -> None:
         self._link = link
         self._session = link.session
         self._memory = memory

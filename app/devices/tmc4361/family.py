@@ -9,7 +9,7 @@ from ...links.port import FramePort
 from ...links.queue import LinkQueue
 from ...links.register_access import access_of
 from ..core.axis_limits import AxisLimits
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
@@ -47,7 +47,7 @@ def compose(
     """A device of this family, of its parts."""
     session = Session(device_id, config, port, clock, COUNTER_WRITES.__contains__, queue)
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
-    tasks = OwnTasks()
+    tasks = BackgroundTasks()
     cruise = Cruise()
     # Each of these acts on a state that is set, in this order: words, expectation, events, and last the poller.
     memory = ChipMemory(link, cruise)

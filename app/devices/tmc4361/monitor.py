@@ -10,7 +10,7 @@ from typing import TypedDict
 from ...calc.positions.tmc4361_encoder import load_angle_deg
 from ...errors import BenchError, LinkDown, LinkTimeout
 from ...links.queue import Priority
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import AxisMonitor
 from ..core.motion_watch import Look, UnderWay
 from ..core.polling import Looking
@@ -69,7 +69,7 @@ class Monitor(AxisMonitor):
         cruise: Cruise,
         events: Events,
         expected: ExpectedMotion,
-        tasks: OwnTasks,
+        tasks: BackgroundTasks,
     ) -> None:
         self.stalled = False
         """A stall has stopped it, and holds it, as last seen."""

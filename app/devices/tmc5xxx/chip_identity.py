@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...errors import OtherModel, WrongState
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.register_io import Held
 from ..core.register_link import RegisterLink
@@ -18,7 +18,7 @@ class ChipIdentity(Identity):
     """Tells one model from all others; `tasks` are the driver's own, which end when it is let go."""
 
     def __init__(
-        self, session: Session, link: RegisterLink, memory: ChipMemory, reader: ChipReader, tasks: OwnTasks
+        self, session: Session, link: RegisterLink, memory: ChipMemory, reader: ChipReader, tasks: BackgroundTasks
     ) -> None:
         self._session = session
         self._link = link

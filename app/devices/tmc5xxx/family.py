@@ -10,7 +10,7 @@ from ...links.queue import LinkQueue
 from ...links.register_access import access_of
 from ...registers.tmc5xxx.table import TABLES
 from ..core.axis_limits import AxisLimits
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
@@ -54,7 +54,7 @@ def compose(
     """A device of this family, of its parts."""
     session = Session(device_id, config, port, clock, COUNTER_WRITES.__contains__, queue)
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
-    tasks = OwnTasks()
+    tasks = BackgroundTasks()
     # What is known, and what is expected.
     memory = ChipMemory(link, rows_of(config.model))
     setting = ChipSetting(session, memory)

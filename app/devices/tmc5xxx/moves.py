@@ -36,7 +36,7 @@ from .rows import HIGHEST, LOWEST, signed
 from .setting import ChipSetting
 from .stops import Stops
 
-ARRIVAL_DOUBTED = "the axis may be under way: stop it"
+ARRIVAL_UNKNOWN = "the axis may be under way: stop it"
 
 
 @dataclass(eq=False)
@@ -255,13 +255,13 @@ class SixPointMotion(Motion):
             self.motions.of(axis).began(kind, words.time_s, target)
         self.memory.saw(back)
         if not words.arrived:
-            raise BadReply(self.session.port.name, f"what was sent may have arrived otherwise; {ARRIVAL_DOUBTED}", b"")
+            raise BadReply(self.session.port.name, f"what was sent may have arrived otherwise; {ARRIVAL_UNKNOWN}", b"")
         return back
 
     def _check_back(self, back: Held, wanted: Sequence[tuple[Register, int]]) -> None:
         for register, value in wanted:
             if back.value(register) != value:
-                raise WriteRefused(register.name, to_raw(value, 32), back.word(register), ARRIVAL_DOUBTED)
+                raise WriteRefused(register.name, to_raw(value, 32), back.word(register), ARRIVAL_UNKNOWN)
 
     def _plan_to(self, before: Before, target: int) -> MotionPlan | None:
         return move_plan(before.ramp.sixpoint(), signed(target - before.position), before.velocity_pps)

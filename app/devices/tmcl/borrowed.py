@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 
 from ...errors import BenchError, UnknownParameter
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_link import TmclLink
@@ -21,7 +21,9 @@ SETTLE_MAX_S = 5.0
 class BorrowedAcceleration:
     """Raises the acceleration for a stop, and writes it back once the motor rests."""
 
-    def __init__(self, session: Session, state: ModuleState, link: TmclLink, records: Records, tasks: OwnTasks) -> None:
+    def __init__(
+        self, session: Session, state: ModuleState, link: TmclLink, records: Records, tasks: BackgroundTasks
+    ) -> None:
         self._session = session
         self._state = state
         self._link = link

@@ -10,7 +10,7 @@ from ...links.port import FramePort
 from ...links.queue import LinkQueue
 from ...registers.tmcl.modules import MODULES
 from ..core.axis_limits import AxisLimits
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
@@ -50,7 +50,7 @@ def compose(
 ) -> Device:
     """A device of this family. What a part needs is made above it; what it tells another goes by a hook."""
     session = Session(device_id, config, port, clock, queue=queue)
-    tasks = OwnTasks()
+    tasks = BackgroundTasks()
     state = ModuleState(session)
     link = TmclLink(session, state, tasks)
     download = download_hold(session, link.address)

@@ -9,7 +9,7 @@ from ...errors import DownloadMode, OtherModel, WrongState
 from ...links.download import DownloadHold
 from ...links.tmcl import Request, is_retriable, module_version
 from ...registers.tmcl.commands import Opcode, Status
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.session import Session
 from ..core.signs import Remedy
@@ -36,7 +36,7 @@ class ModuleIdentity(Identity):
         state: ModuleState,
         link: TmclLink,
         download: DownloadHold,
-        tasks: OwnTasks,
+        tasks: BackgroundTasks,
         refreshed: Callable[[], Awaitable[None]],
     ) -> None:
         self._session = session

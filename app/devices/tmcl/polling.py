@@ -9,7 +9,7 @@ from ...errors import BadReply, BenchError, LinkError, LinkTimeout, UnknownParam
 from ...links.queue import Priority, SampleDropped
 from ...links.tmcl import Request
 from ...registers.tmcl.commands import DriverErrors, ExtendedErrors, Opcode
-from ..core.background_tasks import OwnTasks
+from ..core.background_tasks import BackgroundTasks
 from ..core.motion_watch import POLL_S, Look, UnderWay
 from ..core.results import StopReason
 from ..core.session import Session
@@ -26,7 +26,7 @@ class Poller:
     """A task that asks the module where its axis is, as long as `ongoing` has a motion under way."""
 
     def __init__(
-        self, session: Session, state: ModuleState, link: TmclLink, ongoing: OngoingMotion, tasks: OwnTasks
+        self, session: Session, state: ModuleState, link: TmclLink, ongoing: OngoingMotion, tasks: BackgroundTasks
     ) -> None:
         self._session = session
         self._state = state

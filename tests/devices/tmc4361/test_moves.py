@@ -277,7 +277,7 @@ async def test_ends_and_starts_are_told() -> None:
 # --- by hand ------------------------------------------------------------------------------------
 
 
-async def test_a_target_written_by_hand_is_foreseen() -> None:
+async def test_a_target_written_by_hand_is_predicted() -> None:
     async with bench() as b:
         await b.device.registers.write("XTARGET", 0, 20_000)
         expected = b.device.motion.prediction(0)

@@ -34,7 +34,7 @@ async def test_what_a_read_brings_is_decoded_at_once() -> None:
         assert (raw.decoded["register"], raw.decoded["value"]) == ("CL_TR_TOLERANCE", 7)
 
 
-async def test_a_raw_target_is_foreseen_and_ends_what_was() -> None:
+async def test_a_raw_target_is_predicted_and_ends_what_was() -> None:
     async with bench() as b:
         raw = await b.device.raw.exchange(frame("B7") + (9_000).to_bytes(4, "big"))
         assert raw.decoded["register"] == "XTARGET"

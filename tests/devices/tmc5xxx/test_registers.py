@@ -54,7 +54,7 @@ async def test_what_a_write_does_besides_is_said() -> None:
         assert "drives to XTARGET" in (await b.device.registers.write("XACTUAL", 0, 500)).note
 
 
-async def test_a_target_by_hand_is_foreseen() -> None:
+async def test_a_target_by_hand_is_predicted() -> None:
     async with bench("tmc5062") as b:
         await b.device.registers.write("XTARGET", 1, 9_000)
         expected = b.device.motion.prediction(1)
@@ -93,7 +93,7 @@ async def test_what_a_raw_read_brings_is_decoded_at_once() -> None:
             await b.device.raw.exchange(b"\x21")
 
 
-async def test_a_raw_target_is_foreseen() -> None:
+async def test_a_raw_target_is_predicted() -> None:
     async with bench() as b:
         raw = await b.device.raw.exchange(b"\xad" + (9_000).to_bytes(4, "big"))
         assert raw.decoded["register"] == "XTARGET"

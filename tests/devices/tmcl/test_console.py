@@ -90,7 +90,7 @@ async def test_what_may_move_the_motor_counts_as_a_command_to_the_axis(
         assert bool(b.device.session.motion_commands[0]) is moves
 
 
-async def test_a_move_by_hand_is_foreseen_and_its_end_is_told() -> None:
+async def test_a_move_by_hand_is_predicted_and_its_end_is_told() -> None:
     async with bench() as b:
         await b.device.need(TmclCommands).tmcl("MVP", "REL", 0, 20_000)
         expected = b.device.motion.prediction(0)

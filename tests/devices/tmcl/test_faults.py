@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.core.background_tasks import OwnTasks
+from app.devices.core.background_tasks import BackgroundTasks
 from app.devices.core.config import DeviceConfig
 from app.errors import BenchError, LinkDown, LinkError, WrongState
 from app.links.tmcl import Reply, Request
@@ -141,5 +141,5 @@ async def test_letting_go_stops_what_was_set_in_motion_and_leaves_no_task() -> N
         await b.clock.advance(0.5)
         await b.manager.remove(b.device.id)
         assert _sent(b)[-1][0] == Opcode.MST
-        assert not b.part(OwnTasks)
+        assert not b.part(BackgroundTasks)
         await b.manager.add(DeviceConfig("Again", "pd42-1241", {"kind": "emulator"}))

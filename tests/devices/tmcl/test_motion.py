@@ -1,4 +1,4 @@
-"""Moves, rotation and stops: once each, in the user's units, foreseen to a step."""
+"""Moves, rotation and stops: once each, in the user's units, predicted to a step."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ async def _set(b: Bench, parameters: dict[str, int]) -> None:
 @pytest.mark.parametrize("distance", [-120_000, 30_000, 500])
 @pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 @pytest.mark.sheet("FM-PD42-1241", "7.5")
-async def test_a_move_goes_as_foreseen(ramp: str, distance: int) -> None:
+async def test_a_move_goes_as_predicted(ramp: str, distance: int) -> None:
     async with bench() as b:
         await _set(b, RAMPS[ramp])
         plan = b.device.telemetry.sample_plan(["position.0", "residual.0", "predicted_velocity.0", "velocity.0"])
@@ -86,7 +86,7 @@ async def test_a_relative_move_counts_from_where_the_axis_is() -> None:
         assert await b.at_rest() == 700
 
 
-async def test_a_move_while_it_turns_is_foreseen_from_there() -> None:
+async def test_a_move_while_it_turns_is_predicted_from_there() -> None:
     async with bench() as b:
         await b.device.motion.rotate(0, 30_000)
         await b.clock.advance(1.0)
@@ -164,7 +164,7 @@ async def test_what_will_keep_the_motor_from_moving_is_told(parameters: dict[str
 
 
 @pytest.mark.sheet("FM-PD42-1241", "3.6.3")
-async def test_a_stop_slows_down_and_is_foreseen() -> None:
+async def test_a_stop_slows_down_and_is_predicted() -> None:
     async with bench() as b:
         await b.device.motion.rotate(0, 40_000)
         await b.clock.advance(2.0)

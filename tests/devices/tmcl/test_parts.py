@@ -7,7 +7,7 @@ import inspect
 import pytest
 
 from app.clock import VirtualClock
-from app.devices.core.background_tasks import OwnTasks
+from app.devices.core.background_tasks import BackgroundTasks
 from app.devices.core.changes import RegisterChanged
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
@@ -81,7 +81,7 @@ async def test_a_link_tells_the_state_what_it_was_answered() -> None:
     state = ModuleState(session)
     heard: list[tuple[str, int]] = []
     state.saw_hooks.append(lambda register, value: heard.append((register.name, value)))
-    async with TmclLink(session, state, OwnTasks()).calls() as calls:
+    async with TmclLink(session, state, BackgroundTasks()).calls() as calls:
         value = await calls.get(state.roles.max_speed)
     assert heard == [(state.roles.max_speed.name, value)]
     assert state.last(state.roles.max_speed) == value
@@ -110,7 +110,7 @@ def test_records_tell_of_a_change_with_both_values() -> None:
 
 async def test_a_borrowed_acceleration_comes_back_at_rest() -> None:
     session = session_of()
-    state, tasks = ModuleState(session), OwnTasks()
+    state, tasks = ModuleState(session), BackgroundTasks()
     link = TmclLink(session, state, tasks)
     borrowed = BorrowedAcceleration(session, state, link, Records(session, state), tasks)
     row = state.roles.max_acceleration
@@ -168,7 +168,7 @@ def test_a_lost_link_ends_a_motion_as_lost() -> None:
 async def test_a_timer_that_starts_again_tells_of_a_reset() -> None:
     session = session_of()
     state = ModuleState(session)
-    link, ticks = TmclLink(session, state, OwnTasks()), TickTimer(session, state)
+    link, ticks = TmclLink(session, state, BackgroundTasks()), TickTimer(session, state)
     assert isinstance(session.clock, VirtualClock)
     seen = []
     for value in (None, None, 0):

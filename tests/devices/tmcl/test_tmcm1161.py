@@ -31,7 +31,7 @@ async def test_it_is_known_by_its_number() -> None:
 
 
 @pytest.mark.parametrize("distance", [-120_000, 30_000, 500])
-async def test_a_move_goes_as_foreseen(distance: int) -> None:
+async def test_a_move_goes_as_predicted(distance: int) -> None:
     async with bench(MODEL) as b:
         plan = b.device.telemetry.sample_plan(["position.0", "residual.0", "predicted_velocity.0", "velocity.0"])
         rows: list[tuple[float, bytes]] = []

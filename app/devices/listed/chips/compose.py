@@ -9,7 +9,7 @@ from ....links.port import FramePort
 from ....links.queue import LinkQueue
 from ....links.register_access import access_of
 from ...core.axis_limits import AxisLimits
-from ...core.background_tasks import OwnTasks
+from ...core.background_tasks import BackgroundTasks
 from ...core.config import DeviceConfig
 from ...core.device import Device, Parts
 from ...core.raw_datagrams import RawDatagrams
@@ -33,7 +33,7 @@ def compose(
     """A device of any chip that the catalog has a table of."""
     session = Session(device_id, config, port, clock, queue=queue)
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
-    tasks = OwnTasks()
+    tasks = BackgroundTasks()
     state = ChipState(session, link.table)
     motions = ChipMotions(session, link, state, tasks)
     rules = ChipRegisters(session, link, state, motions)

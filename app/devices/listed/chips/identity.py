@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....errors import WrongState
 from ....registers.evaluation_board import ADDRESS
 from ....registers.model import Register
-from ...core.background_tasks import OwnTasks
+from ...core.background_tasks import BackgroundTasks
 from ...core.capabilities import Identity
 from ...core.register_link import RegisterLink
 from ...core.session import Session
@@ -23,7 +23,7 @@ PROBED = 2
 class ListedChipIdentity(Identity):
     """Asks for some registers, and for VERSION where the table has one."""
 
-    def __init__(self, session: Session, link: RegisterLink, tasks: OwnTasks) -> None:
+    def __init__(self, session: Session, link: RegisterLink, tasks: BackgroundTasks) -> None:
         self._session = session
         self._link = link
         self._tasks = tasks

@@ -8,7 +8,7 @@ from ....errors import BenchError, LinkDown, LinkTimeout
 from ....links.queue import Priority
 from ....registers.listed.ramp import HOLD, POSITION, Ramp
 from ....registers.model import Register
-from ...core.background_tasks import OwnTasks
+from ...core.background_tasks import BackgroundTasks
 from ...core.motion_watch import Look, MotionWatch
 from ...core.polling import Looking
 from ...core.register_io import Held, Words
@@ -39,7 +39,7 @@ class AxisLook:
 class ChipMotions:
     """Of all axes."""
 
-    def __init__(self, session: Session, link: RegisterLink, state: ChipState, tasks: OwnTasks) -> None:
+    def __init__(self, session: Session, link: RegisterLink, state: ChipState, tasks: BackgroundTasks) -> None:
         self._session = session
         self._link = link
         self._state = state

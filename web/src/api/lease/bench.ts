@@ -2,7 +2,7 @@ import { onlyLooks } from "../access";
 import { ApiError, problemOf } from "../problem";
 import { startBeat } from "./beat";
 import { Gate } from "./gate";
-import { type Lease, LeaseDesk } from "./LeaseDesk";
+import { type Lease, LeaseClient } from "./LeaseClient";
 import { sayGone, sayHere, sessionHeaders, userName } from "./session";
 
 const URL = "/api/v1/lease";
@@ -22,7 +22,7 @@ async function call(method: string, path = "", body?: unknown): Promise<Lease> {
 }
 
 /** This page's lease. */
-export const desk = new LeaseDesk({
+export const leaseClient = new LeaseClient({
   look: () => {
     sayHere();
     return call("GET");
@@ -38,7 +38,7 @@ export const desk = new LeaseDesk({
 
 /** Everything that the page sends goes through here. */
 export const gate = new Gate(
-  desk,
+  leaseClient,
   (request) => {
     for (const [name, value] of Object.entries(sessionHeaders())) request.headers.set(name, value);
     return fetch(request);
@@ -52,16 +52,16 @@ export const gate = new Gate(
  * tab that is too busy for this is missed by the server when its socket ends.
  */
 function leave() {
-  if (sayGone() || !desk.mine) return;
+  if (sayGone() || !leaseClient.mine) return;
   void fetch(`${URL}/leave`, { method: "POST", headers: sessionHeaders(), keepalive: true });
 }
 
 /** Look at the lease from now on, for as long as the page is seen; what keeps it alive goes on when it is not. */
 export function watchLease(): void {
-  void desk.refresh();
-  setInterval(() => document.hidden || void desk.refresh(), LOOK_EVERY_MS);
-  document.addEventListener("visibilitychange", () => document.hidden || void desk.refresh());
+  void leaseClient.refresh();
+  setInterval(() => document.hidden || void leaseClient.refresh(), LOOK_EVERY_MS);
+  document.addEventListener("visibilitychange", () => document.hidden || void leaseClient.refresh());
   window.addEventListener("pagehide", leave);
-  window.addEventListener("pageshow", (event) => event.persisted && void desk.refresh());
-  window.addEventListener(STOP_EVENT, () => desk.drop());
+  window.addEventListener("pageshow", (event) => event.persisted && void leaseClient.refresh());
+  window.addEventListener(STOP_EVENT, () => leaseClient.drop());
 }

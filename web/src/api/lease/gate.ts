@@ -1,4 +1,4 @@
-import type { LeaseDesk } from "./LeaseDesk";
+import type { LeaseClient } from "./LeaseClient";
 import { changesBench } from "./rules";
 
 export type Fetch = (request: Request) => Promise<Response>;
@@ -46,7 +46,7 @@ export class Gate {
   private readonly waiting = new Map<string, Turn>();
 
   constructor(
-    private readonly desk: LeaseDesk,
+    private readonly lease: LeaseClient,
     private readonly send: Fetch,
     /** our token may never have the bench: the server says so to whatever is sent */
     private readonly onlyLooks: () => boolean = () => false,
@@ -54,28 +54,28 @@ export class Gate {
 
   readonly fetch: Fetch = async (request) => {
     if (request.method === "GET" || this.onlyLooks()) return this.send(request);
-    if (changesBench(request.method, request.url) && !this.desk.mine) return this.wait(request);
+    if (changesBench(request.method, request.url) && !this.lease.mine) return this.wait(request);
     const spare = request.clone();
     const answer = await this.send(request);
     if (!(await wantsLease(answer))) return answer;
     // it has done nothing, and may be sent once more when the bench is ours
-    await this.desk.refused();
+    await this.lease.refused();
     return this.wait(spare);
   };
 
-  /** For what is held down: goes now or not at all. Who holds it opens the question, `desk.permitHeld`. */
+  /** For what is held down: goes now or not at all. Who holds it opens the question, `leaseClient.permitHeld`. */
   readonly held: Fetch = async (request) => {
     if (this.onlyLooks()) return this.send(request);
-    if (this.desk.snapshot.lease !== null && !this.desk.mine) return notSent(request);
+    if (this.lease.snapshot.lease !== null && !this.lease.mine) return notSent(request);
     const answer = await this.send(request);
     if (!(await wantsLease(answer))) return answer;
-    await this.desk.refused();
+    await this.lease.refused();
     return notSent(request);
   };
 
   /** For what a page repeats by itself: never asks. */
   readonly quiet: Fetch = async (request) =>
-    this.desk.snapshot.lease === null || this.desk.mine ? this.send(request) : notSent(request);
+    this.lease.snapshot.lease === null || this.lease.mine ? this.send(request) : notSent(request);
 
   private wait(request: Request): Promise<Response> {
     const key = `${request.method} ${request.url}`;
@@ -84,7 +84,7 @@ export class Gate {
       before.request = request;
       return before.answer.then((answer) => answer.clone());
     }
-    const turn: Turn = { request, answer: this.desk.permit().then((go) => this.go(key, turn, go)) };
+    const turn: Turn = { request, answer: this.lease.permit().then((go) => this.go(key, turn, go)) };
     this.waiting.set(key, turn);
     return turn.answer.then((answer) => answer.clone());
   }

@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { Gate, ONLY_LOOKING } from "./gate";
-import { type Lease, LeaseDesk, type LeasePorts } from "./LeaseDesk";
+import { type Lease, LeaseClient, type LeasePorts } from "./LeaseClient";
 import { changesBench } from "./rules";
 import { nameOfBrowser } from "./session";
 
@@ -65,8 +65,8 @@ class Server {
       };
     },
   };
-  readonly desk = new LeaseDesk(this.ports);
-  readonly gate = new Gate(this.desk, async (request) => {
+  readonly client = new LeaseClient(this.ports);
+  readonly gate = new Gate(this.client, async (request) => {
     const refusal = this.refusals.shift();
     if (refusal) return problem(refusal);
     this.sent.push(`${request.method} ${new URL(request.url).pathname.slice(8)} ${await request.text()}`.trim());
@@ -90,7 +90,7 @@ describe("a page that has not got the bench", () => {
     await server.gate.fetch(post("http://bench/api/v1/stop"));
     await server.gate.fetch(post("http://bench/api/v1/calc/ramp"));
     expect(server.sent).toEqual(["GET devices", "POST stop {}", "POST calc/ramp {}"]);
-    expect(server.desk.snapshot.question).toBeNull();
+    expect(server.client.snapshot.question).toBeNull();
   });
 
   it.each([FREE, { ...ANNS, left: true }])("takes it with the first change, without a question", async (lease) => {
@@ -98,7 +98,7 @@ describe("a page that has not got the bench", () => {
     const answer = server.gate.fetch(post(MOVE, "1"));
     expect((await answer).ok).toBe(true);
     expect(server.sent).toEqual(["POST devices/bench/axes/0/move 1"]);
-    expect(server.desk.snapshot).toMatchObject({ question: null, news: null, problem: null });
+    expect(server.client.snapshot).toMatchObject({ question: null, news: null, problem: null });
     await server.gate.fetch(post(MOVE, "2"));
     expect(server.sent).toHaveLength(2);
   });
@@ -112,18 +112,18 @@ describe("a page that has not got the bench", () => {
 
   it("sends nothing that a stop has come behind while the bench was taken", async () => {
     const answer = server.gate.fetch(post());
-    server.desk.drop();
+    server.client.drop();
     expect((await answer).status).toBe(409);
     expect(server.sent).toEqual([]);
   });
 
   it("asks when somebody was quicker", async () => {
-    await server.desk.refresh();
+    await server.client.refresh();
     server.lease = ANNS;
     const answer = server.gate.fetch(post());
     await settle();
-    expect(server.desk.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
-    await server.desk.answer(false);
+    expect(server.client.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
+    await server.client.answer(false);
     expect((await answer).status).toBe(409);
   });
 
@@ -139,28 +139,28 @@ describe("a page that has not got the bench", () => {
     server.lease = ANNS;
     const answer = server.gate.fetch(post());
     await settle();
-    if (how === "no") await server.desk.answer(false);
-    else server.desk.drop();
+    if (how === "no") await server.client.answer(false);
+    else server.client.drop();
     const refused = await answer;
     expect(refused.status).toBe(409);
     expect((await refused.json()).type).toBe(ONLY_LOOKING);
     expect(server.sent).toEqual([]);
-    expect(server.desk.snapshot.question).toBeNull();
+    expect(server.client.snapshot.question).toBeNull();
   });
 
   it("does not begin later what was held down, nor asks for what repeats by itself", async () => {
     server.lease = ANNS;
-    await server.desk.refresh();
+    await server.client.refresh();
     expect((await server.gate.quiet(patch("{}"))).status).toBe(409);
-    expect(server.desk.snapshot.question).toBeNull();
+    expect(server.client.snapshot.question).toBeNull();
     expect((await server.gate.held(post())).status).toBe(409);
-    expect(await server.desk.permitHeld()).toBe(false);
-    expect(server.desk.snapshot.question?.cause).toBe("held");
+    expect(await server.client.permitHeld()).toBe(false);
+    expect(server.client.snapshot.question?.cause).toBe("held");
     server.lease = FREE; // Ann has given it back: the question is still there
-    await server.desk.refresh();
-    await server.desk.answer(true);
+    await server.client.refresh();
+    await server.client.answer(true);
     expect(server.sent).toEqual([]);
-    expect(await server.desk.permitHeld()).toBe(true);
+    expect(await server.client.permitHeld()).toBe(true);
     await server.gate.held(post());
     expect(server.sent).toHaveLength(1);
   });
@@ -169,33 +169,33 @@ describe("a page that has not got the bench", () => {
 describe("a bench that somebody else has", () => {
   beforeEach(async () => {
     server.lease = ANNS;
-    await server.desk.refresh();
+    await server.client.refresh();
   });
 
   it("is asked for, again and again, and what waits asks once more when it is handed over", async () => {
     const answer = server.gate.fetch(post());
     await settle();
-    await server.desk.ask();
+    await server.client.ask();
     const asked = performance.now();
-    await server.desk.refresh(asked + 1000);
-    await server.desk.refresh(asked + 3000);
+    await server.client.refresh(asked + 1000);
+    await server.client.refresh(asked + 3000);
     expect(server.calls.filter((call) => call === "ask")).toHaveLength(2);
     server.lease = MINE;
-    await server.desk.refresh(asked + 3100);
-    expect(server.desk.snapshot).toMatchObject({ asking: false, question: { cause: "change", handed: true } });
+    await server.client.refresh(asked + 3100);
+    expect(server.client.snapshot).toMatchObject({ asking: false, question: { cause: "change", handed: true } });
     expect(server.sent).toEqual([]);
-    await server.desk.answer(true);
+    await server.client.answer(true);
     await answer;
     expect(server.sent).toHaveLength(1);
     expect(server.calls).not.toContain("take");
   });
 
   it("is not asked for any more by who does not want it any more", async () => {
-    await server.desk.ask();
-    server.desk.stopAsking();
+    await server.client.ask();
+    server.client.stopAsking();
     await settle();
     expect(server.calls.at(-1)).toBe("give back");
-    await server.desk.refresh(performance.now() + 60_000);
+    await server.client.refresh(performance.now() + 60_000);
     expect(server.calls.at(-1)).toBe("look");
   });
 
@@ -203,32 +203,32 @@ describe("a bench that somebody else has", () => {
     const answer = server.gate.fetch(post());
     await settle();
     server.lease = FREE;
-    await server.desk.refresh();
+    await server.client.refresh();
     server.lease = ANNS;
-    await server.desk.answer(true);
-    expect(server.desk.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
-    await server.desk.answer(false);
+    await server.client.answer(true);
+    expect(server.client.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
+    await server.client.answer(false);
     expect((await answer).status).toBe(409);
   });
 });
 
 describe("a page that has the bench", () => {
-  beforeEach(() => server.desk.take());
+  beforeEach(() => server.client.take());
 
   it("says that it is there, until it has given the bench back", async () => {
     expect(server.beating).toBe(true);
     server.beat();
     await settle();
     expect(server.calls.at(-1)).toBe("look");
-    await server.desk.giveBack();
+    await server.client.giveBack();
     expect(server.beating).toBe(false);
-    expect(server.desk.snapshot.news).toBeNull();
+    expect(server.client.snapshot.news).toBeNull();
   });
 
   it("tells when it has lost it", async () => {
     server.lease = ANNS;
-    await server.desk.refresh();
-    expect(server.desk.snapshot.news).toBe("lost");
+    await server.client.refresh();
+    expect(server.client.snapshot.news).toBe("lost");
     expect(server.beating).toBe(false);
   });
 
@@ -239,7 +239,7 @@ describe("a page that has the bench", () => {
       server.beat();
       await settle();
       expect(server.refused).toBe(0);
-      expect(server.desk.snapshot).toMatchObject({ news: "lost", problem: null });
+      expect(server.client.snapshot).toMatchObject({ news: "lost", problem: null });
       expect(server.beating).toBe(false);
     },
   );
@@ -262,20 +262,20 @@ describe("a page that has the bench", () => {
   it("takes other conflicts for what they are", async () => {
     server.refusals = ["/problems/wrong-state"];
     expect((await server.gate.fetch(post())).status).toBe(409);
-    expect(server.desk.snapshot.question).toBeNull();
+    expect(server.client.snapshot.question).toBeNull();
   });
 
   it("believes no answer that a later one has overtaken", async () => {
     let late: (lease: Lease) => void = () => undefined;
-    const desk = new LeaseDesk({
+    const client = new LeaseClient({
       ...server.ports,
       look: () => new Promise((resolve) => (late = resolve)),
     });
-    const looking = desk.refresh();
-    await desk.take();
+    const looking = client.refresh();
+    await client.take();
     late(FREE);
     await looking;
-    expect(desk.mine).toBe(true);
+    expect(client.mine).toBe(true);
   });
 });
 

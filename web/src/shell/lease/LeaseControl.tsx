@@ -2,8 +2,8 @@ import { Button, Indicator, Popover } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
 import { useAccess } from "../../api/access";
-import { desk } from "../../api/lease/bench";
-import { isFree, type Lease } from "../../api/lease/LeaseDesk";
+import { leaseClient } from "../../api/lease/bench";
+import { isFree, type Lease } from "../../api/lease/LeaseClient";
 import { later } from "../../lib/later";
 import classes from "./lease.module.css";
 import { useLease } from "./useLease";
@@ -35,7 +35,7 @@ export function LeaseControl() {
         data-lease="free"
         aria-label="The bench is free. Take the bench"
         title="Nobody has the bench: the first change takes it"
-        onClick={() => void desk.take()}
+        onClick={() => void leaseClient.take()}
       >
         <IconEye size={16} aria-hidden />
         <span className={classes.words}>

@@ -1,7 +1,7 @@
 import { Button, Group, Modal, Stack, Text } from "@mantine/core";
 import { type FormEvent, useState } from "react";
-import { desk } from "../../api/lease/bench";
-import { type Cause, isFree, type Lease, type Question } from "../../api/lease/LeaseDesk";
+import { leaseClient } from "../../api/lease/bench";
+import { type Cause, isFree, type Lease, type Question } from "../../api/lease/LeaseClient";
 import { savedName, saveName, userName } from "../../api/lease/session";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { NameField } from "./NameField";
@@ -22,7 +22,7 @@ export function LeaseDialog() {
   return (
     <Modal
       opened={question !== null && lease !== null}
-      onClose={() => void desk.answer(false)}
+      onClose={() => void leaseClient.answer(false)}
       title="You are only looking"
       size="sm"
       centered
@@ -41,7 +41,7 @@ function Body({ lease, question, asking }: { lease: Lease; question: Question; a
   const act = (event: FormEvent) => {
     event.preventDefault();
     if (!named) saveName(userName()); // asked once, also of one who likes what is proposed
-    void (taken ? desk.ask() : desk.answer(true));
+    void (taken ? leaseClient.ask() : leaseClient.answer(true));
   };
   return (
     <form onSubmit={act}>
@@ -49,7 +49,7 @@ function Body({ lease, question, asking }: { lease: Lease; question: Question; a
         <Words lease={lease} question={question} asking={asking} />
         {!named && <NameField />}
         <Group gap="xs" justify="flex-end">
-          <Button variant="default" size="sm" onClick={() => void desk.answer(false)}>
+          <Button variant="default" size="sm" onClick={() => void leaseClient.answer(false)}>
             {lease.mine ? "Not now" : "Only look"}
           </Button>
           {taken ? (

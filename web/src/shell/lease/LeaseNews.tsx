@@ -1,7 +1,7 @@
 import { Button, Group, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useEffect, useRef } from "react";
-import { desk } from "../../api/lease/bench";
+import { leaseClient } from "../../api/lease/bench";
 import { useLease } from "./useLease";
 
 const toastOf = (asker: string) => `lease-ask-${asker}`;
@@ -21,7 +21,7 @@ export function LeaseNews() {
         title: `${name} asks for the bench`,
         message: (
           <Group gap="xs" mt={4}>
-            <Button size="compact-sm" onClick={() => void desk.handOver(id)}>
+            <Button size="compact-sm" onClick={() => void leaseClient.handOver(id)}>
               Hand over
             </Button>
             <Text size="xs" c="dimmed">
@@ -41,7 +41,7 @@ export function LeaseNews() {
   }, [lease]);
   useEffect(() => {
     if (news === null) return;
-    const holder = desk.snapshot.lease?.holder;
+    const holder = leaseClient.snapshot.lease?.holder;
     notifications.hide("lease-news");
     notifications.show({
       id: "lease-news",
@@ -56,7 +56,7 @@ export function LeaseNews() {
       autoClose: news === "handed" ? 4000 : false,
       closeButtonProps: { "aria-label": "Dismiss" },
     });
-    desk.dismiss();
+    leaseClient.dismiss();
   }, [news]);
   return null;
 }

@@ -1,7 +1,7 @@
 import { Button, Group, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useEffect } from "react";
-import { desk } from "../../api/lease/bench";
-import type { Asker, Lease, OnVanish } from "../../api/lease/LeaseDesk";
+import { leaseClient } from "../../api/lease/bench";
+import type { Asker, Lease, OnVanish } from "../../api/lease/LeaseClient";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { NameField } from "./NameField";
@@ -17,11 +17,11 @@ interface Props {
 /** All about the bench: for who has it what to do with it, for all others how to get it. */
 export function LeasePanel({ lease, asking, close }: Props) {
   const { problem } = useLease();
-  useEffect(() => () => desk.dismiss(), []);
+  useEffect(() => () => leaseClient.dismiss(), []);
   return (
     <Stack gap="sm">
       {lease.mine ? <Mine lease={lease} close={close} /> : <Taken lease={lease} asking={asking} />}
-      {problem !== null && <ProblemAlert error={problem} onClose={() => desk.dismiss()} />}
+      {problem !== null && <ProblemAlert error={problem} onClose={() => leaseClient.dismiss()} />}
     </Stack>
   );
 }
@@ -38,11 +38,11 @@ function Taken({ lease, asking }: Omit<Props, "close">) {
       </Text>
       <NameField />
       {asking ? (
-        <Button size="xs" variant="default" onClick={() => desk.stopAsking()}>
+        <Button size="xs" variant="default" onClick={() => leaseClient.stopAsking()}>
           Asking {lease.holder}… Do not ask any more
         </Button>
       ) : (
-        <Button size="xs" data-autofocus onClick={() => void desk.ask()}>
+        <Button size="xs" data-autofocus onClick={() => void leaseClient.ask()}>
           Ask {lease.holder} for it
         </Button>
       )}
@@ -51,14 +51,14 @@ function Taken({ lease, asking }: Omit<Props, "close">) {
 }
 
 function Mine({ lease, close }: { lease: Lease; close: () => void }) {
-  const set = (on: OnVanish, afterS: number) => void desk.onVanish(on, afterS);
+  const set = (on: OnVanish, afterS: number) => void leaseClient.onVanish(on, afterS);
   return (
     <>
       <Text size="sm">You have the bench, for {lasting(lease.since_s)}. All others look on, and may stop a motor.</Text>
       {lease.asking.map((asker) => (
         <Asking key={asker.id} asker={asker} />
       ))}
-      <NameField onSaved={() => void desk.take()} />
+      <NameField onSaved={() => void leaseClient.take()} />
       <div>
         <Text size="xs" fw={500} mb={4} id="on-vanish">
           When this page vanishes, motors
@@ -90,7 +90,7 @@ function Mine({ lease, close }: { lease: Lease; close: () => void }) {
         variant="default"
         onClick={() => {
           close();
-          void desk.giveBack();
+          void leaseClient.giveBack();
         }}
       >
         Give the bench back
@@ -105,7 +105,7 @@ function Asking({ asker }: { asker: Asker }) {
       <Text size="sm" truncate>
         <b>{asker.name}</b> asks for it, for {lasting(asker.since_s)}
       </Text>
-      <Button size="compact-xs" style={{ flex: "none" }} onClick={() => void desk.handOver(asker.id)}>
+      <Button size="compact-xs" style={{ flex: "none" }} onClick={() => void leaseClient.handOver(asker.id)}>
         Hand over
       </Button>
     </Group>

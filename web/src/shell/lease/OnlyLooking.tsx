@@ -1,7 +1,7 @@
 import { Button, Popover, Text } from "@mantine/core";
 import { IconEye } from "@tabler/icons-react";
 import type { Access } from "../../api/access";
-import type { Lease } from "../../api/lease/LeaseDesk";
+import type { Lease } from "../../api/lease/LeaseClient";
 import classes from "./lease.module.css";
 
 /** In place of the way to the bench, for a token that may only look. */

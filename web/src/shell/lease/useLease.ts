@@ -1,6 +1,6 @@
 import { useSyncExternalStore } from "react";
-import { desk } from "../../api/lease/bench";
+import { leaseClient } from "../../api/lease/bench";
 
 export function useLease() {
-  return useSyncExternalStore(desk.subscribe, () => desk.snapshot);
+  return useSyncExternalStore(leaseClient.subscribe, () => leaseClient.snapshot);
 }

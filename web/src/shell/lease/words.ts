@@ -1,4 +1,4 @@
-import type { Lease, OnVanish } from "../../api/lease/LeaseDesk";
+import type { Lease, OnVanish } from "../../api/lease/LeaseClient";
 
 /** "12 s", "3 min", "2 h": how long somebody has had the bench, or will have it. */
 export function lasting(seconds: number | null): string {

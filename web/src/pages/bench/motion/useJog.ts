@@ -1,6 +1,6 @@
 import { type KeyboardEvent, type PointerEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { problemOf } from "../../../api/client";
-import { desk } from "../../../api/lease/bench";
+import { leaseClient } from "../../../api/lease/bench";
 import { ONLY_LOOKING } from "../../../api/lease/gate";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { STOP_EVENT } from "../../../shell/stopEverything";
@@ -28,7 +28,7 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
         (sign) => motion.jog({ device, axis }, { velocity: sign * speed.current, unit: "pps", hold_s: HOLD_S }),
         () => motion.keepRotating({ device, axis }, { hold_s: HOLD_S }),
         () => motion.stop({ device, axis }, "ramp"),
-        (error) => (notSent(error) ? void desk.permitHeld() : report.current(error)),
+        (error) => (notSent(error) ? void leaseClient.permitHeld() : report.current(error)),
         setDirection,
         notSent,
       ),
@@ -61,7 +61,7 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
   // was let go while the free bench was taken does not move any more.
   const press = async (wanted: Direction) => {
     pressed.current = wanted;
-    if ((await desk.permitHeld()) && pressed.current === wanted) jog.press(wanted);
+    if ((await leaseClient.permitHeld()) && pressed.current === wanted) jog.press(wanted);
   };
 
   const buttonProps = (own: Direction) => ({

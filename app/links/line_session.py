@@ -25,7 +25,7 @@ HEARD_MAX = 16 * 1024
 FOREIGN = "somebody else talks on the line"
 
 
-class Conversation(ABC):
+class LineSession(ABC):
     """One open line. For its thread only. `byte_s` is the time of a byte [s]; `frame_bytes` that of a whole answer."""
 
     frame_bytes: int

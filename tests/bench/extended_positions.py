@@ -29,9 +29,9 @@ from app.emulators.build import build_emulator
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
 from app.links.emulator import EmulatorPort
 from app.main import emulator_port
-from app.positions import EndlessService
+from app.positions import ExtendedPositionService
 from app.positions.axis import WatchedAxis
-from app.positions.observer import Followed
+from app.positions.observer import Observer
 from app.registers.catalog import MODELS
 from tests.bench.table import Row
 from tests.calc.turn_offset import TurnOffset
@@ -81,7 +81,7 @@ class _Timed:
 @contextlib.contextmanager
 def counted() -> Iterator[Spent]:
     """Time the service while this holds."""
-    spent, originals = Spent(), (WatchedAxis.serve, Followed._heard)
+    spent, originals = Spent(), (WatchedAxis.serve, Observer._heard)
     serve, heard = originals
 
     def own(seconds: float) -> None:
@@ -106,7 +106,7 @@ def counted() -> Iterator[Spent]:
                 setattr(device, name, timed_link(getattr(device, name)))
         return cast("float", await _Timed(serve(self), own))
 
-    def timed_heard(self: Followed, event: Any) -> None:
+    def timed_heard(self: Observer, event: Any) -> None:
         spent.heard += 1
         began_s = time.thread_time()
         heard(self, event)
@@ -115,18 +115,18 @@ def counted() -> Iterator[Spent]:
         if self.lock.locked():  # told by a look of our own: it is within the link's share, and that within ours
             spent.links_s -= took_s
 
-    WatchedAxis.serve, Followed._heard = timed_serve, timed_heard  # type: ignore[method-assign]
+    WatchedAxis.serve, Observer._heard = timed_serve, timed_heard  # type: ignore[method-assign]
     try:
         yield spent
     finally:
-        WatchedAxis.serve, Followed._heard = originals  # type: ignore[method-assign]
+        WatchedAxis.serve, Observer._heard = originals  # type: ignore[method-assign]
 
 
 async def _cost(model: str, seconds: float) -> tuple[Spent, float, int]:
     """The service of 32 axes on their way to a far target at top speed; CPU time, wall time [s], wraps on the way."""
     clock = WallClock()
     saves = []
-    service = EndlessService(clock, lambda: saves.append(1))
+    service = ExtendedPositionService(clock, lambda: saves.append(1))
     manager = DeviceManager({"emulator": emulator_port}, clock, lambda: service.sync(manager.devices))
     chips = -(-AXES // MODELS[model].axes)
     link = {"kind": "emulator", "motor": "rigid"} if model.startswith("tmc5") else {"kind": "emulator"}
@@ -200,7 +200,7 @@ async def _year(seconds: int) -> tuple[float, int, int]:
     device = compose("year", config, EmulatorPort(wire), VirtualClock())
     assert isinstance(device.motion, SixPointMotion)
     device.motion = Slow(**{part.name: getattr(device.motion, part.name) for part in fields(device.motion)})
-    service = EndlessService(clock, unix_s=clock.now, period_max_s=float("inf"))
+    service = ExtendedPositionService(clock, unix_s=clock.now, period_max_s=float("inf"))
     await device.identity.refresh()
     device.session.set_state("connected")
     await start_up(device, [Start(vmax=PER_TURN, amax=1_000_000, stops=False)])
@@ -212,10 +212,10 @@ async def _year(seconds: int) -> tuple[float, int, int]:
     await service.go_to(device, 0, target)
     looks, before_s, checked_s = 0, -1.0, 0.0
     while (watched := service._axes[device, 0]).going is not None:
-        await clock.advance(1000.0 if watched.track.position < target - 2 * 1000 * PER_TURN else 10.0)
-        if watched.track.asked_s == before_s:
+        await clock.advance(1000.0 if watched.tracker.position < target - 2 * 1000 * PER_TURN else 10.0)
+        if watched.tracker.asked_s == before_s:
             continue
-        looks, before_s = looks + 1, watched.track.asked_s
+        looks, before_s = looks + 1, watched.tracker.asked_s
         state = watched.state()
         assert state.trusted, state.reason
         assert state.rotary is not None

@@ -59,7 +59,7 @@ const ASK_EVERY_MS = 2000;
  * would change the bench asks `permit` first: without the lease one question is opened for all that wait, and its
  * answer lets all of them go on, or none.
  */
-export class LeaseDesk {
+export class LeaseClient {
   private view: LeaseView = { lease: null, heardMs: 0, question: null, asking: false, problem: null, news: null };
   private readonly listeners = new Set<() => void>();
   private waiting: ((go: boolean) => void)[] = [];

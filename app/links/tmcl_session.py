@@ -22,8 +22,8 @@ from collections.abc import Callable, Sequence
 from ..errors import BadReply, LinkTimeout
 from ..registers.evaluation_board import BoardOpcode
 from ..registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
-from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from .incidents import IncidentKind, Incidents
+from .line_session import DRAIN_MAX_S, FOREIGN, HEARD_MAX, LineSession
 from .port import Answer
 from .streams import Stream
 from .tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound, stops
@@ -43,7 +43,7 @@ PAD_WAIT_S = 0.05
 """How long a board has to say that padding made a frame full [s]."""
 
 
-class Dialogue(Conversation):
+class TmclSession(LineSession):
     """One open line of TMCL modules. `tell_event` gets each event frame; `stores` tells whether the module at an
     address is in download mode, where every question but a control command would become part of its program."""
 

@@ -22,9 +22,9 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 from ..errors import BadReply, LinkTimeout
-from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from .datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
 from .incidents import IncidentKind, Incidents
+from .line_session import DRAIN_MAX_S, FOREIGN, HEARD_MAX, LineSession
 from .port import Answer
 from .streams import Stream
 
@@ -38,7 +38,7 @@ NOBODY = -1
 """Stands for the node of a chip that has none."""
 
 
-class UartDialogue(Conversation):
+class UartSession(LineSession):
     """One open line of chips whose datagrams are of `form`, whatever its node."""
 
     def __init__(
