@@ -124,7 +124,9 @@ DcStep have a part in the ramp."""
 BOOST, SLOW, VARIES, FREE_AFTER = range(165, 169)
 """Of modules: current scale, plus 1, while the speed changes, and outside CoolStep's range (0: none); whether the run
 current is anything but IRUN; ticks of hold current after which there is none (0: never)."""
-INTEGERS = 169
+WAVE_STEPS = 169
+"""Physics steps until `SINE` and `COSINE` are worked out anew."""
+INTEGERS = 170
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -153,7 +155,11 @@ FALL_CHM, FALL, SINE_OFFSET, DC_MARK = range(53, 57)
 wave; electrical angle of the rotor at DcStep's last full step."""
 LOW_END, HIGH_END = range(57, 59)
 """Where the stage ends hard [rad of the shaft]; it has no ends where the first is not below the second."""
-REALS = 59
+ANGLE, SINE, COSINE = range(59, 62)
+"""Electrical angle of the rotor in the last physics step, and its sine and cosine."""
+BRAKE_SQUARE, BRAKE_REST = range(62, 64)
+"""A motor that goes at u needs at most `BRAKE_SQUARE` u^2 + `BRAKE_REST` to brake down to VSTOP [1/2^25 step]."""
+REALS = 64
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -172,6 +178,13 @@ TUNING_TICKS, REGULATION_TICKS = TICKS_A_DELAY, 64
 a millisecond where the amplitude is regulated (INFERRED)."""
 TUNING_STEPS = 8
 """Full steps for each change of PWM_GRAD_AUTO (DS-TMC5160 7.2.1, AT#2)."""
+MOST_ROTATED = 0.1
+"""Electrical angle [rad] up to which sine and cosine are carried on by their series, whose next terms are below 3e-17:
+at 20 turns a second a motor of 50 teeth passes it in a tick."""
+WAVE_LASTS = 256
+"""Physics steps for which they are carried on: what rounding leaves is below 1e-13."""
+BRAKE_MARGIN = 1.0 + 1e-6
+"""What `_allowed` rounds is far less than this share of the way, or two steps of 1/2^25."""
 PWM_LOOP = 0.25
 """Gain of the regulation: as much as stays stable with a coil that follows slowly (INFERRED; sheets tell only the
 greatest change)."""
@@ -297,6 +310,19 @@ def _speed_of(d: float, knee: float, left: float, ticks: int) -> int:
 
 
 @inlined
+def _bound_braking(s: Cells, f: Floats) -> None:
+    """What says at a glance that the way left suffices to brake, where it does so by far."""
+    v1, stop = float(s[V1]), float(s[VSTOP])
+    f[BRAKE_REST] = 0.0
+    if s[V2] > s[V1]:
+        f[BRAKE_SQUARE] = 0.5 / min(s[DMAX], s[D2], s[D1])
+        return
+    f[BRAKE_SQUARE] = 0.5 / s[DMAX]
+    if v1 > stop:  # exact above V1; below it too much, with D1 above DMAX everywhere
+        f[BRAKE_REST] = max((v1 * v1 - stop * stop) / (2.0 * s[D1]) - v1 * v1 * f[BRAKE_SQUARE], 0.0)
+
+
+@inlined
 def _brake(s: Cells, u: int, more: bool) -> int:
     """Speed after one tick of braking to a stop from VSTOP, by the deceleration ramp."""
     u = _slower(s, u, more)
@@ -304,10 +330,10 @@ def _brake(s: Cells, u: int, more: bool) -> int:
 
 
 @inlined
-def _ramp_by(s: Cells, more: bool) -> int:
+def _ramp(s: Cells, f: Floats, more: bool) -> int:
     """One tick of the ramp generator: moves X and V, returns the steps made (signed).
 
-    more : whether V2 or TVMAX have a part in it
+    more : whether V2 or TVMAX may have a part in it
     """
     v = s[V]
     mode = s[MODE]
@@ -346,7 +372,9 @@ def _ramp_by(s: Cells, more: bool) -> int:
         wanted = _faster(s, u, more)
         if wanted > s[VMAX]:
             wanted = s[VMAX]
-        new = min(wanted, _allowed(s, left, 0, more))
+        new = wanted
+        if left <= (wanted + f[BRAKE_SQUARE] * wanted * wanted + f[BRAKE_REST]) * BRAKE_MARGIN + 2.0:
+            new = min(wanted, _allowed(s, left, 0, more))  # a root and divisions, near the target only
         if more and s[TVMAX]:
             new = _by_tvmax(s, u if v != 0 else 0, wanted, new, left)
         if v != 0:  # a start takes no more of VSTART than the way allows
@@ -378,12 +406,6 @@ def _by_tvmax(s: Cells, u: int, wanted: int, new: int, left: int) -> int:
             return u
         return max(min(wanted, _allowed(s, left, s[TVMAX], True)), u)
     return u if s[SLOPE] > 0 and s[VWAIT] > 0 else new
-
-
-@compiled
-def _ramp(s: Cells) -> int:
-    """One tick of a ramp of two segments."""
-    return _ramp_by(s, False)
 
 
 @compiled
@@ -602,24 +624,35 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
     return min(max(wanted, free - reach), free + reach)
 
 
-@compiled
-def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
+@inlined
+def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> None:
     """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST."""
     theta, omega, ia, ib = f[THETA], f[OMEGA], f[IA], f[IB]
     teeth, kt, td, load = f[TEETH], f[KT], f[TD], f[LOAD]
     dt, dt_j, damp, friction, stiction = f[DT], f[DT_J], f[DAMP], f[FRICTION], f[STICTION]
-    bridges, blocked = s[BRIDGES], s[BLOCKED]
+    at, sine, cosine, lasts = f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS]
     torque = 0.0
     resting = True
     for _ in range(s[SUBSTEPS]):
-        sine, cosine = math.sin(teeth * theta), math.cos(teeth * theta)
+        angle = teeth * theta
+        by = angle - at
+        if lasts <= 0 or by > MOST_ROTATED or by < -MOST_ROTATED:
+            sine, cosine = math.sin(angle), math.cos(angle)
+            lasts = WAVE_LASTS
+        elif by != 0.0:
+            square = by * by
+            sin_by = by * (1.0 + square * (-1.0 / 6.0 + square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
+            cos_by = 1.0 + square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + square * (1.0 / 40320.0))))
+            sine, cosine = sine * cos_by + cosine * sin_by, cosine * cos_by - sine * sin_by
+            lasts -= 1
+        at = angle
         emf_a, emf_b = kt * omega * cosine, -kt * omega * sine
         new_a = _coil(f, ia, ref_a, emf_a, bridges)
         new_b = _coil(f, ib, ref_b, emf_b, bridges)
         torque = kt * (new_a * cosine - new_b * sine)
         # sin(4e) = 2 sin(2e) cos(2e)
         detent = td * 4.0 * sine * cosine * (1.0 - 2.0 * sine * sine)
-        if blocked:
+        if s[BLOCKED]:
             new = 0.0
         else:
             new = (omega + (torque - detent - load) * dt_j) * damp
@@ -640,19 +673,26 @@ def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
         elif theta > f[HIGH_END]:
             theta, omega = f[HIGH_END], min(omega, 0.0)
     f[THETA], f[OMEGA], f[IA], f[IB], f[TORQUE] = theta, omega, ia, ib, torque
+    f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS] = at, sine, cosine, lasts
     f[REF_A], f[REF_B] = ref_a, ref_b
     s[REST] = resting
 
 
 @compiled
+def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
+    """The physics of one tick, whatever the bridges do; sets REST."""
+    _turn_by(s, f, ref_a, ref_b, s[BRIDGES])
+
+
+@inlined
 def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
-    """References from the sequencer, then the motor, unless it rests and nothing has changed."""
+    """References from the sequencer, then the regulated motor, unless it rests and nothing has changed."""
     scale = f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
-        turn(s, f, ref_a, ref_b)
+        _turn_by(s, f, ref_a, ref_b, REGULATED)
 
 
 # --- DcStep --------------------------------------------------------------------------------------
@@ -711,7 +751,7 @@ def _commutate(s: Cells, f: Floats, steps: int) -> int:
 def _ramp_with_more(s: Cells, f: Floats) -> int:
     """One tick of a ramp in which V2, TVMAX or DcStep have a part: apart, for looks at them cost each tick of all."""
     before = abs(s[V])
-    steps = _ramp_by(s, True) if s[V2] or s[TVMAX] else _ramp(s)
+    steps = _ramp(s, f, True)
     if s[DCSTEP]:
         steps = _commutate(s, f, steps)
     if s[TVMAX]:
@@ -841,7 +881,7 @@ def _stealth_in_motion(s: Cells, f: Floats, current: float) -> None:
 
 @compiled
 def _drive_otherwise(s: Cells, f: Floats, table: Floats) -> None:
-    """The same where a PWM sets the coils' voltage, in full steps, and with constant off time."""
+    """The same where a PWM sets the coils' voltage, in full steps, with constant off time, and without current."""
     bridges = s[BRIDGES]
     scale = _stealth_volts(s, f) if bridges == VOLTAGE else f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
@@ -1375,7 +1415,7 @@ def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
 # --- time ----------------------------------------------------------------------------------------
 
 
-@compiled
+@inlined
 def _tick(s: Cells, f: Floats, table: Floats) -> int:
     """One tick; returns the events that happened in it."""
     before = s[V]
@@ -1387,7 +1427,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         events |= _EV_SWITCH_STOP
     s[STOPPING] = stopping
     waiting = s[ZWAIT]
-    steps = _ramp_with_more(s, f) if s[MORE] else _ramp(s)
+    steps = _ramp_with_more(s, f) if s[MORE] else _ramp(s, f, False)
     now = s[V]
     s[ACTUAL] = now - before
     if now != before:
@@ -1432,10 +1472,10 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     events |= _standing(s, f, steps)
     if s[RIGID]:
         _follow(s, f, table)
-    elif s[BRIDGES] >= VOLTAGE:
-        _drive_otherwise(s, f, table)
-    else:
+    elif s[BRIDGES] == REGULATED:
         _drive_motor(s, f, table)
+    else:
+        _drive_otherwise(s, f, table)
     pressed = physical(s, f)
     if pressed != s[PHYS]:
         events |= (pressed ^ s[PHYS]) * _EV_LEFT
@@ -1498,6 +1538,7 @@ def refresh(s: Cells, f: Floats) -> None:
         s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
     s[VARIES] = s[SEMIN] != 0 or s[BOOST] != 0 or s[SLOW] != 0
     s[MORE] = s[V2] != 0 or s[TVMAX] != 0 or s[VDCMIN] != 0
+    _bound_braking(s, f)
     s[VSEEN] = 0
     if s[VIRTUAL]:
         _see_virtual_stops(s, f)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.emulators.drive import TICK_CLOCKS, Drive, EventKind, MotorOptions
+from app.emulators.drive import kernel as k
 from tests.emulators.drive.oracle import PlainMotor
 from tests.emulators.drive.rig import (
     ONE_TURN_A_SECOND,
@@ -231,6 +232,23 @@ def test_the_kernel_equals_the_plain_motor_and_resting_changes_nothing() -> None
         assert truth.rotor_rad == pytest.approx(plain.theta, abs=1e-9)
         assert (truth.speed_rad_s, plain.omega) == (0.0, 0.0)
         assert [truth.current_a_a, truth.current_b_a] == pytest.approx(plain.currents, abs=1e-9)
+
+
+@pytest.mark.parametrize("turns_per_s", [0.01, 2, 8, 25])
+def test_sine_and_cosine_that_are_carried_on_stay_those_of_the_rotor(turns_per_s: float) -> None:
+    """Also where the rotor is put elsewhere by hand, and where it turns too far in a tick to carry anything on."""
+    drive = energised()
+    f = drive._f
+    for look in range(200):
+        f[k.OMEGA] = 2 * math.pi * turns_per_s
+        if look % 50 == 25:
+            drive.world.rotor_fullsteps += 0.05
+        drive.write("XTARGET", look)  # what rests is not worked out
+        drive.advance(drive.clocks + 37 * TICK_CLOCKS)
+        assert f[k.SINE] == pytest.approx(math.sin(f[k.ANGLE]), abs=1e-12)
+        assert f[k.COSINE] == pytest.approx(math.cos(f[k.ANGLE]), abs=1e-12)
+        last_step = f[k.TEETH] * f[k.OMEGA] * f[k.DT]
+        assert f[k.ANGLE] == pytest.approx(f[k.TEETH] * f[k.THETA] - last_step, abs=1e-9)
 
 
 def test_a_motor_that_stands_costs_nothing() -> None:
