@@ -28,6 +28,9 @@ const red: MantineColorsTuple = [
   "#a82020",
 ];
 
+/** What is small where nobody says otherwise: a bench wants much in sight. */
+const SMALL = { defaultProps: { size: "xs" } };
+
 export const theme = createTheme({
   primaryColor: "accent",
   primaryShade: { light: 7, dark: 6 },
@@ -41,5 +44,21 @@ export const theme = createTheme({
   },
   spacing: { xs: "0.375rem", sm: "0.5rem", md: "0.75rem", lg: "1rem", xl: "1.5rem" },
   cursorType: "pointer",
-  components: { Table: { classNames: { th: "hint regular" } } },
+  components: {
+    Table: { classNames: { th: "hint regular" } },
+    Autocomplete: SMALL,
+    Button: SMALL,
+    Checkbox: SMALL,
+    MultiSelect: SMALL,
+    NativeSelect: SMALL,
+    NumberInput: SMALL,
+    Radio: SMALL,
+    SegmentedControl: SMALL,
+    Switch: SMALL,
+    TextInput: SMALL,
+    Select: { defaultProps: { size: "xs", allowDeselect: false } },
+    ActionIcon: { defaultProps: { variant: "subtle", color: "gray" } },
+    Alert: { defaultProps: { variant: "light" } },
+    Slider: { defaultProps: { size: 4, thumbSize: 14, label: null } },
+  },
 });

@@ -96,7 +96,6 @@ export function NumberField(props: NumberFieldProps) {
   const symbol = symbolOf(unit);
   return (
     <TextInput
-      size="xs"
       inputMode={integer ? "numeric" : "decimal"}
       autoComplete="off"
       spellCheck={false}

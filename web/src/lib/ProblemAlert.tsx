@@ -22,7 +22,6 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
   return (
     <Alert
       color={wanted ? "gray" : "red"}
-      variant="light"
       role={wanted ? "status" : "alert"}
       p="sm"
       icon={wanted ? <IconEye size={18} aria-hidden /> : <IconAlertTriangle size={18} aria-hidden />}

@@ -36,11 +36,9 @@ export function QuantityField(props: Props) {
       />
       <Select
         aria-label={`Unit of ${label.toLowerCase()}`}
-        size="xs"
         w={84}
         data={units.map((candidate) => ({ value: candidate, label: symbolOf(candidate) }))}
         value={shown}
-        allowDeselect={false}
         disabled={disabled}
         comboboxProps={{ width: "max-content" }}
         onChange={(next) => next && onUnit(next)}

@@ -6,12 +6,7 @@ export function ColorSchemeToggle() {
   const scheme = useComputedColorScheme("light");
   const other = scheme === "light" ? "dark" : "light";
   return (
-    <ActionIcon
-      variant="subtle"
-      color="gray"
-      aria-label={`Switch to ${other} colours`}
-      onClick={() => setColorScheme(other)}
-    >
+    <ActionIcon aria-label={`Switch to ${other} colours`} onClick={() => setColorScheme(other)}>
       {scheme === "light" ? <IconMoon size={18} /> : <IconSun size={18} />}
     </ActionIcon>
   );

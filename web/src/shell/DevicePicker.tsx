@@ -20,8 +20,6 @@ export function DevicePicker() {
       data={choicesOf(list)}
       value={device ? `${device.id}/${axis}` : null}
       placeholder={devices.isPending ? "Looking for devices" : "No device"}
-      allowDeselect={false}
-      size="xs"
       w={{ base: 150, xs: 200, sm: 240 }}
       leftSection={device && <StateDot state={devices.isError ? "disconnected" : device.state} />}
       comboboxProps={{ width: "max-content", position: "bottom-start" }}

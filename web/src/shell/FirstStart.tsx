@@ -16,7 +16,6 @@ export function FirstStart() {
   const { done, total } = compiling;
   return (
     <Alert
-      variant="light"
       role="status"
       p="sm"
       mb="sm"

@@ -19,7 +19,6 @@ function Held({ device }: { device: Device }) {
   return (
     <Alert
       color="orange"
-      variant="light"
       role="alert"
       p="sm"
       mb="sm"

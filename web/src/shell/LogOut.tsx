@@ -8,14 +8,7 @@ export function LogOut() {
   if (access?.by !== "session") return null;
   const who = `Log out${access.name === null ? "" : ` ${access.name}`} (role: ${access.role})`;
   return (
-    <ActionIcon
-      variant="subtle"
-      color="gray"
-      aria-label={who}
-      title={who}
-      visibleFrom="sm"
-      onClick={() => void logOut()}
-    >
+    <ActionIcon aria-label={who} title={who} visibleFrom="sm" onClick={() => void logOut()}>
       <IconLogout size={18} />
     </ActionIcon>
   );

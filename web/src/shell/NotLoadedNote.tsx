@@ -45,7 +45,7 @@ export function NotLoadedNote({ why }: { why: string }) {
       <Text size="xs" c="dimmed" mb="xs">
         {why}
       </Text>
-      <Button size="xs" variant="default" onClick={() => window.location.reload()}>
+      <Button variant="default" onClick={() => window.location.reload()}>
         Reload the page
       </Button>
     </Alert>

@@ -27,7 +27,7 @@ export class PageBoundary extends Component<PropsWithChildren, State> {
             Motors go on as they were: stop them with the button above or Escape. Other pages still work.
           </Text>
           <Code block>{error.message}</Code>
-          <Button size="xs" variant="default" onClick={() => this.setState({ error: null })}>
+          <Button variant="default" onClick={() => this.setState({ error: null })}>
             Try again
           </Button>
         </Stack>

@@ -28,7 +28,6 @@ export function RunsUnderWay() {
           <Alert
             key={`${at.device}/${at.axis}`}
             color="yellow"
-            variant="light"
             role="alert"
             p="xs"
             mb="sm"
@@ -52,7 +51,6 @@ export function RunsUnderWay() {
         <Alert
           key={`${at.device}/${at.axis}`}
           color="blue"
-          variant="light"
           role="status"
           p="xs"
           mb="sm"

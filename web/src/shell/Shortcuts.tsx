@@ -16,14 +16,7 @@ export function Shortcuts() {
   ]);
   return (
     <>
-      <ActionIcon
-        variant="subtle"
-        color="gray"
-        aria-label="Keyboard shortcuts"
-        aria-keyshortcuts="?"
-        onClick={open}
-        visibleFrom="sm"
-      >
+      <ActionIcon aria-label="Keyboard shortcuts" aria-keyshortcuts="?" onClick={open} visibleFrom="sm">
         <IconKeyboard size={18} />
       </ActionIcon>
       {wanted && <ShortcutsDialog opened={opened} close={close} />}

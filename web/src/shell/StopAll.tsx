@@ -39,6 +39,7 @@ export function StopAll() {
   return (
     <>
       <Button
+        size="sm"
         color="red"
         variant="filled"
         className={classes.stop}

@@ -31,7 +31,6 @@ export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
     <>
       {state.axes.length > 1 && (
         <SegmentedControl
-          size="xs"
           fullWidth
           aria-label="Motor"
           data={state.axes.map(({ axis: index }) => ({

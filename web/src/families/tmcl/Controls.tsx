@@ -78,7 +78,6 @@ function FactoryDefault({ send }: { send: (patch: TmclPatch) => void }) {
   const [sure, setSure] = useState(false);
   return (
     <Button
-      size="xs"
       variant={sure ? "filled" : "default"}
       leftSection={<IconArrowBackUp size={16} aria-hidden />}
       onBlur={() => setSure(false)}

@@ -145,7 +145,6 @@ export function DesignPlots<P extends string>(props: Props<P>) {
       }
       choice={
         <SegmentedControl
-          size="xs"
           aria-label="Ramp mode"
           value={props.mode}
           onChange={(mode) => props.onMode(mode === "velocity" ? "velocity" : "position")}

@@ -38,7 +38,6 @@ export const MotorSection = memo(function MotorSection(props: Props) {
       }
       actions={
         <Switch
-          size="xs"
           label="compare with a motor"
           checked={motor.shown}
           onChange={(event) => onMotor({ shown: event.currentTarget.checked })}

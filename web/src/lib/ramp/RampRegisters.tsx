@@ -55,7 +55,6 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
           <Menu position="bottom-end" width={330}>
             <Menu.Target>
               <Button
-                size="xs"
                 variant="default"
                 disabled={onPreset === null}
                 rightSection={<IconChevronDown size={14} aria-hidden />}
@@ -73,7 +72,6 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
             </Menu.Dropdown>
           </Menu>
           <Button
-            size="xs"
             variant="default"
             leftSection={<IconDownload size={14} aria-hidden />}
             disabled={onRead === null}
@@ -89,7 +87,6 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
       <div className="flex wrap gap-6 mb-4">
         {props.choices}
         <SegmentedControl
-          size="xs"
           aria-label="Which values go together"
           value={props.lock}
           disabled={onLock === null}

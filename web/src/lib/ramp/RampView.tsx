@@ -129,11 +129,9 @@ export function RampView<P extends string>(props: Props<P>) {
             />
             <Select
               aria-label="Units"
-              size="xs"
               w={96}
               data={unitChoices(scale).map(({ key, label }) => ({ value: key, label }))}
               value={units.key}
-              allowDeselect={false}
               onChange={(key) => key && props.onUnits(key)}
             />
           </div>

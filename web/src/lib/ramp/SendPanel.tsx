@@ -122,7 +122,6 @@ export function SendPanel(props: Props) {
       actions={
         <>
           <Button
-            size="xs"
             leftSection={<IconUpload size={14} aria-hidden />}
             disabled={why !== null || changed.length === 0 || busy}
             loading={send.isPending}
@@ -131,7 +130,6 @@ export function SendPanel(props: Props) {
             Send
           </Button>
           <Button
-            size="xs"
             variant="light"
             leftSection={<IconPlayerPlay size={14} aria-hidden />}
             disabled={why !== null || busy || runs}
@@ -142,7 +140,6 @@ export function SendPanel(props: Props) {
           </Button>
           {(rotation === null || runs) && (
             <Button
-              size="xs"
               variant="light"
               leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
               disabled={why !== null || (busy && !runs)}
@@ -152,7 +149,7 @@ export function SendPanel(props: Props) {
               {runs ? "End there and back" : "There and back"}
             </Button>
           )}
-          <Button size="xs" variant="default" disabled={!connected} onClick={() => stop.mutate()}>
+          <Button variant="default" disabled={!connected} onClick={() => stop.mutate()}>
             Stop axis
           </Button>
         </>

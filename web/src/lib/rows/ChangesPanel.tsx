@@ -206,7 +206,7 @@ function Title({ row, axis, children }: { row: RegisterRow; axis: string; childr
 
 function Discard({ label, onClick }: { label: string; onClick: () => void }) {
   return (
-    <ActionIcon size={20} variant="subtle" color="gray" aria-label={label} onClick={onClick}>
+    <ActionIcon size={20} aria-label={label} onClick={onClick}>
       <IconArrowBackUp size={13} />
     </ActionIcon>
   );

@@ -34,7 +34,6 @@ export function ChipField({ chip, register, field, label, physical, disabled = f
     return (
       <Checkbox
         {...common}
-        size="xs"
         label={told}
         title={title}
         classNames={{ label: "text-12" }}
@@ -48,13 +47,11 @@ export function ChipField({ chip, register, field, label, physical, disabled = f
     return (
       <Select
         {...common}
-        size="xs"
         label={told}
         title={title}
         data={Object.entries(bits.values).map(([value, text]) => ({ value, label: text }))}
         value={planned === null ? null : String(planned)}
         placeholder="not known"
-        allowDeselect={false}
         onChange={(value) => value !== null && put(Number(value))}
       />
     );

@@ -15,15 +15,10 @@ export function DeviceNotice({ device }: { device: Device }) {
     onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
   });
   if (device.state === "connected" || isHeldBack(device)) return null; // that one is told of above every page
-  if (device.state === "connecting")
-    return (
-      <Alert variant="light" p="xs">
-        Connecting to {device.name}…
-      </Alert>
-    );
+  if (device.state === "connecting") return <Alert p="xs">Connecting to {device.name}…</Alert>;
   if (device.problem) return <ProblemAlert error={device.problem} doing={device.name} retry={() => connect.mutate()} />;
   return (
-    <Alert variant="light" p="xs" role="status">
+    <Alert p="xs" role="status">
       <Group gap="sm">
         <Text size="sm">{device.name} is not connected. Edits can be staged now and applied later.</Text>
         <Button size="compact-sm" loading={connect.isPending} onClick={() => connect.mutate()}>

@@ -46,7 +46,6 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
       data-escape-closes={onDone !== undefined || undefined}
     >
       <TextInput
-        size="xs"
         w={62 + bits.width * 2 + unit.length * 7}
         classNames={{ input: `num ${css.entryInput}` }}
         aria-label={label}
@@ -79,16 +78,23 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
       />
       {onDone && (
         <>
-          <ActionIcon size={26} variant="light" aria-label="Stage this value" disabled={!parsed?.ok} onClick={finish}>
+          <ActionIcon
+            color="accent"
+            size={26}
+            variant="light"
+            aria-label="Stage this value"
+            disabled={!parsed?.ok}
+            onClick={finish}
+          >
             <IconCheck size={15} />
           </ActionIcon>
-          <ActionIcon size={26} variant="subtle" color="gray" aria-label="Cancel the edit" onClick={onDone}>
+          <ActionIcon size={26} aria-label="Cancel the edit" onClick={onDone}>
             <IconX size={15} />
           </ActionIcon>
         </>
       )}
       {!onDone && wrong !== null && (
-        <ActionIcon size={22} variant="subtle" color="gray" aria-label="Take it back" onClick={() => setDraft(null)}>
+        <ActionIcon size={22} aria-label="Take it back" onClick={() => setDraft(null)}>
           <IconX size={13} />
         </ActionIcon>
       )}

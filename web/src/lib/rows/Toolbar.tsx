@@ -38,7 +38,6 @@ export function Toolbar({ what, placeholder, view, live, groups, children }: Pro
     <search className={`${css.toolbar} row gap-8`}>
       <TextInput
         ref={search}
-        size="xs"
         className={css.search}
         aria-label={`Search ${what}`}
         placeholder={placeholder}
@@ -70,7 +69,6 @@ export function Toolbar({ what, placeholder, view, live, groups, children }: Pro
         <span className="num">{ageMs > 0 && known ? `${state}, ${Math.round(ageMs / 1000)} s old` : state}</span>
       </span>
       <Button
-        size="xs"
         w={98}
         variant="default"
         disabled={!connected}

@@ -12,7 +12,12 @@ interface Props extends Pick<ButtonProps, "size" | "variant" | "disabled"> {
 /** Opens the start-up of a device or of some of its axes, which shows first what it would write. */
 export function StartUpButton({ device, axes, axisNames = [], label = "Start up", onDone, ...look }: Props) {
   return (
-    <Button {...look} data-testid="start-up-open" onClick={() => wantStartUp({ device, axes, axisNames, onDone })}>
+    <Button
+      size="sm"
+      {...look}
+      data-testid="start-up-open"
+      onClick={() => wantStartUp({ device, axes, axisNames, onDone })}
+    >
       {label}…
     </Button>
   );

@@ -138,7 +138,7 @@ function Entries({ audit }: { audit: Audit }) {
       </table>
       <div ref={ref} className="center pt-8 dim">
         {audit.more ? (
-          <Button size="xs" variant="default" loading={audit.loadingMore} onClick={audit.older}>
+          <Button variant="default" loading={audit.loadingMore} onClick={audit.older}>
             Older
           </Button>
         ) : known.length >= SHOWN_MAX ? (

@@ -31,7 +31,6 @@ export function FilterBar({ filters, query, onChange }: Props) {
     <search className="row wrap gap-6 mb-8">
       <TextInput
         ref={search}
-        size="xs"
         type="search"
         className={classes.search ?? ""}
         aria-label="Search the audit log"
@@ -66,7 +65,6 @@ export function FilterBar({ filters, query, onChange }: Props) {
         name="outcome"
       />
       <NativeSelect
-        size="xs"
         aria-label="Time"
         data={SPANS}
         value={filters.span}
@@ -75,7 +73,6 @@ export function FilterBar({ filters, query, onChange }: Props) {
       {filters.span === "between" && (
         <span className="flex wrap gap-6">
           <TextInput
-            size="xs"
             type="datetime-local"
             step={1}
             aria-label="From"
@@ -83,7 +80,6 @@ export function FilterBar({ filters, query, onChange }: Props) {
             onChange={(event) => set({ from: event.currentTarget.value })}
           />
           <TextInput
-            size="xs"
             type="datetime-local"
             step={1}
             aria-label="To"
@@ -92,14 +88,13 @@ export function FilterBar({ filters, query, onChange }: Props) {
           />
         </span>
       )}
-      <Button size="xs" variant="default" disabled={!isFiltered(filters)} onClick={() => onChange(EVERYTHING)}>
+      <Button variant="default" disabled={!isFiltered(filters)} onClick={() => onChange(EVERYTHING)}>
         Clear
       </Button>
       <Button
         component="a"
         href={csvHref(query)}
         download
-        size="xs"
         variant="default"
         leftSection={<IconDownload size={14} aria-hidden />}
       >
@@ -122,7 +117,6 @@ function Choice({ label, all, names, value, name, onPick }: ChoiceProps) {
   const data = [{ value: "", label: all }, ...(value === "" || names.includes(value) ? names : [value, ...names])];
   return (
     <NativeSelect
-      size="xs"
       aria-label={label}
       className={classes.choice ?? ""}
       data={data}

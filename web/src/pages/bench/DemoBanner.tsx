@@ -50,7 +50,6 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   return (
     <Card className={`${classes.demo} mid pad-s lines-12`} aria-label="Demo" data-running={running}>
       <Button
-        size="xs"
         variant={running ? "default" : "filled"}
         leftSection={
           running ? <IconPlayerStop size={16} aria-hidden /> : <IconPlayerPlayFilled size={16} aria-hidden />
@@ -89,13 +88,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
           <TryModels devices={devices} />
         </Group>
       )}
-      <ActionIcon
-        variant="subtle"
-        color="gray"
-        aria-label="Hide the demo bar"
-        onClick={() => setHidden(true)}
-        className="push"
-      >
+      <ActionIcon aria-label="Hide the demo bar" onClick={() => setHidden(true)} className="push">
         <IconX size={16} />
       </ActionIcon>
       {action.failure && (

@@ -21,7 +21,6 @@ export function SwitchRow({ label, of, forced, onChange }: SwitchProps) {
     <Group justify="space-between" wrap="nowrap" gap="xs">
       <Text size="xs">{label}</Text>
       <SegmentedControl
-        size="xs"
         aria-label={`${label} switch of ${of}`}
         data={[
           { value: "auto", label: "stage" },
@@ -49,6 +48,8 @@ export function EmulatorTime({ state, send }: TimeProps) {
     <>
       <Divider label="Time" labelPosition="left" />
       <Slider
+        thumbSize={16}
+        size="md"
         thumbLabel="Time scale"
         min={0}
         max={SCALES.length - 1}
@@ -88,6 +89,8 @@ export function LoadSlider({ value, most, send }: LoadProps) {
         </Text>
       </Group>
       <Slider
+        thumbSize={16}
+        size="md"
         thumbLabel="Load torque"
         min={-most}
         max={most}
@@ -198,7 +201,6 @@ export function Power({ send, note, children }: PowerProps) {
       <Divider label="Power" labelPosition="left" />
       <Group gap={6} grow wrap="nowrap">
         <Button
-          size="xs"
           variant="default"
           leftSection={<IconPower size={16} aria-hidden />}
           onClick={() => send({ power_cycle: true })}

@@ -130,7 +130,6 @@ export function EncoderOnShaft({ slip, what, onSlip, eccentricityDeg, onEccentri
           />
         )}
         <Button
-          size="xs"
           variant="default"
           title={`${what} turns on the shaft by one full step; ${fixed(slip, 1)} so far`}
           onClick={onSlip}

@@ -67,7 +67,6 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
                 {models.map((model) => (
                   <Button
                     key={model.name}
-                    size="xs"
                     variant="subtle"
                     color="gray"
                     justify="space-between"

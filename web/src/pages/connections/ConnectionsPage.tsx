@@ -45,7 +45,6 @@ export default function ConnectionsPage() {
       <div className="row between mb-8">
         <h1 className="m-0 text-16">Connections</h1>
         <Button
-          size="xs"
           leftSection={<IconPlus size={14} aria-hidden />}
           disabled={!chip}
           onClick={() => chip && show(newDraft(chip))}

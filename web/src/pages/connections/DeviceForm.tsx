@@ -91,13 +91,12 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
     >
       <div className={`${css.formHead} row between mb-8`}>
         <h2>{device ? `Edit ${device.name}` : "Add a device"}</h2>
-        <ActionIcon size={24} variant="subtle" color="gray" aria-label="Close without saving" onClick={onClose}>
+        <ActionIcon size={24} aria-label="Close without saving" onClick={onClose}>
           <IconX size={16} />
         </ActionIcon>
       </div>
       <div className={`${css.two} halves start gap-8`}>
         <TextInput
-          size="xs"
           label="Name"
           placeholder="for example bench"
           ref={focusIfEmpty}
@@ -109,7 +108,6 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           onChange={(event) => set({ name: event.currentTarget.value })}
         />
         <Select
-          size="xs"
           label="Model"
           classNames={{ label: "hint regular" }}
           data={(catalog.data ?? [draft.model]).map(({ name, title, axes, tier }) => ({
@@ -120,7 +118,6 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           nothingFoundMessage="No model of that name"
           description={TIERS[model.tier]?.help}
           value={draft.model.name}
-          allowDeselect={false}
           disabled={device !== null}
           onChange={(name) => {
             const chosen = catalog.data?.find((candidate) => candidate.name === name);
@@ -131,7 +128,6 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
       <fieldset className={`${css.group} stack gap-8 m-0 mt-12 rule-top`}>
         <legend>Link</legend>
         <SegmentedControl
-          size="xs"
           fullWidth
           aria-label="Kind of link"
           data={kindsOf(draft.model)}
@@ -186,13 +182,13 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         </p>
       )}
       <Group gap="xs" mt="sm">
-        <Button size="xs" type="submit" loading={save.isPending}>
+        <Button type="submit" loading={save.isPending}>
           {device ? "Save" : "Add and connect"}
         </Button>
-        <Button size="xs" variant="default" loading={test.isPending} onClick={runTest}>
+        <Button variant="default" loading={test.isPending} onClick={runTest}>
           Test the link
         </Button>
-        <Button size="xs" variant="subtle" color="gray" onClick={onClose}>
+        <Button variant="subtle" color="gray" onClick={onClose}>
           Cancel
         </Button>
       </Group>

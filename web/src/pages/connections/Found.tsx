@@ -143,14 +143,7 @@ function Command({ text }: { text: string }) {
       <code>{text}</code>
       <CopyButton value={text} timeout={1500}>
         {({ copied, copy }) => (
-          <ActionIcon
-            size={24}
-            variant="subtle"
-            color="gray"
-            aria-label="Copy the command"
-            title={copied ? "Copied" : "Copy"}
-            onClick={copy}
-          >
+          <ActionIcon size={24} aria-label="Copy the command" title={copied ? "Copied" : "Copy"} onClick={copy}>
             {copied ? <IconCheck size={15} /> : <IconCopy size={15} />}
           </ActionIcon>
         )}

@@ -20,7 +20,6 @@ export function PortField(props: AutocompleteProps) {
   };
   return (
     <Autocomplete
-      size="xs"
       classNames={{ input: "num", label: "hint regular" }}
       {...props}
       placeholder="/dev/ttyACM0, socket://host:port, rfc2217://host:port"

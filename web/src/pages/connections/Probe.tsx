@@ -57,7 +57,6 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
           {asked && bauds.length === 0 && <p className="m-0 mt-4 fault text-12">Choose at least one rate</p>}
         </fieldset>
         <TextInput
-          size="xs"
           label="Addresses"
           placeholder="1-4, 7"
           classNames={{ input: "num", label: "hint regular" }}
@@ -67,11 +66,11 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
           onChange={(event) => setText(event.currentTarget.value)}
         />
         <Group gap="xs">
-          <Button size="xs" type="submit" loading={start.isPending} disabled={running}>
+          <Button type="submit" loading={start.isPending} disabled={running}>
             Probe
           </Button>
           {running && (
-            <Button size="xs" variant="default" loading={abort.isPending} onClick={() => abort.mutate()}>
+            <Button variant="default" loading={abort.isPending} onClick={() => abort.mutate()}>
               Abort
             </Button>
           )}

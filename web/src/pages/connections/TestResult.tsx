@@ -33,7 +33,6 @@ export function TestResult({ test, error, pending, current, emulated, emulate }:
     );
   return (
     <Alert
-      variant="light"
       p="xs"
       role="status"
       icon={<IconCheck size={16} aria-hidden />}

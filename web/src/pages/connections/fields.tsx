@@ -25,7 +25,6 @@ export function FieldInput({ field, of, value, problem, onChange, onFocus }: Fie
   const wrong = problem(field);
   const change = (text: string | null) => onChange(field, text ?? "");
   const common = {
-    size: "xs",
     ...(of === undefined ? { label } : { "aria-label": label }),
     "aria-description": helpOf(field),
     placeholder: emptyOf(field),
@@ -42,7 +41,6 @@ export function FieldInput({ field, of, value, problem, onChange, onFocus }: Fie
         style={WIDE}
         data={field.options}
         value={common.value || String(field.default ?? "")}
-        allowDeselect={false}
         onChange={change}
       />
     );

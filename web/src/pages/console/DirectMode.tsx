@@ -42,15 +42,7 @@ export function DirectMode({ device }: { device: Device }) {
   return (
     <Card title="Direct mode" note="one command, one answer">
       {!warned && (
-        <Alert
-          variant="light"
-          p="xs"
-          mb="xs"
-          role="note"
-          withCloseButton
-          closeButtonLabel="Understood"
-          onClose={() => setWarned(true)}
-        >
+        <Alert p="xs" mb="xs" role="note" withCloseButton closeButtonLabel="Understood" onClose={() => setWarned(true)}>
           What you send goes to the module as it is. Commands marked “moves the motor” may set it in motion at once:
           keep STOP in reach.
         </Alert>

@@ -29,13 +29,7 @@ export function Entries({ device, entries, onAgain }: Props) {
     <>
       <div className="row between">
         <h3 className="hint m-0 bold">Sent</h3>
-        <ActionIcon
-          size={22}
-          variant="subtle"
-          color="gray"
-          aria-label="Clear the history"
-          onClick={() => forget(device)}
-        >
+        <ActionIcon size={22} aria-label="Clear the history" onClick={() => forget(device)}>
           <IconTrash size={14} />
         </ActionIcon>
       </div>

@@ -16,7 +16,7 @@ export function FrameDetail({ frame, onClose }: { frame: Frame; onClose: () => v
           <span className="num">{clock(frame.time_unix_s)}</span>, {frame.priority}, took{" "}
           <span className="num">{duration(frame.took_ms / 1000)}</span>
         </span>
-        <ActionIcon size={20} variant="subtle" color="gray" ml="auto" aria-label="Close the frame" onClick={onClose}>
+        <ActionIcon size={20} ml="auto" aria-label="Close the frame" onClick={onClose}>
           <IconX size={13} />
         </ActionIcon>
       </div>

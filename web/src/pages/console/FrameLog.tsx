@@ -99,7 +99,6 @@ export function FrameLog({ device }: { device: Device }) {
       )}
       <Group gap="xs" mb={6}>
         <TextInput
-          size="xs"
           className={css.logSearch}
           aria-label="Filter frames"
           placeholder="Text, hex, or status"
@@ -108,7 +107,6 @@ export function FrameLog({ device }: { device: Device }) {
           onChange={(event) => setFilter({ ...filter, text: event.currentTarget.value })}
         />
         <SegmentedControl
-          size="xs"
           aria-label="Which frames"
           data={[
             { value: "all", label: "All" },
@@ -119,7 +117,6 @@ export function FrameLog({ device }: { device: Device }) {
           onChange={(show) => setFilter({ ...filter, show: show as Show })}
         />
         <Switch
-          size="xs"
           label="Errors only"
           checked={filter.errorsOnly}
           onChange={(event) => setFilter({ ...filter, errorsOnly: event.currentTarget.checked })}

@@ -42,7 +42,6 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
       actions={
         <>
           <SegmentedControl
-            size="xs"
             aria-label="Direction"
             data={[
               { value: "both", label: "Both ways" },
@@ -53,7 +52,6 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
             onChange={(value) => onDirection(value as Direction)}
           />
           <SegmentedControl
-            size="xs"
             aria-label="View"
             data={[
               { value: "polar", label: "Polar" },

@@ -78,7 +78,6 @@ export function ConstSection({ chip, second, microstepsPerTurn, counted, disable
         />
       </div>
       <Switch
-        size="xs"
         my={8}
         label="counts the other way"
         checked={back}

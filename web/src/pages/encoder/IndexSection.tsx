@@ -16,12 +16,10 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
   return (
     <Card title="Index channel" note="N">
       <Select
-        size="xs"
         label="An event makes the chip"
         data={INDEX_USES.map(({ name }) => name)}
         value={use?.name ?? null}
         placeholder={bit("clr_cont") === null ? "not known" : "do a mixture"}
-        allowDeselect={false}
         disabled={disabled}
         onChange={(name) => {
           const wanted = INDEX_USES.find((each) => each.name === name);

@@ -120,13 +120,12 @@ export function Counter({ alias, write, actual, moving, onSet, disabled }: Count
           onChange={setValue}
           flex={1}
         />
-        <Button size="xs" variant="default" disabled={disabled} onClick={() => set(() => value)}>
+        <Button variant="default" disabled={disabled} onClick={() => set(() => value)}>
           Set
         </Button>
       </div>
       <Group mt={6} gap={6} wrap="nowrap" justify="space-between">
         <Button
-          size="xs"
           variant="default"
           disabled={disabled}
           onClick={() => set(actual)}

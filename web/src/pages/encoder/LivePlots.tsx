@@ -85,7 +85,6 @@ export function LivePlots(props: Props) {
         <>
           {choices.length > 1 && (
             <SegmentedControl
-              size="xs"
               aria-label="Encoder"
               data={[
                 ...choices.map((which) => ({ value: which as string, label: ENCODERS[which].label })),
@@ -97,7 +96,6 @@ export function LivePlots(props: Props) {
             />
           )}
           <Switch
-            size="xs"
             label="to the limit"
             wrapperProps={{ title: "Show the deviation up to its limit" }}
             checked={toLimit && widest > 0}

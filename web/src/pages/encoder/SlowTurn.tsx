@@ -59,7 +59,6 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
         />
         {run.running ? (
           <Button
-            size="xs"
             color="red"
             leftSection={<IconPlayerStop size={16} aria-hidden />}
             onClick={run.abort}
@@ -69,7 +68,6 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
           </Button>
         ) : (
           <Button
-            size="xs"
             leftSection={<IconRotateClockwise2 size={16} aria-hidden />}
             disabled={disabled}
             onClick={() => run.start(legs)}

@@ -50,7 +50,6 @@ export function EventsTimeline({ device, axis, name, source, connected, window }
         </Text>
         {!phone && (
           <SegmentedControl
-            size="xs"
             aria-label="Events as"
             data={[
               { value: "timeline", label: "Timeline" },

@@ -74,7 +74,6 @@ function Tokens({ open }: { open: boolean }) {
       {add.data && (
         <Alert
           color="accent"
-          variant="light"
           mt="xs"
           p="sm"
           role="status"
@@ -151,7 +150,6 @@ function AddForm({ adding, onAdd }: { adding: boolean; onAdd: (name: string, rol
   return (
     <form className="flex wrap end gap-8" onSubmit={submit}>
       <TextInput
-        size="xs"
         label="Name"
         value={name}
         maxLength={60}
@@ -159,13 +157,12 @@ function AddForm({ adding, onAdd }: { adding: boolean; onAdd: (name: string, rol
         onChange={(event) => setName(event.currentTarget.value)}
       />
       <NativeSelect
-        size="xs"
         label="Role"
         value={role}
         data={Object.entries(ROLES).map(([value, label]) => ({ value, label }))}
         onChange={(event) => setRole(event.currentTarget.value as Role)}
       />
-      <Button type="submit" size="xs" loading={adding} disabled={name.trim() === ""}>
+      <Button type="submit" loading={adding} disabled={name.trim() === ""}>
         Make a token
       </Button>
     </form>

@@ -61,7 +61,6 @@ function Notes({ storage }: { storage: Health["storage"] }) {
   return (
     <Alert
       color="orange"
-      variant="light"
       p="sm"
       role="status"
       icon={<IconDatabaseExclamation size={18} aria-hidden />}

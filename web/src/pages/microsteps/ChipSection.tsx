@@ -46,7 +46,6 @@ export function ChipSection<T>({ device, motor, what, needs, note, onRead, wante
       actions={
         <>
           <Button
-            size="xs"
             variant="default"
             leftSection={<IconDownload size={14} aria-hidden />}
             disabled={onRead === null}
@@ -55,7 +54,6 @@ export function ChipSection<T>({ device, motor, what, needs, note, onRead, wante
             Read from chip
           </Button>
           <Button
-            size="xs"
             leftSection={<IconUpload size={14} aria-hidden />}
             disabled={!motor.connected || wanted === null}
             loading={send.isPending}

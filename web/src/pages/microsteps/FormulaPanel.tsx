@@ -49,13 +49,10 @@ export function Line(props: {
         {label}
       </span>
       <Slider
-        size={4}
-        thumbSize={14}
         min={min}
         max={max}
         step={step}
         value={value}
-        label={null}
         thumbLabel={title}
         onChange={onChange}
         onChangeEnd={onSettle}
@@ -79,14 +76,11 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
         <div className="relative pt-8">
           <span className={classes.sheetRange} aria-hidden="true" />
           <Slider
-            size={4}
-            thumbSize={14}
             min={-1}
             max={1}
             step={0.01}
             value={formula.sigma}
             startPointValue={0}
-            label={null}
             thumbLabel="Sigma, the shape"
             thumbValueText={(value) =>
               `${value}, ${value === 0 ? "circle" : value > 0 ? "towards box" : "towards rhomb"}`
@@ -140,7 +134,6 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
       />
       <div className="row wrap gap-8">
         <SegmentedControl
-          size="xs"
           aria-label="Formula"
           value={formula.method}
           onChange={(method) => change({ method: method as Method }, null)}
@@ -151,7 +144,6 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
           ]}
         />
         <Switch
-          size="xs"
           label="fill"
           title="Stretch a box until it reaches the amplitude"
           checked={formula.full_scale}
@@ -159,7 +151,7 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
         />
         <Menu position="bottom-end" width={260}>
           <Menu.Target>
-            <Button size="xs" variant="default" rightSection={<IconChevronDown size={14} aria-hidden />} ml="auto">
+            <Button variant="default" rightSection={<IconChevronDown size={14} aria-hidden />} ml="auto">
               Presets
             </Button>
           </Menu.Target>

@@ -18,7 +18,6 @@ function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format:
     <div className="mid lines-8">
       <span className="hint m-0 mt-4">Design without a device, for</span>
       <SegmentedControl
-        size="xs"
         aria-label="Kind of table"
         value={format}
         onChange={(next) => onFormat(next as Format)}
@@ -49,7 +48,7 @@ function NoTable({
         Connections), and its wave, where it can be changed, in the driver's own table.
       </Text>
       {others.slice(0, 3).map((other) => (
-        <Button key={other.id} size="xs" onClick={() => onOther(other)}>
+        <Button key={other.id} onClick={() => onOther(other)}>
           Show the {other.title} {other.name}
         </Button>
       ))}

@@ -30,7 +30,6 @@ export function MotorRow({ motor }: { motor: Motor }) {
         </div>
       </dl>
       <Button
-        size="xs"
         variant="light"
         leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
         disabled={!connected}
@@ -41,7 +40,6 @@ export function MotorRow({ motor }: { motor: Motor }) {
         Shuttle
       </Button>
       <Button
-        size="xs"
         variant="default"
         leftSection={<IconPlayerStop size={14} aria-hidden />}
         disabled={!connected}

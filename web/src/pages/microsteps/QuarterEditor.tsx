@@ -114,7 +114,6 @@ export function QuarterEditor({
             actions={
               <>
                 <SegmentedControl
-                  size="xs"
                   aria-label="Pointer"
                   value={tool}
                   onChange={(next) => setTool(next as Tool)}
@@ -181,9 +180,7 @@ export function QuarterEditor({
                 </span>
                 <Select
                   aria-label="Resolution shown"
-                  size="xs"
                   w={190}
-                  allowDeselect={false}
                   value={String(usrs)}
                   onChange={(next) => setView(next === null || Number(next) === chipUsrs ? null : Number(next))}
                   data={Array.from({ length: 7 }, (_, step) => ({

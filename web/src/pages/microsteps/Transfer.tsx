@@ -68,7 +68,7 @@ export function Transfer({ values, onPaste }: Props) {
             classNames={{ input: "num" }}
             onChange={(event) => setText(event.currentTarget.value)}
           />
-          <Button onClick={take} disabled={wrong !== null}>
+          <Button size="sm" onClick={take} disabled={wrong !== null}>
             Use these values
           </Button>
         </Stack>

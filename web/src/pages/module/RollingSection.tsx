@@ -29,15 +29,14 @@ export function RollingSection(props: PropsWithChildren<Props>) {
         <>
           {actions}
           <Select
-            size="xs"
             w={80}
             aria-label="Time span"
             data={spansS.map((span) => ({ value: String(span), label: `${span} s` }))}
             value={String(rolling.spanS)}
-            allowDeselect={false}
             onChange={(value) => value && rolling.setSpanS(Number(value))}
           />
           <ActionIcon
+            color="accent"
             variant={rolling.paused ? "filled" : "default"}
             size={30}
             aria-label={rolling.paused ? "Run" : "Pause"}

@@ -39,11 +39,9 @@ export function Against({ profile }: { profile: Detail }) {
       ) : (
         <div className="flex wrap end gap-8 mb-8">
           <Select
-            size="xs"
             label="Compare with"
             data={data}
             value={target}
-            allowDeselect={false}
             placeholder="A device or a profile"
             onChange={setChosen}
           />

@@ -40,7 +40,6 @@ export function Apply({ profile, device, dry, outdated }: Props) {
       {unfinished && <Unfinished device={device} left={unfinished} />}
       <div className="mid lines-16">
         <Button
-          size="xs"
           disabled={writes === 0 || outdated || unfinished !== null || device.state !== "connected"}
           loading={running}
           onClick={() => apply.mutate({ profile, limits })}
@@ -49,7 +48,6 @@ export function Apply({ profile, device, dry, outdated }: Props) {
         </Button>
         {hasLimits && (
           <Checkbox
-            size="xs"
             label="Its soft limits too"
             checked={limits}
             onChange={(event) => setLimits(event.currentTarget.checked)}
@@ -99,7 +97,6 @@ function Done({ applied, device, onClose }: { applied: Applied; device: string; 
       mt={8}
       p="sm"
       color="gray"
-      variant="light"
       role="status"
       icon={<IconCheck size={18} aria-hidden />}
       title={`The profile is in ${device}`}
@@ -148,7 +145,6 @@ function Unfinished({ device, left }: { device: Device; left: Schemas["Unfinishe
       mb={8}
       p="sm"
       color="red"
-      variant="light"
       role="alert"
       icon={<IconArrowBackUp size={18} aria-hidden />}
       title={`"${left.profile}" is half in ${device.name}`}

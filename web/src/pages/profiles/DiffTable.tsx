@@ -43,7 +43,6 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
           , <span className="num">{fixed(diff.same)}</span> the same
         </Text>
         <Switch
-          size="xs"
           label="Only differences"
           checked={onlyDifferences}
           onChange={(event) => setOnlyDifferences(event.currentTarget.checked)}

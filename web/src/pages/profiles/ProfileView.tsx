@@ -111,7 +111,6 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
       )}
       <div className={`${css.names} columns`}>
         <TextInput
-          size="xs"
           label="Name"
           maxLength={100}
           value={name}

@@ -57,7 +57,6 @@ export function SavedProfiles({ selected, onSelect }: Props) {
     <Card title="Saved profiles" note={profiles.isSuccess && found.length > 0 ? fixed(found.length) : undefined}>
       <Group gap={6} mb={8} wrap="nowrap">
         <Button
-          size="xs"
           flex={1}
           leftSection={<IconCamera size={15} aria-hidden />}
           disabled={!connected}
@@ -71,7 +70,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
         </Button>
         <FileButton resetRef={again} onChange={(file) => void load(file)} accept=".json,application/json">
           {(props) => (
-            <Button {...props} size="xs" variant="default" leftSection={<IconFileImport size={15} aria-hidden />}>
+            <Button {...props} variant="default" leftSection={<IconFileImport size={15} aria-hidden />}>
               Import
             </Button>
           )}
@@ -118,7 +117,6 @@ export function SavedProfiles({ selected, onSelect }: Props) {
       {unreadable && <ProblemAlert error={unreadable} doing="Importing" onClose={() => setUnreadable(null)} />}
       <TextInput
         ref={field}
-        size="xs"
         mb={8}
         type="search"
         aria-label="Search profiles"

@@ -88,7 +88,6 @@ export function FileMenu({ device, connected, name, text, onOpen, attempt }: Pro
       <Menu position="bottom-start">
         <Menu.Target>
           <Button
-            size="xs"
             variant="default"
             leftSection={<IconFile size={16} aria-hidden />}
             rightSection={<IconChevronDown size={14} aria-hidden />}

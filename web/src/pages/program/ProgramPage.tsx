@@ -170,7 +170,6 @@ function Workbench({ device }: { device: Device }) {
                 />
                 <Tooltip label={`Store it in the module and read it back (${KEYS.download})`}>
                   <Button
-                    size="xs"
                     leftSection={<IconDownload size={16} aria-hidden />}
                     aria-keyshortcuts={KEYS.download}
                     loading={busy}

@@ -97,8 +97,6 @@ function Variables({
               </span>
               <ActionIcon
                 size="sm"
-                variant="subtle"
-                color="gray"
                 aria-label={`Watch variable ${each} no more`}
                 onClick={() => onVariables(variables.filter((other) => other !== each))}
               >
@@ -118,7 +116,6 @@ function Variables({
       >
         <Group gap={6} mt={4} wrap="nowrap">
           <TextInput
-            size="xs"
             flex={1}
             aria-label="Number of a user variable"
             placeholder="number, 0 to 255"
@@ -127,7 +124,7 @@ function Variables({
             onChange={({ currentTarget }) => setNumber(currentTarget.value)}
             error={number !== "" && !fits && "A number from 0 to 255 that is not watched yet"}
           />
-          <Button size="xs" variant="default" type="submit" disabled={!fits}>
+          <Button variant="default" type="submit" disabled={!fits}>
             Watch
           </Button>
         </Group>

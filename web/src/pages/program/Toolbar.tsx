@@ -46,7 +46,6 @@ export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, o
     <Group gap={6} role="toolbar" aria-label="Run the program">
       <Tooltip label={cannotRun || `Run (${KEYS.run})`}>
         <Button
-          size="xs"
           leftSection={<IconPlayerPlay size={16} aria-hidden />}
           aria-keyshortcuts={KEYS.run}
           disabled={disabled || cannotRun !== ""}
@@ -56,7 +55,6 @@ export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, o
         </Button>
       </Tooltip>
       <NativeSelect
-        size="xs"
         w={170}
         aria-label="Where the run begins"
         data={starts}
@@ -65,7 +63,6 @@ export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, o
       />
       <Tooltip label={stepping ? `Pause (${KEYS.pause})` : `Stop the program (${KEYS.stop})`}>
         <Button
-          size="xs"
           variant="default"
           leftSection={stepping ? <IconPlayerPause size={16} aria-hidden /> : <IconPlayerStop size={16} aria-hidden />}
           aria-keyshortcuts={stepping ? KEYS.pause : KEYS.stop}

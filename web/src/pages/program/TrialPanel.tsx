@@ -43,7 +43,6 @@ export function TrialPanel({ device, name, text, labels, ready }: Props) {
     <div className="grid gap-8">
       <div className="row wrap gap-8 end">
         <NumberInput
-          size="xs"
           w={110}
           label="At most [s]"
           min={1}
@@ -52,7 +51,6 @@ export function TrialPanel({ device, name, text, labels, ready }: Props) {
           onChange={(value) => setSeconds(Math.min(60, Math.max(1, Number(value) || 1)))}
         />
         <Button
-          size="xs"
           variant="default"
           disabled={!ready}
           loading={trial.isPending}

@@ -77,7 +77,6 @@ export function CompareView() {
               All recordings
             </Link>
             <SegmentedControl
-              size="xs"
               aria-label="Laid on each other at"
               data={[
                 { value: "trigger", label: "Trigger" },
@@ -91,7 +90,6 @@ export function CompareView() {
               }}
             />
             <SegmentedControl
-              size="xs"
               aria-label="Show"
               data={[
                 { value: "overlay", label: "Overlay" },

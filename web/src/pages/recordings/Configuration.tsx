@@ -30,7 +30,6 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
       actions={
         registers.length > 0 && (
           <TextInput
-            size="xs"
             type="search"
             aria-label="Search the configuration"
             placeholder="register"

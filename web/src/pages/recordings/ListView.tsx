@@ -61,7 +61,6 @@ export function ListView() {
         actions={
           <>
             <TextInput
-              size="xs"
               type="search"
               aria-label="Search recordings"
               placeholder="name, note, device, model"
@@ -70,7 +69,6 @@ export function ListView() {
               onChange={(event) => setText(event.currentTarget.value)}
             />
             <Button
-              size="xs"
               variant="default"
               leftSection={<IconArrowsDiff size={15} aria-hidden />}
               disabled={chosen.length < 2 || chosen.length > COMPARED_MAX}
@@ -79,7 +77,7 @@ export function ListView() {
             >
               Compare{chosen.length > 0 ? ` ${chosen.length}` : ""}
             </Button>
-            <Button size="xs" leftSection={<IconPlayerRecord size={15} aria-hidden />} onClick={open}>
+            <Button leftSection={<IconPlayerRecord size={15} aria-hidden />} onClick={open}>
               Record
             </Button>
           </>
@@ -164,7 +162,6 @@ export function ListView() {
             </Text>
             {limit < PAGE_MAX ? (
               <Button
-                size="xs"
                 variant="default"
                 loading={list.isFetching && list.isPlaceholderData}
                 onClick={() => setLimit((before) => Math.min(before + PAGE, PAGE_MAX))}
@@ -204,7 +201,6 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
     <tr className={isRunning(recording) ? classes.running : ""} data-testid={recording.id}>
       <td className={classes.tick}>
         <Checkbox
-          size="xs"
           aria-label={`Compare ${title}`}
           checked={picked}
           disabled={!readable}

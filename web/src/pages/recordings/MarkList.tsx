@@ -27,7 +27,6 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
         .map(([kind, words]) => (
           <Checkbox
             key={kind}
-            size="xs"
             label={words}
             checked={!without.has(kind)}
             onChange={(event) => {

@@ -39,7 +39,6 @@ export function RecordButton({ device, axis, rateHz }: Props) {
     return (
       <Group gap={4} wrap="nowrap">
         <Button
-          size="xs"
           variant="light"
           loading={busy}
           leftSection={<IconPlayerStop size={15} aria-hidden />}

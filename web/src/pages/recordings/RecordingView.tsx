@@ -163,7 +163,6 @@ function RunningActions({ detail, attempt }: ActionProps) {
         }}
       >
         <TextInput
-          size="xs"
           aria-label="Mark this moment"
           placeholder="mark this moment"
           maxLength={400}
@@ -173,7 +172,6 @@ function RunningActions({ detail, attempt }: ActionProps) {
         />
       </Box>
       <Button
-        size="xs"
         leftSection={<IconPlayerStop size={15} aria-hidden />}
         onClick={() => attempt("Ending the recording", () => changes.stop(detail.id))}
       >
@@ -210,7 +208,6 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
       {replay?.state === "failed" && <span className="caution text-12">Not replayed: {replay.message}</span>}
       {compared && (
         <Button
-          size="xs"
           variant="light"
           leftSection={<IconArrowsDiff size={15} aria-hidden />}
           onClick={() => go(`/recordings/compare?of=${compared}`)}
@@ -220,7 +217,6 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
       )}
       {!detail.replay_of && (
         <Button
-          size="xs"
           variant="default"
           leftSection={<IconRepeat size={15} aria-hidden />}
           onClick={start}
@@ -261,7 +257,6 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
       }
       actions={
         <SegmentedControl
-          size="xs"
           aria-label="Figures of"
           data={[
             { value: "shown", label: "What is shown" },

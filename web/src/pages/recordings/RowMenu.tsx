@@ -23,7 +23,7 @@ export function RowMenu({ recording, attempt, onRemoved }: Props) {
     <>
       <Menu position="bottom-end" shadow="md" withinPortal>
         <Menu.Target>
-          <ActionIcon variant="subtle" color="gray" size={26} aria-label={`More for ${title}`}>
+          <ActionIcon size={26} aria-label={`More for ${title}`}>
             <IconDotsVertical size={16} />
           </ActionIcon>
         </Menu.Target>
@@ -68,11 +68,10 @@ export function RowMenu({ recording, attempt, onRemoved }: Props) {
             {sizeText(recording.size_bytes)} of samples and marks go for good; there is no way back.
           </Text>
           <Group justify="flex-end" gap="xs">
-            <Button size="xs" variant="default" onClick={deleting_.close} data-autofocus>
+            <Button variant="default" onClick={deleting_.close} data-autofocus>
               Keep it
             </Button>
             <Button
-              size="xs"
               color="red"
               onClick={() => {
                 deleting_.close();
@@ -106,6 +105,7 @@ function LabelForm({
     >
       <Stack gap="sm">
         <TextInput
+          size="sm"
           label="Name"
           data-autofocus
           maxLength={100}
@@ -123,9 +123,7 @@ function LabelForm({
           onChange={(event) => setNote(event.currentTarget.value)}
         />
         <Group justify="flex-end">
-          <Button size="xs" type="submit">
-            Save
-          </Button>
+          <Button type="submit">Save</Button>
         </Group>
       </Stack>
     </form>

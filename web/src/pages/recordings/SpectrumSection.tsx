@@ -100,41 +100,34 @@ export function SpectrumSection({ recordings, channels, window, running = false 
         on ? (
           <>
             <Select
-              size="xs"
               w={170}
               aria-label="Channel of the spectrum"
               data={channels.map((each) => each.name)}
               value={channel.name}
-              allowDeselect={false}
               onChange={setName}
             />
             <Select
-              size="xs"
               w={150}
               aria-label="Window function"
               data={WINDOWS}
               value={shape}
-              allowDeselect={false}
               onChange={(value) => value && setShape(value as WindowName)}
             />
             <Select
-              size="xs"
               w={140}
               aria-label="What is taken off first"
               data={DETRENDS}
               value={detrend}
-              allowDeselect={false}
               onChange={(value) => value && setDetrend(value as Detrend)}
             />
             <Checkbox
-              size="xs"
               label="power density"
               checked={density}
               onChange={(event) => setDensity(event.currentTarget.checked)}
             />
           </>
         ) : (
-          <Button size="xs" variant="default" onClick={() => setOn(true)}>
+          <Button variant="default" onClick={() => setOn(true)}>
             Work it out
           </Button>
         )

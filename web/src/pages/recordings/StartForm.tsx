@@ -102,6 +102,7 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
     >
       <Stack gap="sm">
         <TextInput
+          size="sm"
           label="Name"
           data-autofocus
           maxLength={100}
@@ -109,13 +110,14 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
           onChange={(event) => setName(event.currentTarget.value)}
         />
         <Select
+          size="sm"
           label="Device"
           data={devices.map((each) => ({ value: each.id, label: names.get(each.id) ?? each.id }))}
           value={device.id}
-          allowDeselect={false}
           onChange={(value) => value && onDevice(value)}
         />
         <MultiSelect
+          size="sm"
           label="Channels"
           data={device.channels.map((each) => ({
             value: each.name,
@@ -130,10 +132,10 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
         />
         <Group grow align="flex-start">
           <Select
+            size="sm"
             label="Rate"
             data={rates.map((each) => ({ value: String(each), label: `${each} Hz` }))}
             value={rate}
-            allowDeselect={false}
             onChange={(value) => value && setRate(value)}
           />
           <NumberField
@@ -150,6 +152,7 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
           />
         </Group>
         <Select
+          size="sm"
           label="Begins"
           data={[
             { value: "now", label: "at once" },
@@ -157,37 +160,30 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
             { value: "level", label: "when a channel crosses a level" },
           ]}
           value={kind}
-          allowDeselect={false}
           onChange={(value) => value && setKind(value as typeof kind)}
         />
         {kind === "move" && (
           <Select
+            size="sm"
             label="Axis"
             data={device.axes.map((each) => ({ value: String(each.index), label: each.name }))}
             value={moved}
-            allowDeselect={false}
             onChange={(value) => value && setMoved(value)}
           />
         )}
         {kind === "level" && (
           <>
-            <Select
-              label="Channel that triggers"
-              data={channels}
-              value={crossing}
-              allowDeselect={false}
-              onChange={setChannel}
-            />
+            <Select size="sm" label="Channel that triggers" data={channels} value={crossing} onChange={setChannel} />
             <Group grow align="flex-start">
               <NumberField size="sm" label="Level" value={level} onChange={setLevel} onWrong={refused("level")} />
               <Select
+                size="sm"
                 label="Direction"
                 data={[
                   { value: "up", label: "upwards" },
                   { value: "down", label: "downwards" },
                 ]}
                 value={rising}
-                allowDeselect={false}
                 onChange={(value) => value && setRising(value)}
               />
             </Group>
@@ -216,7 +212,12 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
           onChange={(event) => setNote(event.currentTarget.value)}
         />
         <ProblemAlert error={problem} doing="Recording" onClose={() => setProblem(null)} />
-        <Button type="submit" loading={busy} disabled={channels.length === 0 || asked.some((name) => wrong[name])}>
+        <Button
+          size="sm"
+          type="submit"
+          loading={busy}
+          disabled={channels.length === 0 || asked.some((name) => wrong[name])}
+        >
           Start recording
         </Button>
       </Stack>

@@ -109,7 +109,6 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
       >
         <Group gap="xs" wrap="nowrap" align="flex-end">
           <TextInput
-            size="xs"
             flex={1}
             label={`Datagram in hex, ${sizeText(wire)}`}
             placeholder={wire.example}
@@ -126,7 +125,7 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
               recall(event.key === "ArrowUp" ? 1 : -1);
             }}
           />
-          <Button size="xs" type="submit" disabled={!frame.ok || !connected}>
+          <Button type="submit" disabled={!frame.ok || !connected}>
             Send
           </Button>
         </Group>

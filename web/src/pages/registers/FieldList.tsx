@@ -65,8 +65,8 @@ export function FieldList(props: Props) {
                       {field.access !== "R+WC" &&
                         `was ${chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}`}
                       <ActionIcon
+                        color="accent"
                         size={20}
-                        variant="subtle"
                         aria-label={`Discard the edit of ${field.name}`}
                         title="Discard this edit"
                         onClick={() => unstage(field.name)}
@@ -130,7 +130,6 @@ function FieldControl({ row, field, chip, staged, scales, stage, unstage }: Cont
   if (kind === "check") {
     return (
       <Checkbox
-        size="xs"
         label={shown === null ? "–" : shown === 1 ? "on" : "off"}
         aria-label={label}
         checked={shown === 1}
@@ -147,13 +146,11 @@ function FieldControl({ row, field, chip, staged, scales, stage, unstage }: Cont
       options.push({ value: String(shown), label: `${shown} · without a name` });
     return (
       <Select
-        size="xs"
         w={198}
         aria-label={label}
         data={options}
         value={shown === null ? null : String(shown)}
         placeholder="not known"
-        allowDeselect={false}
         onChange={(value) => value !== null && stage(Number(value))}
       />
     );

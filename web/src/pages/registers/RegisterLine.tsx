@@ -62,7 +62,6 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           <ActionIcon
             size={22}
             variant="transparent"
-            color="gray"
             tabIndex={-1}
             aria-label={`Bits of ${row.name}${axisName ? ` of ${axisName}` : ""}`}
             aria-expanded={expanded}
@@ -117,8 +116,8 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         <td className={`${common.tools} nowrap`}>
           {edit && !editing && (
             <ActionIcon
+              color="accent"
               size={22}
-              variant="subtle"
               tabIndex={-1}
               aria-label={`Discard the edits of ${row.name}`}
               onClick={() => actions.unstage(key)}
@@ -129,8 +128,6 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           {writable(row.access) && !editing && (
             <ActionIcon
               size={22}
-              variant="subtle"
-              color="gray"
               tabIndex={-1}
               aria-label={`Edit ${row.name}${axisName ? ` of ${axisName}` : ""}`}
               onClick={() => (packed ? actions.toggle(key, true) : actions.edit(key))}

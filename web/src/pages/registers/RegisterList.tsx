@@ -52,7 +52,7 @@ export function RegisterList(props: Props) {
         <Text size="sm" className="dim">
           Search finds names, addresses like 0x0c, fields and words of the help.
         </Text>
-        <Button size="xs" variant="default" onClick={props.onClearSearch}>
+        <Button variant="default" onClick={props.onClearSearch}>
           Clear the search
         </Button>
       </EmptyState>

@@ -72,7 +72,6 @@ export default function RegistersPage() {
         >
           {many && (
             <Switch
-              size="xs"
               label="All axes"
               classNames={{ label: "text-12" }}
               checked={everyAxis}

@@ -44,7 +44,6 @@ export function ExactField({ value, onValue, check, unit = "", onEnter, onWrong,
 
   return (
     <TextInput
-      size="xs"
       inputMode="text"
       autoComplete="off"
       spellCheck={false}

@@ -67,7 +67,6 @@ export function GoTo(props: Props) {
         ))}
       </Group>
       <SegmentedControl
-        size="xs"
         fullWidth
         aria-label="Way"
         data={WAY_NAMES}
@@ -97,7 +96,6 @@ export function GoTo(props: Props) {
       </dl>
       <div className="flex gap-6">
         <Button
-          size="xs"
           flex={1}
           leftSection={<IconPlayerPlayFilled size={14} aria-hidden />}
           disabled={disabled || wrong.angle || angle === null}
@@ -108,7 +106,6 @@ export function GoTo(props: Props) {
           Go
         </Button>
         <Button
-          size="xs"
           variant="default"
           px={8}
           aria-label="Put the hand back"
@@ -120,7 +117,6 @@ export function GoTo(props: Props) {
         </Button>
       </div>
       <Switch
-        size="xs"
         label="go when the hand is let go"
         checked={atOnce}
         disabled={disabled}
@@ -137,7 +133,6 @@ export function GoTo(props: Props) {
           data-testid="whole-turns"
         />
         <Button
-          size="xs"
           variant="default"
           px={9}
           aria-label="Turn back by whole turns"
@@ -147,7 +142,6 @@ export function GoTo(props: Props) {
           <IconPlayerTrackPrev size={14} aria-hidden />
         </Button>
         <Button
-          size="xs"
           variant="default"
           px={9}
           aria-label="Turn forward by whole turns"

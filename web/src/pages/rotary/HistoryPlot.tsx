@@ -110,7 +110,6 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
       actions={
         <Group gap={6}>
           <SegmentedControl
-            size="xs"
             aria-label="Shown as"
             data={[
               { value: "turns", label: "turns" },
@@ -120,12 +119,10 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
             onChange={(value) => setWhat(value as "angle" | "turns")}
           />
           <Select
-            size="xs"
             w={84}
             aria-label="Time span"
             data={SPANS.map(({ seconds: value, label }) => ({ value: String(value), label }))}
             value={String(seconds)}
-            allowDeselect={false}
             onChange={(value) => value && setSeconds(Number(value))}
             data-testid="history-span"
           />

@@ -64,7 +64,6 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
           data-testid="long-target"
         />
         <Select
-          size="xs"
           label="in"
           w={96}
           data={[
@@ -77,14 +76,12 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
                 ]),
           ]}
           value={shown}
-          allowDeselect={false}
           disabled={disabled}
           onChange={(next) => next && setUnit(next as Unit)}
         />
       </div>
       <SegmentedControl
         mt={6}
-        size="xs"
         fullWidth
         aria-label="Reference"
         data={[
@@ -133,7 +130,6 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
       </dl>
       <Button
         fullWidth
-        size="xs"
         leftSection={<IconPlayerPlayFilled size={14} aria-hidden />}
         disabled={disabled || wrong || target === null || outside}
         loading={going}

@@ -43,7 +43,6 @@ export function PiecesBar({
       note={view && view.total > 0 ? `each up to ${grouped(length)} µsteps` : `a piece is ${grouped(length)} µsteps`}
       actions={
         <Button
-          size="xs"
           color="red"
           variant={moving ? "filled" : "light"}
           leftSection={<IconPlayerStop size={16} aria-hidden />}

@@ -73,7 +73,6 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
       }
     >
       <SegmentedControl
-        size="xs"
         fullWidth
         aria-label="What a turn is given by"
         data={[
@@ -192,7 +191,6 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
               data-testid="set-actual-value"
             />
             <Button
-              size="xs"
               variant="default"
               disabled={disabled || actual === "" || answer.state === "moving"}
               onClick={() => {

@@ -19,7 +19,6 @@ export function Trust({ seen, disabled, busy, onChange }: Props) {
   return (
     <Alert
       color="orange"
-      variant="light"
       p="xs"
       icon={<IconAlertTriangle size={20} aria-hidden />}
       title="Where the axis stands is not certain"
@@ -31,7 +30,6 @@ export function Trust({ seen, disabled, busy, onChange }: Props) {
       </Text>
       {actual !== null && (
         <Button
-          size="xs"
           variant="default"
           disabled={disabled}
           loading={busy}

@@ -68,12 +68,10 @@ export function ChoiceRow({
         {label} <span className="hint nowrap">{alias}</span>
       </span>
       <Select
-        size="xs"
         aria-label={`${label}, ${alias}`}
         data={choices.map((choice, index) => ({ value: String(index), label: choice }))}
         value={value === null ? null : String(value)}
         placeholder="unknown"
-        allowDeselect={false}
         disabled={disabled}
         onChange={(next) => next !== null && settings.stage(name, Number(next))}
         data-testid={name}

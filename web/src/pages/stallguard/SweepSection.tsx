@@ -79,7 +79,6 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
       />
       {run.running ? (
         <Button
-          size="xs"
           fullWidth
           color="red"
           leftSection={<IconPlayerStop size={16} aria-hidden />}
@@ -90,7 +89,6 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
         </Button>
       ) : (
         <Button
-          size="xs"
           fullWidth
           leftSection={<IconStairs size={16} aria-hidden />}
           disabled={disabled}

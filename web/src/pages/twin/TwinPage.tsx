@@ -137,7 +137,7 @@ export function Updates({ state }: { state: TwinState }) {
 
 function Theirs({ state, label, onShow }: { state: TwinState; label: string; onShow: () => void }) {
   return (
-    <Alert variant="light" p="sm" role="status" title={`Somebody looks at ${state.device}, ${state.name}`}>
+    <Alert p="sm" role="status" title={`Somebody looks at ${state.device}, ${state.name}`}>
       <Group gap="sm">
         <Text size="sm">There is one 3D view for everybody. Showing another axis shows it to them, too.</Text>
         <Button size="compact-sm" onClick={onShow}>

@@ -28,7 +28,6 @@ export function LeaseControl() {
   if (isFree(lease))
     return (
       <Button
-        size="xs"
         variant="default"
         className={classes.control}
         data-testid="lease"
@@ -52,7 +51,6 @@ export function LeaseControl() {
       <Indicator label={asks} size={16} disabled={asks === 0} offset={3}>
         <Popover.Target>
           <Button
-            size="xs"
             variant={lease.mine ? "light" : "default"}
             className={classes.control}
             data-testid="lease"

@@ -38,11 +38,11 @@ function Taken({ lease, asking }: Omit<Props, "close">) {
       </Text>
       <NameField />
       {asking ? (
-        <Button size="xs" variant="default" onClick={() => leaseClient.stopAsking()}>
+        <Button variant="default" onClick={() => leaseClient.stopAsking()}>
           Asking {lease.holder}… Do not ask any more
         </Button>
       ) : (
-        <Button size="xs" data-autofocus onClick={() => void leaseClient.ask()}>
+        <Button data-autofocus onClick={() => void leaseClient.ask()}>
           Ask {lease.holder} for it
         </Button>
       )}
@@ -65,7 +65,6 @@ function Mine({ lease, close }: { lease: Lease; close: () => void }) {
         </Text>
         <SegmentedControl
           fullWidth
-          size="xs"
           aria-labelledby="on-vanish"
           data={Object.entries(ON_VANISH).map(([value, { label }]) => ({ value, label }))}
           value={lease.on_vanish}
@@ -86,7 +85,6 @@ function Mine({ lease, close }: { lease: Lease; close: () => void }) {
         />
       </div>
       <Button
-        size="xs"
         variant="default"
         onClick={() => {
           close();

@@ -18,7 +18,6 @@ export function NameField({ onSaved }: Props) {
   };
   return (
     <TextInput
-      size="xs"
       label="Your name, for the others"
       value={name}
       maxLength={LONGEST_NAME}

@@ -11,7 +11,6 @@ export function OnlyLooking({ access, lease }: { access: Access; lease: Lease })
     <Popover width={280} position="bottom" trapFocus withinPortal>
       <Popover.Target>
         <Button
-          size="xs"
           variant="default"
           className={classes.control}
           data-testid="lease"

@@ -79,12 +79,10 @@ export function BitDetail({ bit, chip, edit, onCustom }: Props) {
         <Group gap={6}>
           <Select
             aria-label={`Signal of bit ${bit.position}`}
-            size="xs"
             w={124}
             data={[...SIGNALS]}
             value={bit.signal}
             placeholder={bit.signal}
-            allowDeselect={false}
             onChange={(signal) => signal && edit.onSignal(signal)}
           />
           <ActionIcon

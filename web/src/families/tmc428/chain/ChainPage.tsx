@@ -145,19 +145,16 @@ function Editor({ device }: { device: Device | undefined }) {
         </Badge>
         <Select
           aria-label={`Driver ${motor + 1}`}
-          size="xs"
           w={98}
           data={[
             ...KNOWN.map((name) => ({ value: name, label: name.toUpperCase() })),
             { value: CUSTOM, label: "custom" },
           ]}
           value={driver.driver}
-          allowDeselect={false}
           onChange={(name) => name && choose(motor, name)}
         />
         {driver.driver !== CUSTOM && (
           <Switch
-            size="xs"
             label="fast decay"
             checked={driver.fastDecay}
             onChange={(event) => change(motor, { ...driver, fastDecay: event.currentTarget.checked })}
@@ -201,7 +198,6 @@ function Editor({ device }: { device: Device | undefined }) {
           actions={
             <>
               <Button
-                size="xs"
                 variant="default"
                 leftSection={<IconPlus size={14} aria-hidden />}
                 disabled={drivers.length >= DRIVERS_MAX}
@@ -210,7 +206,6 @@ function Editor({ device }: { device: Device | undefined }) {
                 Driver
               </Button>
               <Button
-                size="xs"
                 variant="default"
                 leftSection={<IconDownload size={14} aria-hidden />}
                 disabled={adopt === null}
@@ -219,7 +214,6 @@ function Editor({ device }: { device: Device | undefined }) {
                 Read from chip
               </Button>
               <Button
-                size="xs"
                 leftSection={<IconUpload size={14} aria-hidden />}
                 disabled={
                   !connected || !result || stale || error !== null || (held !== undefined && different.size === 0)

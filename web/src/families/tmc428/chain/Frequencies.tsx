@@ -60,12 +60,9 @@ export function Frequencies(props: Props) {
       <div className="control-line text-12">
         <span className="num">clk2_div</span>
         <Slider
-          size={4}
-          thumbSize={14}
           min={0}
           max={255}
           value={clk2Div}
-          label={null}
           thumbLabel="clk2_div, the divider of the SPI clock"
           onChange={onClk2Div}
         />

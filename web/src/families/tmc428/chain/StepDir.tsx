@@ -206,7 +206,6 @@ export function StepDir({ device }: { device: Device }) {
         }
         actions={
           <Button
-            size="xs"
             leftSection={<IconUpload size={14} aria-hidden />}
             disabled={!connected || changed.length === 0}
             loading={send.isPending}
@@ -224,12 +223,9 @@ export function StepDir({ device }: { device: Device }) {
         <div className="control-line text-12">
           <span className="num">STPDIV</span>
           <Slider
-            size={4}
-            thumbSize={14}
             min={0}
             max={15}
             value={settings.STPDIV_4210}
-            label={null}
             thumbLabel="STPDIV, the length of a step pulse"
             onChange={(value) => set("STPDIV_4210", value)}
           />
@@ -246,7 +242,6 @@ export function StepDir({ device }: { device: Device }) {
           {SWITCHES.map(([field, label]) => (
             <Switch
               key={field}
-              size="xs"
               label={label}
               checked={settings[field] === 1}
               onChange={(event) => set(field, event.currentTarget.checked ? 1 : 0)}

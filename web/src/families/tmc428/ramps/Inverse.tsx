@@ -54,10 +54,8 @@ function Field(props: {
       />
       <Select
         aria-label={`Unit of the ${props.label.toLowerCase()}`}
-        size="xs"
         data={props.units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
         value={props.unit}
-        allowDeselect={false}
         comboboxProps={{ width: "max-content" }}
         onChange={(unit) => unit && props.onUnit(unit)}
       />

@@ -56,14 +56,11 @@ export function PairSection(props: Props) {
       <div className="control-line mb-4">
         <span className="text-12 mono">reduction</span>
         <Slider
-          size={4}
-          thumbSize={14}
           min={0}
           max={20}
           step={0.1}
           value={percent}
           onChange={(value) => onReduction(Math.abs(value - sheet * 100) < 0.05 ? null : value / 100)}
-          label={null}
           marks={[{ value: sheet * 100, label: `data sheet ${fixed(sheet * 100)} %` }]}
           thumbLabel="Reduction of p in percent"
           className={classes.markedSlider ?? ""}

@@ -49,13 +49,10 @@ export function ParameterRow(props: Props) {
           <span className={classes.forbidden} style={{ left: share(allowed[1]), right: 0 }} aria-hidden />
         )}
         <Slider
-          size={4}
-          thumbSize={14}
           min={min}
           max={max}
           value={value}
           onChange={onChange}
-          label={null}
           thumbLabel={`${label}, ${title}`}
           {...(marks ? { marks } : {})}
         />

@@ -27,11 +27,9 @@ function UnitChoice(props: { label: string; units: string[]; value: string; onCh
   return (
     <Select
       aria-label={props.label}
-      size="xs"
       w={84}
       data={props.units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
       value={props.value}
-      allowDeselect={false}
       comboboxProps={{ width: "max-content" }}
       onChange={(unit) => unit && props.onChange(unit)}
     />
@@ -110,7 +108,6 @@ export function Parameters(props: Props) {
             onChange={(acceleration) => onUnits({ velocity: velocityUnit, acceleration })}
           />
           <Button
-            size="xs"
             variant="default"
             leftSection={<IconDownload size={14} aria-hidden />}
             disabled={props.onRead === null}

@@ -114,7 +114,6 @@ export function RampPlots(props: Props) {
       actions={
         <>
           <SegmentedControl
-            size="xs"
             aria-label="Ramp mode"
             value={mode}
             onChange={(value) => onMode(value as RampMode)}

@@ -103,13 +103,13 @@ function Player({ device, axis }: { device: Device; axis: number }) {
               <Group gap={6}>
                 <FileButton accept=".csv,.txt,text/csv,text/plain" onChange={(file) => void file?.text().then(setText)}>
                   {(props) => (
-                    <Button {...props} size="xs" variant="default" leftSection={<IconUpload size={14} aria-hidden />}>
+                    <Button {...props} variant="default" leftSection={<IconUpload size={14} aria-hidden />}>
                       Load a CSV
                     </Button>
                   )}
                 </FileButton>
                 {(["trapezoid", "sine", "there and back"] as const).map((shape) => (
-                  <Button key={shape} size="xs" variant="subtle" onClick={() => begin(shape)}>
+                  <Button key={shape} variant="subtle" onClick={() => begin(shape)}>
                     {shape}
                   </Button>
                 ))}
@@ -194,7 +194,6 @@ function Play({ summary, error, state, disabled, running, start, stop }: PlayPro
         </Text>
         <Group gap={6}>
           <Button
-            size="xs"
             leftSection={<IconPlayerPlay size={14} aria-hidden />}
             disabled={disabled || running}
             loading={start.isPending}
@@ -203,7 +202,6 @@ function Play({ summary, error, state, disabled, running, start, stop }: PlayPro
             Play
           </Button>
           <Button
-            size="xs"
             variant="default"
             leftSection={<IconPlayerStop size={14} aria-hidden />}
             disabled={!running}
@@ -224,7 +222,7 @@ function Play({ summary, error, state, disabled, running, start, stop }: PlayPro
               {state.position !== null && `, stands at ${fixed(state.position)} (planned ${fixed(state.summary.end)})`}
             </Text>
             {state.skipped > 0 && (
-              <Alert color="yellow" variant="light" p="xs">
+              <Alert color="yellow" p="xs">
                 Points were left out because the next was due already. Send fewer a second, or use a faster link.
               </Alert>
             )}
@@ -265,7 +263,6 @@ function Lateness({ device, axis, running, sent }: { device: Device; axis: numbe
       note={sorted.length > 0 ? `half within ${compact(at(50))} ms, 99 % within ${compact(at(99))} ms` : undefined}
       actions={
         <SegmentedControl
-          size="xs"
           aria-label="Lateness as"
           data={[
             { value: "time", label: "Over time" },

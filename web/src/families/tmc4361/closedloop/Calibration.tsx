@@ -55,7 +55,6 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
         />
       </div>
       <Checkbox
-        size="xs"
         mt={6}
         label="Leave closed loop on"
         classNames={{ label: "text-12" }}
@@ -70,7 +69,6 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
       </Text>
       <Group gap={6} mt={8} wrap="nowrap">
         <Button
-          size="xs"
           disabled={disabled || running || why !== null}
           loading={calibration.starting}
           onClick={() => calibration.start({ velocity_pps: velocity, settle_s: settleS, switch_on: switchOn })}
@@ -78,7 +76,7 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
         >
           Calibrate
         </Button>
-        <Button size="xs" variant="default" disabled={!running} onClick={calibration.abort}>
+        <Button variant="default" disabled={!running} onClick={calibration.abort}>
           Abort
         </Button>
       </Group>
@@ -151,7 +149,7 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
     ...(found.writes.ENC_IN_CONF === undefined ? [] : ["the other direction"]),
   ].join(", ");
   return (
-    <Alert color="orange" variant="light" p="xs" mt={4} data-testid="encoder-offer">
+    <Alert color="orange" p="xs" mt={4} data-testid="encoder-offer">
       <Text size="sm">
         Measured: <b>{fixed(found.counts_per_turn)}</b> ± {fixed(found.uncertainty)} counts a turn. Set:{" "}
         {fixed(found.set_counts)}.
@@ -161,7 +159,7 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
       ) : write.isSuccess ? (
         <Text size="sm">Written: {words}. Calibrate again.</Text>
       ) : (
-        <Button size="xs" disabled={disabled} loading={write.isPending} onClick={() => write.mutate()}>
+        <Button disabled={disabled} loading={write.isPending} onClick={() => write.mutate()}>
           Write {words}
         </Button>
       )}

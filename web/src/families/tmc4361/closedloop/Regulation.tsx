@@ -58,7 +58,6 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
   return (
     <Card title="Regulation" note={held === null ? "not known" : `now: ${MODES[held] ?? held}`}>
       <SegmentedControl
-        size="xs"
         fullWidth
         orientation="vertical"
         aria-label="Regulation mode"

@@ -42,7 +42,6 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
       note={shown.length > 1 ? "the newest in colour, those before as ghosts" : undefined}
       actions={
         <SegmentedControl
-          size="xs"
           aria-label="Kind of response"
           data={[
             { value: "step", label: "Step" },
@@ -59,7 +58,7 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
         ) : (
           <LoadForm start={load.start} disabled={!connected || running} emulated={emulated} rateMaxHz={rateMaxHz} />
         )}
-        <Button size="xs" variant="default" disabled={!responding.running} onClick={responding.abort}>
+        <Button variant="default" disabled={!responding.running} onClick={responding.abort}>
           Abort
         </Button>
         <div className={classes.progress}>
@@ -107,7 +106,6 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
         <>
           <Group justify="space-between" mt={4} gap="xs">
             <SegmentedControl
-              size="xs"
               aria-label="What is drawn"
               data={[
                 { value: "position", label: "Position" },
@@ -173,7 +171,6 @@ function StepForm({
         w={130}
       />
       <NativeSelect
-        size="xs"
         label="Command"
         data={[
           { value: "step", label: "jumps" },
@@ -187,7 +184,6 @@ function StepForm({
       <Seconds value={seconds} onChange={setSeconds} disabled={disabled} />
       <Band value={band} onChange={setBand} disabled={disabled} />
       <Button
-        size="xs"
         disabled={disabled || distance === 0}
         onClick={() => {
           start({ distance, shape, seconds, band, rate_hz: rateFor(rateMaxHz), before_s: 0.05 });
@@ -242,7 +238,6 @@ function LoadForm({
       <Seconds value={seconds} onChange={setSeconds} disabled={disabled} />
       <Band value={band} onChange={setBand} disabled={disabled} />
       <Button
-        size="xs"
         disabled={disabled}
         onClick={() =>
           start({
@@ -367,13 +362,7 @@ function Scores({ runs, kind, onForget }: { runs: readonly Run[]; kind: Kind; on
                 </td>
               ))}
               <td>
-                <ActionIcon
-                  size={20}
-                  variant="subtle"
-                  color="gray"
-                  aria-label={`Forget run ${run.number}`}
-                  onClick={() => onForget(run.id)}
-                >
+                <ActionIcon size={20} aria-label={`Forget run ${run.number}`} onClick={() => onForget(run.id)}>
                   <IconX size={13} />
                 </ActionIcon>
               </td>

@@ -171,7 +171,6 @@ function FilterDesigner({ device, axis, filters }: Props) {
             note={`${frequency(clockHz)}, a sample every ${period === 1 ? "clock" : `${period} clocks`}`}
             actions={
               <SegmentedControl
-                size="xs"
                 aria-label="Example"
                 data={[
                   { value: "bounce", label: "Bouncing" },
@@ -215,7 +214,7 @@ function FilterDesigner({ device, axis, filters }: Props) {
                 w={160}
               />
               {shown === "own" && (
-                <Button size="xs" variant="default" onClick={() => setChoice("bounce")}>
+                <Button variant="default" onClick={() => setChoice("bounce")}>
                   Back to the example
                 </Button>
               )}

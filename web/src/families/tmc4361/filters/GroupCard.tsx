@@ -43,7 +43,6 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
       data-testid={`group-${group.suffix}`}
     >
       <Radio
-        size="xs"
         name="input-filter-group"
         checked={chosen}
         onChange={onChoose}
@@ -55,7 +54,6 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
       </Text>
       <div className="halves gap-8 mt-4">
         <NativeSelect
-          size="xs"
           label={group.sample_rate_field}
           aria-label={`Sample rate of ${title}, ${group.sample_rate_field}`}
           value={String(setting.sampleRate)}
@@ -66,7 +64,6 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
           onChange={(event) => onChange({ sampleRate: Number(event.currentTarget.value) })}
         />
         <NativeSelect
-          size="xs"
           label={group.length_field}
           aria-label={`Length of ${title}, ${group.length_field}`}
           value={String(setting.length)}
@@ -78,7 +75,6 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
         />
       </div>
       <Checkbox
-        size="xs"
         mt={6}
         label="also for STPIN and DIRIN"
         title={group.step_input_field}

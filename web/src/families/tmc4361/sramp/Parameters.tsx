@@ -59,7 +59,6 @@ export const Parameters = memo(function Parameters(props: Props) {
       reading={props.reading}
       choices={
         <SegmentedControl
-          size="xs"
           aria-label="Shape of the ramp"
           value={options.shape}
           onChange={(shape: Shape) => onOptions({ shape })}
@@ -80,7 +79,6 @@ export const Parameters = memo(function Parameters(props: Props) {
       <div className="lines-16 mt-8">
         {options.shape === "s" && (
           <Switch
-            size="xs"
             label="start with ASTART after VSTART"
             description="use_astart_and_vstart"
             checked={options.useAstart}
@@ -89,7 +87,6 @@ export const Parameters = memo(function Parameters(props: Props) {
         )}
         {options.shape !== "hold" && (
           <Switch
-            size="xs"
             label="accelerations per clock²"
             description="direct_acc_val_en: for short, steep ramps"
             checked={options.directAcceleration}
@@ -98,7 +95,6 @@ export const Parameters = memo(function Parameters(props: Props) {
         )}
         {options.shape === "s" && (
           <Switch
-            size="xs"
             label="bows per clock³"
             description="direct_bow_val_en: bows above 16.8 Mpps³"
             checked={options.directBow}

@@ -189,7 +189,6 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
           From a wanted current
         </Text>
         <SegmentedControl
-          size="xs"
           aria-label="Currents as"
           data={[
             { value: "rms", label: "rms" },
@@ -221,7 +220,6 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
           data-testid="wanted-hold"
         />
         <Button
-          size="xs"
           disabled={disabled || answer === undefined || found.stale || held}
           onClick={() => answer && use(answer.settings)}
           title="Stages these values; Apply below writes them"

@@ -83,12 +83,10 @@ function OnPaper() {
         actions={
           <div className="flex gap-8">
             <Select
-              size="xs"
               aria-label="Chip"
               w={120}
               data={MODELS.map((each) => ({ value: each, label: each.toUpperCase() }))}
               value={model}
-              allowDeselect={false}
               onChange={(value) => value && setModel(value as Model)}
             />
             <NumberField

@@ -96,8 +96,8 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
       <td className={`${common.tools} nowrap`}>
         {edit && (
           <ActionIcon
+            color="accent"
             size={22}
-            variant="subtle"
             tabIndex={-1}
             aria-label={`Discard the edit of ${nameText(row.name)}`}
             onClick={() => actions.unstage(key)}
@@ -108,8 +108,6 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
         {entry && !editing && (
           <ActionIcon
             size={22}
-            variant="subtle"
-            color="gray"
             tabIndex={-1}
             aria-label={`Edit ${nameText(row.name)}`}
             onClick={() => actions.edit(key)}

@@ -47,7 +47,7 @@ export function ParameterList(props: Props) {
         <Text size="sm" className="dim">
           Search finds names, numbers like AP 4, names of values and words of the help.
         </Text>
-        <Button size="xs" variant="default" onClick={props.onClearSearch}>
+        <Button variant="default" onClick={props.onClearSearch}>
           Clear the search
         </Button>
       </EmptyState>

@@ -43,7 +43,6 @@ export function ParameterValue({ row, value, raw, edit, unit, stage }: Props) {
     case "switch":
       return (
         <Switch
-          size="xs"
           data-control
           aria-label={label}
           label={shown === null ? "–" : shown === 1 ? "on" : "off"}
@@ -56,7 +55,6 @@ export function ParameterValue({ row, value, raw, edit, unit, stage }: Props) {
     case "select":
       return (
         <NativeSelect
-          size="xs"
           w={172}
           data-control
           aria-label={label}

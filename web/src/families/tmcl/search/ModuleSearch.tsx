@@ -74,14 +74,12 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
   return (
     <>
       <Select
-        size="xs"
         aria-label="Reference search mode, AP 193"
         data={BASES.map((base) => ({
           value: String(base),
           label: `${base}  ${titleOf({ base, mirrored: choice.mirrored, inverted: false })}`,
         }))}
         value={String(choice.base)}
-        allowDeselect={false}
         disabled={locked}
         comboboxProps={{ width: "max-content", position: "bottom-start" }}
         onChange={(value) => value && setChosen({ ...choice, base: Number(value) as BaseMode })}
@@ -140,7 +138,6 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
       </dl>
       <Group gap={6} grow wrap="nowrap">
         <Button
-          size="xs"
           disabled={disabled}
           color={running ? "red" : "accent"}
           data-testid="reference-search"
@@ -155,7 +152,6 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
           {running ? "Abort" : "Search"}
         </Button>
         <Button
-          size="xs"
           variant="default"
           disabled={locked}
           title="Calls the present position 0; the motor does not move"

@@ -49,6 +49,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
       />
       <Group grow gap={6} wrap="nowrap">
         <Button
+          size="sm"
           variant={jog.direction === -1 ? "filled" : "default"}
           className={classes.jogButton}
           disabled={disabled || wrong}
@@ -60,6 +61,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           <IconArrowLeft size={20} aria-hidden />
         </Button>
         <Button
+          size="sm"
           color="red"
           variant="light"
           className={classes.jogButton}
@@ -72,6 +74,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           Stop
         </Button>
         <Button
+          size="sm"
           variant={jog.direction === 1 ? "filled" : "default"}
           className={classes.jogButton}
           disabled={disabled || wrong}

@@ -66,11 +66,9 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         />
         <Select
           aria-label="Unit"
-          size="xs"
           w={92}
           data={units.map((each) => ({ value: each, label: symbolOf(each) }))}
           value={shown}
-          allowDeselect={false}
           onChange={(value) => value && onUnit(value)}
         />
       </div>

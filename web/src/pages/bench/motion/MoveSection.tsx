@@ -49,13 +49,7 @@ export function MoveSection({ at, scale, unit, action, disabled }: Props) {
           onEnter={(value) => go(value === entryIn(target, unit, scale, "position") ? target : { value, unit }, false)}
           onWrong={(refused) => setWrong((old) => ({ ...old, target: refused }))}
         />
-        <Button
-          size="xs"
-          w={76}
-          disabled={disabled || wrong.target}
-          onClick={() => go(target, false)}
-          data-testid="move-go"
-        >
+        <Button w={76} disabled={disabled || wrong.target} onClick={() => go(target, false)} data-testid="move-go">
           Go
         </Button>
       </Group>

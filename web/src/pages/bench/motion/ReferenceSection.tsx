@@ -47,7 +47,6 @@ export function ReferenceSection({ at, device, live, action, disabled }: Props) 
   return (
     <>
       <SegmentedControl
-        size="xs"
         fullWidth
         aria-label="Switch to search"
         data={[
@@ -70,7 +69,6 @@ export function ReferenceSection({ at, device, live, action, disabled }: Props) 
       </Text>
       <Group gap={6} grow wrap="nowrap">
         <Button
-          size="xs"
           disabled={disabled}
           variant={running ? "default" : "filled"}
           data-testid="reference-search"
@@ -85,7 +83,6 @@ export function ReferenceSection({ at, device, live, action, disabled }: Props) 
           {running ? "Abort" : "Search"}
         </Button>
         <Button
-          size="xs"
           variant="default"
           disabled={disabled || running}
           title="Calls the present position 0; the motor does not move"

@@ -55,7 +55,6 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
         onWrong={refused(label)}
       />
       <Button
-        size="xs"
         variant="default"
         w={76}
         disabled={disabled || running}
@@ -87,7 +86,6 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
           onWrong={refused("Rest")}
         />
         <Button
-          size="xs"
           w={76}
           variant={running ? "default" : "filled"}
           disabled={disabled || (!running && Object.values(wrong).some(Boolean))}

@@ -50,7 +50,6 @@ export function StallSection({ at, action, disabled }: Props) {
   return (
     <>
       <SegmentedControl
-        size="xs"
         fullWidth
         aria-label="End of the stage to search"
         data={[
@@ -76,7 +75,6 @@ export function StallSection({ at, action, disabled }: Props) {
       </Text>
       <Group gap={6} grow wrap="nowrap">
         <Button
-          size="xs"
           disabled={disabled}
           variant={running ? "default" : "filled"}
           data-testid="stall-search"

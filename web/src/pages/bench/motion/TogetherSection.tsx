@@ -30,7 +30,6 @@ export function TogetherSection({ device, unit, action, disabled }: Props) {
         return (
           <Group key={axis.index} gap={8} wrap="nowrap">
             <Checkbox
-              size="xs"
               w={52}
               label={axis.name}
               checked={!out}
@@ -54,7 +53,6 @@ export function TogetherSection({ device, unit, action, disabled }: Props) {
           Absolute targets
         </Text>
         <Button
-          size="xs"
           disabled={disabled || taking.length === 0 || taking.some(({ index }) => wrong[index])}
           data-testid="move-together"
           onClick={() =>

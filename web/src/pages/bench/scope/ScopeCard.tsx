@@ -207,9 +207,7 @@ interface ChoiceProps {
 function PlotChoice({ rows, value, onChange }: ChoiceProps) {
   const data = rows.map(({ row }) => ({ value: row.id, label: row.id === "acceleration" ? "Accel." : row.title }));
   if (rows.length <= SIDE_BY_SIDE)
-    return (
-      <SegmentedControl size="xs" fullWidth aria-label="Which plot" data={data} value={value} onChange={onChange} />
-    );
+    return <SegmentedControl fullWidth aria-label="Which plot" data={data} value={value} onChange={onChange} />;
   return (
     <NativeSelect
       size="sm"

@@ -24,7 +24,6 @@ export function ScopeChoices({ rows, others, further, more, onMore }: Props) {
       <Choices title="Plots" choices={rows} />
       {further.length > 0 && (
         <MultiSelect
-          size="xs"
           w={260}
           label="Registers and parameters"
           placeholder={more.length === 0 ? "any of them, by name" : ""}
@@ -55,7 +54,7 @@ function Choices({ title, choices }: { title: string; choices: readonly Choice[]
         {title}
       </Text>
       {choices.map(({ label, chosen, toggle }) => (
-        <Checkbox key={label} size="xs" label={label} checked={chosen} onChange={toggle} />
+        <Checkbox key={label} label={label} checked={chosen} onChange={toggle} />
       ))}
     </>
   );

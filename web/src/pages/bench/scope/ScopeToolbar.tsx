@@ -60,7 +60,6 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
   return (
     <Group gap={6} className="shrink" role="toolbar" aria-label="Scope">
       <Button
-        size="xs"
         w={92}
         variant={scope.paused ? "filled" : "default"}
         leftSection={
@@ -73,7 +72,6 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         {scope.paused ? "Run" : "Pause"}
       </Button>
       <SegmentedControl
-        size="xs"
         aria-label="Trigger"
         data={[
           { value: "roll", label: "Roll" },
@@ -88,7 +86,6 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         title="Roll: follow the signal. Auto: a sweep from every start of a move. Single: catch the next move and hold (T)"
       />
       <Select
-        size="xs"
         w={86}
         aria-label="Time span"
         data={SPANS_S.filter((span) => span <= keepS(settings.rateHz)).map((span) => ({
@@ -96,17 +93,14 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           label: spanLabel(span),
         }))}
         value={String(settings.spanS)}
-        allowDeselect={false}
         onChange={(value) => value && change({ spanS: Number(value) })}
       />
       <Select
-        size="xs"
         w={92}
         className={classes.roomy ?? ""}
         aria-label="Sample rate"
         data={rates.map((rate) => ({ value: String(rate), label: `${rate} Hz` }))}
         value={String(rates.findLast((rate) => rate <= settings.rateHz) ?? rates[0])}
-        allowDeselect={false}
         onChange={(value) => {
           if (!value) return;
           const rateHz = Number(value);
@@ -114,16 +108,15 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         }}
       />
       <Select
-        size="xs"
         w={96}
         className={classes.roomy ?? ""}
         aria-label="Unit of positions"
         data={units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
         value={units.includes(settings.unit) ? settings.unit : "microsteps"}
-        allowDeselect={false}
         onChange={(value) => value && change({ unit: value })}
       />
       <ActionIcon
+        color="accent"
         variant={cursors ? "filled" : "default"}
         size={30}
         aria-label="Measuring cursors"

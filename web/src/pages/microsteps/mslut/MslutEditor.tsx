@@ -142,7 +142,6 @@ export function MslutEditor({
           actions={
             <>
               <SegmentedControl
-                size="xs"
                 aria-label="Positions shown"
                 value={view}
                 onChange={(next) => setView(next as View)}
@@ -152,7 +151,6 @@ export function MslutEditor({
                 ]}
               />
               <SegmentedControl
-                size="xs"
                 aria-label="Pointer"
                 value={tool}
                 onChange={(next) => setTool(next as Tool)}
@@ -323,16 +321,13 @@ function Verdict({ result, norm, onNorm, onNearest }: VerdictProps) {
             <span className="num">{fixed(nearest.distance_max, 1)}</span> at most
           </span>
           <Select
-            size="xs"
             w={190}
             aria-label="Nearest by"
-            allowDeselect={false}
             value={norm}
             onChange={(next) => next && onNorm(next as Norm)}
             data={NORMS}
           />
           <Button
-            size="xs"
             leftSection={<IconArrowsMoveVertical size={14} aria-hidden />}
             onClick={() => onNearest(nearest.table)}
           >

@@ -102,7 +102,7 @@ export function Registers({ table, held, onPaste }: Props) {
             classNames={{ input: "num" }}
             onChange={(event) => setText(event.currentTarget.value)}
           />
-          <Button onClick={take} disabled={wrong !== null}>
+          <Button size="sm" onClick={take} disabled={wrong !== null}>
             Use this wave
           </Button>
         </Stack>

@@ -36,14 +36,11 @@ function Track(props: LineProps) {
         {label}
       </span>
       <Slider
-        size={4}
-        thumbSize={14}
         min={reach[0]}
         max={reach[1]}
         step={step}
         value={Math.min(reach[1], Math.max(reach[0], value))}
         {...(start === undefined ? {} : { startPointValue: start })}
-        label={null}
         thumbLabel={title}
         onChange={(next) => onChange(Number(next.toPrecision(6)))}
         onChangeEnd={onSettle}
@@ -221,14 +218,12 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
       </div>
       <div className="flex wrap end gap-8">
         <SegmentedControl
-          size="xs"
           aria-label="Negative half and grid"
           value={formula.grid}
           onChange={(next) => change({ grid: next as Grid }, null)}
           data={GRIDS.map(({ value, label }) => ({ value, label }))}
         />
         <Switch
-          size="xs"
           label="fill"
           title="Stretch a box until it reaches the amplitude"
           checked={formula.full_scale}
@@ -237,7 +232,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
         />
         <Menu position="bottom-end" width={290}>
           <Menu.Target>
-            <Button size="xs" variant="default" rightSection={<IconChevronDown size={14} aria-hidden />} ml="auto">
+            <Button variant="default" rightSection={<IconChevronDown size={14} aria-hidden />} ml="auto">
               Presets
             </Button>
           </Menu.Target>
