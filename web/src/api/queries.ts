@@ -1,5 +1,5 @@
 import { queryOptions, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "./client";
+import { api, type Schemas } from "./client";
 
 /** A chip or module as the catalog lists it: what it is, what it can, and which links lead to it. */
 export type Model = Schemas["CatalogEntry"];
@@ -9,7 +9,7 @@ export type Device = Schemas["DeviceInfo"] & { about: Model };
 
 const CATALOG = queryOptions({
   queryKey: ["catalog"],
-  queryFn: async () => unwrap(await api.GET("/api/v1/catalog")),
+  queryFn: () => api.GET("/api/v1/catalog"),
   staleTime: Number.POSITIVE_INFINITY,
 });
 
@@ -28,11 +28,11 @@ export function useDevices() {
   return useQuery({
     queryKey: ["devices"],
     queryFn: async () => {
-      const [answer, models] = await Promise.all([api.GET("/api/v1/devices"), queries.ensureQueryData(CATALOG)]);
+      const [devices, models] = await Promise.all([api.GET("/api/v1/devices"), queries.ensureQueryData(CATALOG)]);
       // one of a register map that somebody else has just brought along
-      if (answer.data?.some(({ model }) => !models.some(({ name }) => name === model)))
+      if (devices.some(({ model }) => !models.some(({ name }) => name === model)))
         void queries.invalidateQueries(CATALOG);
-      return unwrap(answer).flatMap((device): Device[] => {
+      return devices.flatMap((device): Device[] => {
         const about = models.find((model) => model.name === device.model);
         return about ? [{ ...device, about }] : [];
       });
@@ -49,7 +49,7 @@ export function can(device: Pick<Device, "about"> | undefined, capability: Capab
 export function useCatalogModel(model: string | undefined) {
   return useQuery({
     queryKey: ["catalog", model],
-    queryFn: async () => unwrap(await api.GET("/api/v1/catalog/{model}", { params: { path: { model: model ?? "" } } })),
+    queryFn: () => api.GET("/api/v1/catalog/{model}", { path: { model: model ?? "" } }),
     enabled: model !== undefined,
     staleTime: Number.POSITIVE_INFINITY,
   });

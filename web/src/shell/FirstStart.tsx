@@ -1,13 +1,13 @@
 import { Alert, Progress, Text } from "@mantine/core";
 import { IconCpu } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { api, unwrap } from "../api/client";
+import { api } from "../api/client";
 
 /** Above every page while a first start compiles what emulators run on: how far it is, and what works meanwhile. */
 export function FirstStart() {
   const health = useQuery({
     queryKey: ["first start"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/health/details")).compiling,
+    queryFn: async () => (await api.GET("/api/v1/health/details")).compiling,
     refetchInterval: (query) => (query.state.data ? 1000 : false),
     staleTime: Number.POSITIVE_INFINITY,
   });

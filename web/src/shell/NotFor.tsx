@@ -2,7 +2,7 @@ import { Button, Group, Text } from "@mantine/core";
 import { IconArrowsExchange } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "wouter";
-import { api, unwrap } from "../api/client";
+import { api } from "../api/client";
 import { useCatalog, useDevices } from "../api/queries";
 import type { PageEntry } from "../families/family";
 import { EmptyState } from "../lib/EmptyState";
@@ -16,7 +16,7 @@ export function NotFor({ entry }: { entry: PageEntry }) {
   const catalog = useCatalog();
   const titles = useQuery({
     queryKey: ["catalog", "capabilities"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/catalog/capabilities")),
+    queryFn: () => api.GET("/api/v1/catalog/capabilities"),
     staleTime: Number.POSITIVE_INFINITY,
   });
   const { device, select } = useSelection();

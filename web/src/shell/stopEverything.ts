@@ -1,5 +1,5 @@
 import { notifications } from "@mantine/notifications";
-import { api, problemOf, unwrap } from "../api/client";
+import { api, problemOf } from "../api/client";
 import { STOP_EVENT } from "../api/lease/bench";
 
 export { STOP_EVENT };
@@ -21,7 +21,7 @@ function show(toast: Parameters<typeof notifications.show>[0]) {
 export async function stopEverything(): Promise<void> {
   tellThePage();
   try {
-    const report = unwrap(await api.POST("/api/v1/stop", { body: { mode: "ramp" } }));
+    const report = await api.POST("/api/v1/stop", { body: { mode: "ramp" } });
     const failed = report.results.filter((result) => !result.ok);
     if (failed.length > 0) {
       show({

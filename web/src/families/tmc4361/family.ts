@@ -1,5 +1,5 @@
 import { IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
 
@@ -26,8 +26,7 @@ export const tmc4361: Family = {
    * encoder counts along, but not in a closed loop: there the motor is commutated by what it says.
    */
   zero: async ({ id: device }) => {
-    const read = async (name: string) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/registers/{name}", { params: { path: { device, name } } }));
+    const read = (name: string) => api.GET("/api/v1/devices/{device}/registers/{name}", { path: { device, name } });
     const [vmax, encoder] = await Promise.all([read("VMAX"), read("ENC_IN_CONF")]);
     const open = (encoder.fields.regulation_modus ?? 0) === 0;
     return [

@@ -2,7 +2,7 @@ import { Button } from "@mantine/core";
 import { IconArrowsLeftRight, IconCheck, IconPlayerPlay, IconUpload, IconX } from "@tabler/icons-react";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type ReactNode, useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { Card } from "../Card";
@@ -53,9 +53,7 @@ export function SendPanel(props: Props) {
   async function write(): Promise<boolean> {
     const writes = writesFor(changed, axis);
     if (writes.length === 0) return true;
-    const answer = unwrap(
-      await api.POST("/api/v1/devices/{device}/registers", { params: { path: { device: id } }, body: { writes } }),
-    );
+    const answer = await api.POST("/api/v1/devices/{device}/registers", { path: { device: id }, body: { writes } });
     setResult({ sent: writes.map((entry) => entry.name), answer });
     void queries.invalidateQueries({ queryKey: ["registers", id] });
     void queries.invalidateQueries({ queryKey: ["devices"] });
@@ -80,8 +78,7 @@ export function SendPanel(props: Props) {
   });
   const shuttle = useQuery({
     queryKey: ["shuttle", id, axis],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { params: { path: at } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { path: at }),
     enabled: connected,
     refetchInterval: 1000,
   });
@@ -90,7 +87,7 @@ export function SendPanel(props: Props) {
     async () => {
       if (runs) await motion.endShuttle(at);
       else if (await write()) {
-        const state = unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } }));
+        const state = await api.GET("/api/v1/devices/{device}/axes/{axis}", { path: at });
         const first = Math.round(state.position);
         await motion.shuttle(at, { first: first + distance, second: first, dwell_s: DWELL_S });
       }

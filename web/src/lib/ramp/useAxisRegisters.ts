@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 
 /**
@@ -11,13 +11,12 @@ export function useAxisRegisters(device: Device | undefined, axis: number, group
   const id = device?.id ?? "";
   const readings = useQuery({
     queryKey: ["registers", id, axis, ...(group ?? [])],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers", {
-          params: { path: { device: id }, query: { axis, kept: true, ...(group ? { group: [...group] } : {}) } },
-          signal,
-        }),
-      ),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/devices/{device}/registers", {
+        path: { device: id },
+        query: { axis, kept: true, ...(group ? { group: [...group] } : {}) },
+        signal,
+      }),
     enabled: connected,
     refetchInterval: 1000,
   });

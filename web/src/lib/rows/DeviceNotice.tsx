@@ -1,7 +1,7 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { isHeldBack } from "../heldBack";
 import { ProblemAlert } from "../ProblemAlert";
@@ -10,8 +10,7 @@ import { ProblemAlert } from "../ProblemAlert";
 export function DeviceNotice({ device }: { device: Device }) {
   const queries = useQueryClient();
   const connect = useMutation({
-    mutationFn: async () =>
-      unwrap(await api.POST("/api/v1/devices/{device}/connect", { params: { path: { device: device.id } } })),
+    mutationFn: () => api.POST("/api/v1/devices/{device}/connect", { path: { device: device.id } }),
     onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
   });
   if (device.state === "connected" || isHeldBack(device)) return null; // that one is told of above every page

@@ -1,5 +1,5 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { batchOf, merge, settle } from "./staging";
 import { stagedOf, updateStaged } from "./store";
 import { rememberWritten } from "./written";
@@ -10,12 +10,10 @@ export function useApply(device: string) {
   return useMutation({
     mutationFn: async () => {
       const sent = stagedOf(device).edits;
-      const result = unwrap(
-        await api.POST("/api/v1/devices/{device}/registers", {
-          params: { path: { device } },
-          body: { writes: batchOf(sent) },
-        }),
-      );
+      const result = await api.POST("/api/v1/devices/{device}/registers", {
+        path: { device },
+        body: { writes: batchOf(sent) },
+      });
       const { applied, left } = settle(sent, result);
       updateStaged(device, (now) => ({ edits: merge(now.edits, sent, left), applied, appliedAt: Date.now() }));
       rememberWritten(device, applied);

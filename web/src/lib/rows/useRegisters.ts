@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef, useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
 import { type Key, keyOf } from "./staging";
 
@@ -32,11 +32,12 @@ export function useRegisters(
     queryFn: async ({ signal }) => {
       const asked = performance.now();
       const answer = await api.GET("/api/v1/devices/{device}/registers", {
-        params: { path: { device: id }, query: { ...(groups === null ? {} : { group: [...groups] }), kept } },
+        path: { device: id },
+        query: { ...(groups === null ? {} : { group: [...groups] }), kept },
         signal,
       });
       tookMs.current = performance.now() - asked;
-      return unwrap(answer);
+      return answer;
     },
     enabled: connected && groups?.length !== 0,
     // What this device showed stays until other groups of it are read; another device's values never do.

@@ -1,7 +1,7 @@
 import { Box, Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useSyncExternalStore } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { compact, fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { RegisterName } from "../rows/parts";
@@ -11,7 +11,7 @@ import { onWantedStartUp, type StartUpWanted, wantedStartUp, wantStartUp } from 
 
 async function ask(device: string, axes: StartUpWanted["axes"], dryRun: boolean): Promise<Report> {
   const body = { axes: axes === null ? null : [...axes], dry_run: dryRun } as never;
-  return unwrap(await api.POST("/api/v1/devices/{device}/start-up", { params: { path: { device } }, body }));
+  return await api.POST("/api/v1/devices/{device}/start-up", { path: { device }, body });
 }
 
 /** What a start-up would write, register by register, then all of it at once; what came of it. */

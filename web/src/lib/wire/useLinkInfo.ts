@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 
 export type LinkInfo = Schemas["LinkInfo"];
@@ -9,8 +9,7 @@ export function useLinkInfo(device: Device | undefined) {
   const id = device?.id ?? "";
   return useQuery({
     queryKey: ["link", id],
-    queryFn: async ({ signal }) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/link", { params: { path: { device: id } }, signal })),
+    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/link", { path: { device: id }, signal }),
     enabled: device !== undefined && device.state !== "disconnected",
     refetchInterval: 1000,
     staleTime: 0,

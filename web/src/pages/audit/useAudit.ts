@@ -1,6 +1,6 @@
 import { keepPreviousData, useInfiniteQuery, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import type { Entry, Query } from "./filters";
 
 const PAGE = 100;
@@ -16,8 +16,8 @@ async function ask(
   signal: AbortSignal,
 ): Promise<Schemas["AuditPage"]> {
   // the schema knows a file as another answer, which only `format` asks for
-  const answer = await api.GET("/api/v1/audit", { params: { query: { ...query, ...more } as never }, signal });
-  return unwrap(answer) as unknown as Schemas["AuditPage"];
+  const answer = await api.GET("/api/v1/audit", { query: { ...query, ...more } as never, signal });
+  return answer as unknown as Schemas["AuditPage"];
 }
 
 export interface Audit {
@@ -82,7 +82,7 @@ export function useAudit(query: Query): Audit {
 export function useAuditFilters() {
   const query = useQuery({
     queryKey: ["audit", "filters"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/audit/filters")),
+    queryFn: () => api.GET("/api/v1/audit/filters"),
     refetchInterval: 10_000,
   });
   return useMemo(() => query.data ?? { devices: [], who: [], actions: [] }, [query.data]);

@@ -3,7 +3,7 @@ import { useLocalStorage } from "@mantine/hooks";
 import { IconPlayerPlayFilled, IconPlayerStop, IconX } from "@tabler/icons-react";
 import { useQueries, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -32,8 +32,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   const shuttles = useQueries({
     queries: axes.map((at) => ({
       queryKey: shuttleKey(at),
-      queryFn: async () =>
-        unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { params: { path: at } })),
+      queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { path: at }),
       refetchInterval: 2000,
       enabled: !hidden,
     })),

@@ -1,7 +1,7 @@
 import { Button, Group, Popover, Stack, Text } from "@mantine/core";
 import { IconChevronDown, IconPlus } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { type Device, useCatalog } from "../../api/queries";
 import { byFamily, commonTitle } from "../../lib/models";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -27,7 +27,7 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
   if (others.length === 0 && !action.failure) return null;
   const add = async (model: Model) => {
     const body = { name: model, model, link: { kind: "emulator" }, start_up: true } as Schemas["DeviceCreate"];
-    const device = unwrap(await api.POST("/api/v1/devices", { body }));
+    const device = await api.POST("/api/v1/devices", { body });
     await queries.invalidateQueries({ queryKey: ["devices"] });
     selection.select(device.id, 0);
   };

@@ -1,4 +1,4 @@
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { scaleOf, toSteps } from "../../lib/units";
@@ -26,12 +26,10 @@ export function stretchOf(stage: EmulatedAxis, count: number, microstepsPerFullS
 }
 
 async function startDevice(device: Device): Promise<void> {
-  const emulator = unwrap(
-    await api.GET("/api/v1/devices/{device}/emulator", { params: { path: { device: device.id } } }),
-  );
+  const emulator = await api.GET("/api/v1/devices/{device}/emulator", { path: { device: device.id } });
   for (const axis of device.axes) {
     const at = { device: device.id, axis: axis.index };
-    const state = unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } }));
+    const state = await api.GET("/api/v1/devices/{device}/axes/{axis}", { path: at });
     const scale = scaleOf(axis, device.clock_hz);
     const stage = emulatedAxis(emulator, axis.index);
     const turn = toSteps(1, "rev", scale, "position") || 12_800;

@@ -1,5 +1,5 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import type { paths } from "../../api/schema";
 import { forgetWritten } from "../../lib/rows/written";
@@ -18,8 +18,8 @@ const key = (device: string) => ["emulator", device];
 export function useEmulator(device: Device | undefined, closely = false) {
   return useQuery({
     queryKey: key(device?.id ?? ""),
-    queryFn: async (): Promise<EmulatorState> =>
-      unwrap(await api.GET("/api/v1/devices/{device}/emulator", { params: { path: { device: device?.id ?? "" } } })),
+    queryFn: (): Promise<EmulatorState> =>
+      api.GET("/api/v1/devices/{device}/emulator", { path: { device: device?.id ?? "" } }),
     enabled: device?.emulated === true,
     refetchInterval: closely ? 500 : 3000,
   });
@@ -28,8 +28,7 @@ export function useEmulator(device: Device | undefined, closely = false) {
 export function useChangeEmulator(device: string) {
   const queries = useQueryClient();
   return useMutation({
-    mutationFn: async (body: EmulatorPatch) =>
-      unwrap(await api.PATCH("/api/v1/devices/{device}/emulator", { params: { path: { device } }, body })),
+    mutationFn: (body: EmulatorPatch) => api.PATCH("/api/v1/devices/{device}/emulator", { path: { device }, body }),
     onSuccess: (state, body) => {
       if (body.power_cycle) forgetWritten(device);
       queries.setQueryData(key(device), state);

@@ -1,5 +1,5 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { changeBody, createBody, type Draft, linkOf } from "./draft";
 
@@ -11,16 +11,16 @@ export function useProbe() {
   const queries = useQueryClient();
   const state = useQuery({
     queryKey: ["probe"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/ports/probe")),
+    queryFn: () => api.GET("/api/v1/ports/probe"),
     refetchInterval: (query) => (query.state.data?.running ? 250 : false),
   });
   const keep = (found: Schemas["ProbeState"]) => queries.setQueryData(["probe"], found);
   const start = useMutation({
-    mutationFn: async (body: Schemas["ProbeStart"]) => unwrap(await api.POST("/api/v1/ports/probe", { body })),
+    mutationFn: (body: Schemas["ProbeStart"]) => api.POST("/api/v1/ports/probe", { body }),
     onSuccess: keep,
   });
   const abort = useMutation({
-    mutationFn: async () => unwrap(await api.DELETE("/api/v1/ports/probe")),
+    mutationFn: () => api.DELETE("/api/v1/ports/probe"),
     onSuccess: keep,
   });
   return { state, start, abort };
@@ -35,10 +35,10 @@ export function useLinkSwitch(device: string) {
   const refresh = useRefresh();
   return useMutation({
     mutationFn: async (to: "connect" | "disconnect") => {
-      const params = { params: { path: { device } } };
+      const params = { path: { device } };
       return to === "connect"
-        ? unwrap(await api.POST("/api/v1/devices/{device}/connect", params))
-        : unwrap(await api.POST("/api/v1/devices/{device}/disconnect", params));
+        ? await api.POST("/api/v1/devices/{device}/connect", params)
+        : await api.POST("/api/v1/devices/{device}/disconnect", params);
     },
     onSettled: refresh,
   });
@@ -47,11 +47,7 @@ export function useLinkSwitch(device: string) {
 export function useRemoveDevice(device: string) {
   const refresh = useRefresh();
   return useMutation({
-    mutationFn: async () => {
-      const answer = await api.DELETE("/api/v1/devices/{device}", { params: { path: { device } } });
-      // 204 has no body, which `unwrap` would take for a failure.
-      if (!answer.response.ok) unwrap(answer);
-    },
+    mutationFn: () => api.DELETE("/api/v1/devices/{device}", { path: { device } }),
     onSettled: refresh,
   });
 }
@@ -62,12 +58,10 @@ export function useSaveDevice(edited: { device: Device; before: Draft } | null) 
   return useMutation({
     mutationFn: async (draft: Draft) => {
       if (edited === null)
-        return unwrap(await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] }));
+        return await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] });
       const body = changeBody(edited.before, draft);
       if (Object.keys(body).length === 0) return edited.device as Schemas["DeviceInfo"];
-      return unwrap(
-        await api.PATCH("/api/v1/devices/{device}", { params: { path: { device: edited.device.id } }, body }),
-      );
+      return await api.PATCH("/api/v1/devices/{device}", { path: { device: edited.device.id }, body });
     },
     onSettled: refresh,
   });
@@ -75,11 +69,9 @@ export function useSaveDevice(edited: { device: Device; before: Draft } | null) 
 
 export function useLinkTest() {
   return useMutation({
-    mutationFn: async (draft: Draft) =>
-      unwrap(
-        await api.POST("/api/v1/devices/test", {
-          body: { model: draft.model.name, link: linkOf(draft) } as Schemas["DeviceTrial"],
-        }),
-      ),
+    mutationFn: (draft: Draft) =>
+      api.POST("/api/v1/devices/test", {
+        body: { model: draft.model.name, link: linkOf(draft) } as Schemas["DeviceTrial"],
+      }),
   });
 }

@@ -2,7 +2,7 @@ import { Alert } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
-import { api, problemOf, unwrap } from "../../api/client";
+import { api, problemOf } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { isHeldBack } from "../../lib/heldBack";
@@ -23,10 +23,8 @@ export function DirectMode({ device }: { device: Device }) {
   const send = useMutation({
     // one after another, in the order in which they were entered: none is lost because the one before is under way
     scope: { id: `console of ${device.id}` },
-    mutationFn: async (line: string) =>
-      unwrap(
-        await api.POST("/api/v1/devices/{device}/tmcl", { params: { path: { device: device.id } }, body: { line } }),
-      ),
+    mutationFn: (line: string) =>
+      api.POST("/api/v1/devices/{device}/tmcl", { path: { device: device.id }, body: { line } }),
     onSuccess: (answer, line) => remember(device.id, { line, answer, problem: null }),
     onError: (error, line) => {
       remember(device.id, { line, answer: null, problem: problemOf(error) });

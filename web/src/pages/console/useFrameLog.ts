@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { append, type Frame } from "./log";
 
@@ -28,12 +28,11 @@ export function useFrameLog(device: Device | undefined, paused: boolean) {
     queryKey: ["frames", id],
     queryFn: async ({ signal }) => {
       const first = next.current === null;
-      const page = unwrap(
-        await api.GET("/api/v1/devices/{device}/frames", {
-          params: { path: { device: id }, query: { after: next.current ?? 0, limit: LIMIT } },
-          signal,
-        }),
-      );
+      const page = await api.GET("/api/v1/devices/{device}/frames", {
+        path: { device: id },
+        query: { after: next.current ?? 0, limit: LIMIT },
+        signal,
+      });
       // Numbers start again with a new connection.
       const anew = next.current !== null && page.next < next.current;
       next.current = anew ? null : page.next;

@@ -1,6 +1,6 @@
 import { IconRotateClockwise2 } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { can, type Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
@@ -86,12 +86,7 @@ function ChipEncoder({ device, axis, encoders }: Props) {
   const settings = encoderSettings(chip, device.clock_hz ?? 16e6);
   async function write(value: number) {
     const path = { device: device.id, name: "X_ENC" };
-    unwrap(
-      await api.PUT("/api/v1/devices/{device}/registers/{name}", {
-        params: { path, query: { axis: axis.index } },
-        body: { value },
-      }),
-    );
+    await api.PUT("/api/v1/devices/{device}/registers/{name}", { path, query: { axis: axis.index }, body: { value } });
     void queries.invalidateQueries({ queryKey: ["registers", device.id] });
   }
   return (

@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef, useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
 import { familyOf } from "../../families/families";
 import type { TelemetrySource } from "../../live/TelemetrySource";
@@ -42,12 +42,11 @@ export function useEvents(of: Device, axis: number, source: TelemetrySource | un
     queryKey: ["events", device, axis],
     queryFn: async ({ signal }) => {
       for (;;) {
-        const page = unwrap(
-          await api.GET("/api/v1/devices/{device}/axes/{axis}/events", {
-            params: { path: { device, axis }, query: { after: log.asked, limit: PAGE } },
-            signal,
-          }),
-        );
+        const page = await api.GET("/api/v1/devices/{device}/axes/{axis}/events", {
+          path: { device, axis },
+          query: { after: log.asked, limit: PAGE },
+          signal,
+        });
         const again = page.next < log.asked;
         log.page(
           page.events.map((event) => ({

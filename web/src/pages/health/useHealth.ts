@@ -1,5 +1,5 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { ApiError, api, problemOf, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 
 export type Health = Schemas["HealthDetails"];
 export type DeviceHealth = Schemas["DeviceHealth"];
@@ -8,7 +8,7 @@ export type Role = Schemas["TokenAdd"]["role"];
 export function useHealth() {
   return useQuery({
     queryKey: ["health"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/health/details")),
+    queryFn: () => api.GET("/api/v1/health/details"),
     refetchInterval: 1000,
   });
 }
@@ -16,7 +16,7 @@ export function useHealth() {
 export function useTokens(wanted: boolean) {
   return useQuery({
     queryKey: ["tokens"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/tokens")),
+    queryFn: () => api.GET("/api/v1/tokens"),
     enabled: wanted,
     refetchInterval: 5000,
   });
@@ -26,14 +26,11 @@ export function useTokenChanges() {
   const queries = useQueryClient();
   const onSettled = () => queries.invalidateQueries({ queryKey: ["tokens"] });
   const add = useMutation({
-    mutationFn: async (body: Schemas["TokenAdd"]) => unwrap(await api.POST("/api/v1/tokens", { body })),
+    mutationFn: (body: Schemas["TokenAdd"]) => api.POST("/api/v1/tokens", { body }),
     onSettled,
   });
   const revoke = useMutation({
-    mutationFn: async (name: string) => {
-      const answer = await api.DELETE("/api/v1/tokens/{name}", { params: { path: { name } } });
-      if (answer.error !== undefined) throw new ApiError(problemOf(answer.error));
-    },
+    mutationFn: (name: string) => api.DELETE("/api/v1/tokens/{name}", { path: { name } }),
     onSettled,
   });
   return { add, revoke };

@@ -1,6 +1,6 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { timeOf } from "../../lib/time";
 import { ChipSection, whileRunning } from "./ChipSection";
@@ -27,12 +27,10 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
 
   const send = useMutation({
     mutationFn: async (table: readonly number[]) => {
-      const answer = unwrap(
-        await api.PUT("/api/v1/devices/{device}/microstep-table", {
-          params: { path: { device: id } },
-          body: { values: [...table] },
-        }),
-      );
+      const answer = await api.PUT("/api/v1/devices/{device}/microstep-table", {
+        path: { device: id },
+        body: { values: [...table] },
+      });
       queries.setQueryData(tableKey(id), answer);
       const time = timeOf(Date.now());
       setSent(

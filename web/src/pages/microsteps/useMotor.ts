@@ -1,5 +1,5 @@
 import { type UseMutationResult, type UseQueryResult, useMutation, useQuery } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { type AxisAddress, motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { useWork, type Work } from "../../lib/useWork";
@@ -23,8 +23,7 @@ export function useMotor(device: Device | undefined, axis: number): Motor {
   const at = { device: id, axis };
   const live = useQuery({
     queryKey: ["axis", id, axis],
-    queryFn: async ({ signal }) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at }, signal })),
+    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/axes/{axis}", { path: at, signal }),
     enabled: connected,
     refetchInterval: LIVE_MS,
   });

@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { useCalc } from "../../lib/useCalc";
 
@@ -8,9 +8,7 @@ type AnyQuestion = Schemas["MicrostepDesign"] | Schemas["MslutDesign"];
 /** A design's table and its figures, from the calculator. What is not said has the server's defaults. */
 export function useDesign<Question extends AnyQuestion, Result>(body: Partial<Question> | null) {
   return useCalc<Partial<Question>, Result>("microstep-table", body, async (question, signal) => {
-    const answer = unwrap(
-      await api.POST("/api/v1/calc/microstep-table", { body: question as unknown as Question, signal }),
-    );
+    const answer = await api.POST("/api/v1/calc/microstep-table", { body: question as unknown as Question, signal });
     return answer as Result;
   });
 }
@@ -20,8 +18,7 @@ export function useHeld(device: Device | undefined, everyMs: number) {
   const id = device?.id ?? "-";
   return useQuery({
     queryKey: tableKey(id),
-    queryFn: async ({ signal }) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/microstep-table", { params: { path: { device: id } }, signal })),
+    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/microstep-table", { path: { device: id }, signal }),
     enabled: device?.state === "connected",
     refetchInterval: everyMs,
   });

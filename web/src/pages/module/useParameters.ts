@@ -1,6 +1,6 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useCallback, useEffect, useState } from "react";
-import { ApiError, api, unwrap } from "../../api/client";
+import { ApiError, api } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import { readBackNotes } from "./staged";
 
@@ -29,12 +29,11 @@ export function useParameters(at: AxisAddress, names: readonly string[], connect
       const found: [string, number][] = [];
       // one after the other: a slow line carries the samples between them
       for (const name of names) {
-        const reading = unwrap(
-          await api.GET("/api/v1/devices/{device}/registers/{name}", {
-            params: { path: { device, name }, query: { axis } },
-            signal,
-          }),
-        );
+        const reading = await api.GET("/api/v1/devices/{device}/registers/{name}", {
+          path: { device, name },
+          query: { axis },
+          signal,
+        });
         found.push([name, reading.value]);
       }
       return new Map(found);
@@ -45,12 +44,10 @@ export function useParameters(at: AxisAddress, names: readonly string[], connect
 
   const write = useMutation({
     mutationFn: async (values: ReadonlyMap<string, number>) => {
-      const result = unwrap(
-        await api.POST("/api/v1/devices/{device}/registers", {
-          params: { path: { device } },
-          body: { writes: [...values].map(([name, value]) => ({ name, axis, value })) },
-        }),
-      );
+      const result = await api.POST("/api/v1/devices/{device}/registers", {
+        path: { device },
+        body: { writes: [...values].map(([name, value]) => ({ name, axis, value })) },
+      });
       const done = new Map(result.done.map((written) => [written.name, written.value]));
       queries.setQueryData<Map<string, number>>(key, (old) => (old ? new Map([...old, ...done]) : old));
       setNotes(readBackNotes(values, result.done));

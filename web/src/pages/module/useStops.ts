@@ -1,6 +1,6 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import type { Mark } from "../../plots/types";
@@ -48,8 +48,7 @@ export function useStops(at: AxisAddress, source: TelemetrySource, enabled: bool
   const { device, axis } = at;
   const stops = useQuery({
     queryKey: ["stops", device, axis],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/stops", { params: { path: { device, axis } } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/stops", { path: { device, axis } }),
     enabled,
     refetchInterval: 5000,
   });

@@ -2,7 +2,7 @@ import { Button, CopyButton, Loader, Tabs, Text } from "@mantine/core";
 import { IconCheck, IconCopy, IconDownload, IconShieldCheck } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { useModel } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { saveText } from "../../lib/files";
@@ -51,12 +51,7 @@ function OneScript({ profile, language }: { profile: Saved; language: Language }
   const script = useQuery({
     // a name and a note are remarks of the script
     queryKey: ["profiles", profile.id, "script", language, profile.name, profile.note],
-    queryFn: async () =>
-      unwrap(
-        await api.GET("/api/v1/profiles/{profile}/script", {
-          params: { path: { profile: profile.id }, query: { language } },
-        }),
-      ),
+    queryFn: () => api.GET("/api/v1/profiles/{profile}/script", { path: { profile: profile.id }, query: { language } }),
     staleTime: Number.POSITIVE_INFINITY,
     retry: false,
   });

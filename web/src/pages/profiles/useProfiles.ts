@@ -1,5 +1,5 @@
 import { keepPreviousData, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 
 /** A kept profile without its document. */
 export type Saved = Schemas["ProfileInfo"];
@@ -11,7 +11,7 @@ export type Applied = Schemas["ProfileApplied"];
 export function useProfiles(search: string) {
   return useQuery({
     queryKey: ["profiles", "list", search],
-    queryFn: async () => unwrap(await api.GET("/api/v1/profiles", { params: { query: { search } } })).profiles,
+    queryFn: async () => (await api.GET("/api/v1/profiles", { query: { search } })).profiles,
     placeholderData: keepPreviousData,
   });
 }
@@ -20,8 +20,8 @@ export function useProfile(id: number) {
   return useQuery({
     queryKey: ["profiles", id],
     queryFn: async () => {
-      const answer = await api.GET("/api/v1/profiles/{profile}", { params: { path: { profile: id } } });
-      return unwrap(answer) as Schemas["ProfileDetail"]; // no file was asked for
+      const answer = await api.GET("/api/v1/profiles/{profile}", { path: { profile: id } });
+      return answer as Schemas["ProfileDetail"]; // no file was asked for
     },
   });
 }
@@ -35,7 +35,7 @@ function useRefresh() {
 export function useSave() {
   const refresh = useRefresh();
   return useMutation({
-    mutationFn: async (body: Schemas["ProfileSave"]) => unwrap(await api.POST("/api/v1/profiles", { body })),
+    mutationFn: (body: Schemas["ProfileSave"]) => api.POST("/api/v1/profiles", { body }),
     onSettled: refresh,
   });
 }
@@ -43,16 +43,15 @@ export function useSave() {
 /** Finds out what of a device can be set, where its list of parameters does not tell. */
 export function useTry() {
   return useMutation({
-    mutationFn: async (device: string) =>
-      unwrap(await api.POST("/api/v1/devices/{device}/profile/try", { params: { path: { device } } })),
+    mutationFn: (device: string) => api.POST("/api/v1/devices/{device}/profile/try", { path: { device } }),
   });
 }
 
 export function useRename(id: number) {
   const refresh = useRefresh();
   return useMutation({
-    mutationFn: async (body: Schemas["ProfileLabel"]) =>
-      unwrap(await api.PATCH("/api/v1/profiles/{profile}", { params: { path: { profile: id } }, body })),
+    mutationFn: (body: Schemas["ProfileLabel"]) =>
+      api.PATCH("/api/v1/profiles/{profile}", { path: { profile: id }, body }),
     onSettled: refresh,
   });
 }
@@ -60,11 +59,7 @@ export function useRename(id: number) {
 export function useRemove(id: number) {
   const queries = useQueryClient();
   return useMutation({
-    mutationFn: async () => {
-      const answer = await api.DELETE("/api/v1/profiles/{profile}", { params: { path: { profile: id } } });
-      // 204 has no body, which `unwrap` would take for a failure
-      if (!answer.response.ok) unwrap(answer);
-    },
+    mutationFn: () => api.DELETE("/api/v1/profiles/{profile}", { path: { profile: id } }),
     // the list alone: who still shows the profile need not be told that it is gone
     onSettled: () => queries.invalidateQueries({ queryKey: ["profiles", "list"] }),
   });
@@ -72,24 +67,20 @@ export function useRemove(id: number) {
 
 /** The document as a file: one register a line. */
 export async function fileOf(id: number): Promise<string> {
-  const answer = await api.GET("/api/v1/profiles/{profile}/file", {
-    params: { path: { profile: id } },
-    parseAs: "text",
-  });
-  return unwrap(answer) as unknown as string;
+  const answer = await api.GET("/api/v1/profiles/{profile}/file", { path: { profile: id }, parseAs: "text" });
+  return answer as unknown as string;
 }
 
 /** What applying would change in the device now: nothing is written. Asked when the profile is looked at, and again. */
 export function useDryRun(device: string | undefined, profile: Profile | undefined, enabled: boolean) {
   return useQuery({
     queryKey: ["profiles", "dry run", device, profile],
-    queryFn: async () =>
-      unwrap(
-        await api.PUT("/api/v1/devices/{device}/profile", {
-          params: { path: { device: device ?? "" }, query: { dry_run: true } },
-          body: profile as Schemas["ProfileIn"],
-        }),
-      ),
+    queryFn: () =>
+      api.PUT("/api/v1/devices/{device}/profile", {
+        path: { device: device ?? "" },
+        query: { dry_run: true },
+        body: profile as Schemas["ProfileIn"],
+      }),
     enabled: enabled && device !== undefined && profile !== undefined,
     staleTime: 0,
     retry: false,
@@ -100,7 +91,7 @@ export function useDryRun(device: string | undefined, profile: Profile | undefin
 export function useComparison(left: number | null, right: number) {
   return useQuery({
     queryKey: ["profiles", right, "against", left],
-    queryFn: async () => unwrap(await api.POST("/api/v1/profiles/compare", { body: { left: left ?? 0, right } })),
+    queryFn: () => api.POST("/api/v1/profiles/compare", { body: { left: left ?? 0, right } }),
     enabled: left !== null,
     retry: false,
   });
@@ -109,13 +100,12 @@ export function useComparison(left: number | null, right: number) {
 export function useApply(device: string | undefined) {
   const queries = useQueryClient();
   return useMutation({
-    mutationFn: async ({ profile, limits }: { profile: Profile; limits: boolean }) =>
-      unwrap(
-        await api.PUT("/api/v1/devices/{device}/profile", {
-          params: { path: { device: device ?? "" }, query: { limits } },
-          body: profile as Schemas["ProfileIn"],
-        }),
-      ),
+    mutationFn: ({ profile, limits }: { profile: Profile; limits: boolean }) =>
+      api.PUT("/api/v1/devices/{device}/profile", {
+        path: { device: device ?? "" },
+        query: { limits },
+        body: profile as Schemas["ProfileIn"],
+      }),
     onSettled: () => {
       // registers, mechanics and the difference are others now
       void queries.invalidateQueries({ queryKey: ["profiles", "dry run"] });
@@ -130,8 +120,7 @@ export function useApply(device: string | undefined) {
 export function useApplyState(device: string | undefined, running: boolean) {
   return useQuery({
     queryKey: ["profiles", "apply", device],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/profile/apply", { params: { path: { device: device ?? "" } } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/profile/apply", { path: { device: device ?? "" } }),
     enabled: device !== undefined,
     refetchInterval: (query) => (running || query.state.data?.state === "running" ? 150 : 5000),
   });
@@ -139,17 +128,14 @@ export function useApplyState(device: string | undefined, running: boolean) {
 
 export function useUnfinished(device: string | undefined) {
   const queries = useQueryClient();
-  const params = { params: { path: { device: device ?? "" } } };
+  const params = { path: { device: device ?? "" } };
   const onSettled = () => queries.invalidateQueries({ queryKey: ["profiles"] });
   const takeBack = useMutation({
-    mutationFn: async () => unwrap(await api.POST("/api/v1/devices/{device}/profile/apply/way-back", params)),
+    mutationFn: () => api.POST("/api/v1/devices/{device}/profile/apply/way-back", params),
     onSettled,
   });
   const forget = useMutation({
-    mutationFn: async () => {
-      const answer = await api.DELETE("/api/v1/devices/{device}/profile/apply", params);
-      if (!answer.response.ok) unwrap(answer);
-    },
+    mutationFn: () => api.DELETE("/api/v1/devices/{device}/profile/apply", params),
     onSettled,
   });
   return { takeBack, forget };

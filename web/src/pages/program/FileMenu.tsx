@@ -1,7 +1,7 @@
 import { Button, Menu } from "@mantine/core";
 import { IconChevronDown, IconFile } from "@tabler/icons-react";
 import { useRef } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { fileName } from "../../lib/files";
 import { EXAMPLES } from "./examples";
 import { fromBase64, toBase64 } from "./lines";
@@ -33,19 +33,15 @@ export function FileMenu({ device, connected, name, text, onOpen, attempt }: Pro
       return;
     }
     const binary = toBase64(new Uint8Array(await file.arrayBuffer()));
-    const made = unwrap(
-      await api.POST("/api/v1/devices/{device}/program/disassemble", { params: path, body: { binary } }),
-    );
+    const made = await api.POST("/api/v1/devices/{device}/program/disassemble", { ...path, body: { binary } });
     onOpen(file.name.replace(/\.bin$/i, ".tmc"), made.text);
   }
 
   async function saveBinary() {
-    const made = unwrap(
-      await api.POST("/api/v1/devices/{device}/program/assemble", {
-        params: path,
-        body: { ...bodyOf(name, text), listing: false, binary: true },
-      }),
-    );
+    const made = await api.POST("/api/v1/devices/{device}/program/assemble", {
+      ...path,
+      body: { ...bodyOf(name, text), listing: false, binary: true },
+    });
     const [problem] = made.problems;
     if (problem) throw new Error(`line ${problem.line}: ${problem.message}`);
     save(`${fileName(stem, ".bin")}`, fromBase64(made.binary ?? ""));
@@ -54,11 +50,10 @@ export function FileMenu({ device, connected, name, text, onOpen, attempt }: Pro
   async function read() {
     let whole = "";
     for (let address = 0; address < 2048; address += MEMORY_PIECE) {
-      const piece = unwrap(
-        await api.GET("/api/v1/devices/{device}/program", {
-          params: { ...path, query: { address: 0, count: address + MEMORY_PIECE } },
-        }),
-      );
+      const piece = await api.GET("/api/v1/devices/{device}/program", {
+        ...path,
+        query: { address: 0, count: address + MEMORY_PIECE },
+      });
       whole = piece.text;
       if (/(?:^\s*\.command 0, 0, 0, 0\n){8}$/m.test(`${whole.trimEnd()}\n`)) break;
     }

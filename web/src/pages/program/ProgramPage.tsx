@@ -1,7 +1,7 @@
 import { Button, Tabs, Text, Tooltip } from "@mantine/core";
 import { IconCode, IconDownload } from "@tabler/icons-react";
 import { type KeyboardEvent, useMemo, useRef, useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { can, type Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
@@ -80,18 +80,14 @@ function Workbench({ device }: { device: Device }) {
   function download() {
     const { name, text } = draft;
     attempt("Downloading", async () => {
-      const answer = unwrap(
-        await api.PUT("/api/v1/devices/{device}/program", {
-          params: { path: { device: device.id } },
-          body: bodyOf(name, text),
-        }),
-      );
-      const made = unwrap(
-        await api.POST("/api/v1/devices/{device}/program/assemble", {
-          params: { path: { device: device.id } },
-          body: { ...bodyOf(name, text), listing: false, binary: false },
-        }),
-      );
+      const answer = await api.PUT("/api/v1/devices/{device}/program", {
+        path: { device: device.id },
+        body: bodyOf(name, text),
+      });
+      const made = await api.POST("/api/v1/devices/{device}/program/assemble", {
+        path: { device: device.id },
+        body: { ...bodyOf(name, text), listing: false, binary: false },
+      });
       change({ stored: { text, lines: made.lines, labels: made.labels } });
       setFrom("0");
       setDone(`${answer.commands} commands stored and read back`);

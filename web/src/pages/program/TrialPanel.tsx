@@ -1,7 +1,7 @@
 import { Button, NumberInput, Text } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { colorOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
@@ -31,13 +31,11 @@ interface Props {
 export function TrialPanel({ device, name, text, labels, ready }: Props) {
   const [seconds, setSeconds] = useState(10);
   const trial = useMutation({
-    mutationFn: async (wanted: { text: string; duration_s: number }) =>
-      unwrap(
-        await api.POST("/api/v1/devices/{device}/program/try", {
-          params: { path: { device } },
-          body: { ...bodyOf(name, wanted.text), address: 0, duration_s: wanted.duration_s },
-        }),
-      ),
+    mutationFn: (wanted: { text: string; duration_s: number }) =>
+      api.POST("/api/v1/devices/{device}/program/try", {
+        path: { device },
+        body: { ...bodyOf(name, wanted.text), address: 0, duration_s: wanted.duration_s },
+      }),
   });
   return (
     <div className="grid gap-8">

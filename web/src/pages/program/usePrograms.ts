@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
-import { api, problemOf, type Schemas, unwrap } from "../../api/client";
+import { api, problemOf, type Schemas } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
 import { WatchSource, type WatchState } from "./WatchSource";
 import { constantsOf, type Words } from "./words";
@@ -15,8 +15,7 @@ export function useWords(device: Device): { words: Words | null; error: unknown;
   const catalog = useCatalogModel(device.model);
   const includes = useQuery({
     queryKey: ["program-includes", device.id],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/program/includes", { params: { path: { device: device.id } } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/program/includes", { path: { device: device.id } }),
     staleTime: Number.POSITIVE_INFINITY,
   });
   const { data: model } = catalog;
@@ -58,12 +57,12 @@ export function useCheck(device: string, name: string, text: string): { checked:
     const ending = new AbortController();
     const timer = setTimeout(async () => {
       try {
-        const answer = await api.POST("/api/v1/devices/{device}/program/assemble", {
-          params: { path: { device } },
+        const result = await api.POST("/api/v1/devices/{device}/program/assemble", {
+          path: { device },
           body: { ...bodyOf(name, text), listing: true, binary: false },
           signal: ending.signal,
         });
-        setChecked({ text, result: unwrap(answer) });
+        setChecked({ text, result });
         setFailure("");
       } catch (error) {
         if (!ending.signal.aborted) setFailure(problemOf(error).detail);

@@ -1,5 +1,5 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 
 export type Action =
   | { do: "run"; address: number | null }
@@ -21,25 +21,16 @@ export function useRun(device: string) {
   const run = useMutation({
     scope: { id: `program of ${device}` },
     mutationFn: async (action: Action) => {
-      const params = { params: { path: { device } } };
+      const params = { path: { device } };
       if (action.do === "run") {
-        const answer = await api.POST("/api/v1/devices/{device}/program/run", {
-          ...params,
-          body: { address: action.address },
-        });
-        if (answer.error !== undefined) throw unwrap(answer);
+        await api.POST("/api/v1/devices/{device}/program/run", { ...params, body: { address: action.address } });
       } else if (action.do === "debug") {
-        unwrap(
-          await api.POST("/api/v1/devices/{device}/program/debug", {
-            ...params,
-            body: { mode: action.mode, breakpoints: action.breakpoints, from_start: action.fromStart },
-          }),
-        );
-      } else if (action.do === "pause") unwrap(await api.DELETE("/api/v1/devices/{device}/program/debug", params));
-      else {
-        const answer = await api.POST(`/api/v1/devices/{device}/program/${action.do}`, params);
-        if (answer.error !== undefined) throw unwrap(answer);
-      }
+        await api.POST("/api/v1/devices/{device}/program/debug", {
+          ...params,
+          body: { mode: action.mode, breakpoints: action.breakpoints, from_start: action.fromStart },
+        });
+      } else if (action.do === "pause") await api.DELETE("/api/v1/devices/{device}/program/debug", params);
+      else await api.POST(`/api/v1/devices/{device}/program/${action.do}`, params);
     },
     onSettled: () => void queries.invalidateQueries({ queryKey: ["devices"] }),
   });

@@ -4,7 +4,7 @@ import { IconArrowsDiff } from "@tabler/icons-react";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link, useSearch } from "wouter";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { compact, fixed } from "../../lib/format";
@@ -33,18 +33,16 @@ export function CompareView() {
   const [settled] = useDebouncedValue(window, 120);
   const query = useQuery({
     queryKey: ["compare", ids, align, settled],
-    queryFn: async () =>
-      unwrap(
-        await api.POST("/api/v1/recordings/compare", {
-          body: {
-            recordings: ids,
-            align,
-            points: 3000,
-            from_s: settled ? settled[0] - (settled[1] - settled[0]) / 2 : null,
-            to_s: settled ? settled[1] + (settled[1] - settled[0]) / 2 : null,
-          },
-        }),
-      ),
+    queryFn: () =>
+      api.POST("/api/v1/recordings/compare", {
+        body: {
+          recordings: ids,
+          align,
+          points: 3000,
+          from_s: settled ? settled[0] - (settled[1] - settled[0]) / 2 : null,
+          to_s: settled ? settled[1] + (settled[1] - settled[0]) / 2 : null,
+        },
+      }),
     enabled: ids.length > 1,
     placeholderData: keepPreviousData,
     retry: false,

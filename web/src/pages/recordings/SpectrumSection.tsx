@@ -1,7 +1,7 @@
 import { Button, Checkbox, Group, Loader, Select, Text } from "@mantine/core";
 import { useQueries } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { compact, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -54,21 +54,17 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const queries = useQueries({
     queries: recordings.map(({ id }) => ({
       queryKey: ["spectrum", id, channel?.name, window, shape, detrend],
-      queryFn: async (): Promise<Spectrum> =>
-        unwrap(
-          await api.GET("/api/v1/recordings/{recording}/spectrum", {
-            params: {
-              path: { recording: id },
-              query: {
-                channel: channel?.name ?? "",
-                window: shape,
-                detrend,
-                points: POINTS,
-                ...(window ? { from_s: window[0], to_s: window[1] } : {}),
-              },
-            },
-          }),
-        ),
+      queryFn: (): Promise<Spectrum> =>
+        api.GET("/api/v1/recordings/{recording}/spectrum", {
+          path: { recording: id },
+          query: {
+            channel: channel?.name ?? "",
+            window: shape,
+            detrend,
+            points: POINTS,
+            ...(window ? { from_s: window[0], to_s: window[1] } : {}),
+          },
+        }),
       enabled: on && channel !== undefined,
       staleTime: running ? 0 : Number.POSITIVE_INFINITY,
       retry: false,

@@ -1,5 +1,5 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { ApiError, api, problemOf, type Schemas, unwrap } from "../../api/client";
+import { ApiError, api, client, problemOf, type Schemas } from "../../api/client";
 import { decodeFrame } from "../../live/frames";
 import type { Piece } from "./ZoomData";
 
@@ -26,8 +26,7 @@ export const PAGE_MAX = 1000;
 export function useRecordings(search = "", limit = PAGE) {
   return useQuery({
     queryKey: ["recordings", search, limit],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/recordings", { params: { query: { limit, ...(search && { search }) } } })),
+    queryFn: () => api.GET("/api/v1/recordings", { query: { limit, ...(search && { search }) } }),
     refetchInterval: ({ state: { data } }) => (data?.unread ? 300 : data?.recordings.some(isRunning) ? 1000 : 4000),
     placeholderData: (before) => before,
   });
@@ -38,11 +37,10 @@ export function useRecording(id: string) {
   return useQuery({
     queryKey: ["recording", id],
     queryFn: async (): Promise<RecordingDetail> =>
-      unwrap(
-        await api.GET("/api/v1/recordings/{recording}", {
-          params: { path: { recording: id }, query: { figures: false } },
-        }),
-      ) as RecordingDetail, // without `format` it is no file
+      (await api.GET("/api/v1/recordings/{recording}", {
+        path: { recording: id },
+        query: { figures: false },
+      })) as RecordingDetail, // without `format` it is no file
     refetchInterval: (query) => (query.state.data && isRunning(query.state.data) ? 1000 : false),
     retry: false,
   });
@@ -52,13 +50,8 @@ export function useFigures(id: string, window: readonly [number, number] | null,
   const query = window ? { from_s: window[0], to_s: window[1] } : {};
   return useQuery({
     queryKey: ["figures", id, window, revision],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/recordings/{recording}/figures", {
-          params: { path: { recording: id }, query },
-          signal,
-        }),
-      ),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/recordings/{recording}/figures", { path: { recording: id }, query, signal }),
     enabled,
     placeholderData: (before) => before,
     staleTime: Number.POSITIVE_INFINITY,
@@ -68,7 +61,7 @@ export function useFigures(id: string, window: readonly [number, number] | null,
 
 /** A stretch of a recording as a plot needs it: a binary frame, viewed in place. */
 export async function fetchPiece(id: string, window: readonly [number, number] | null, points: number): Promise<Piece> {
-  const { data, error, response } = await api.GET("/api/v1/recordings/{recording}/plot", {
+  const { data, error, response } = await client.GET("/api/v1/recordings/{recording}/plot", {
     params: {
       path: { recording: id },
       query: { format: "frame", points, ...(window ? { from_s: window[0], to_s: window[1] } : {}) },
@@ -86,26 +79,24 @@ export async function fetchPiece(id: string, window: readonly [number, number] |
 /** What changes recordings. Each throws an ApiError; the lists are looked at anew. */
 export function useChanges() {
   const queries = useQueryClient();
-  const done = <T>(answer: { data?: T; error?: unknown; response: Response }): T => {
-    void queries.invalidateQueries({ queryKey: ["recordings"] });
-    void queries.invalidateQueries({ queryKey: ["recording"] });
-    return unwrap(answer);
-  };
-  const path = (recording: string) => ({ params: { path: { recording } } });
-  return {
-    start: async (body: Start) => done(await api.POST("/api/v1/recordings", { body })),
-    stop: async (id: string) => done(await api.POST("/api/v1/recordings/{recording}/stop", path(id))),
-    mark: async (id: string, text: string) =>
-      done(await api.POST("/api/v1/recordings/{recording}/marks", { ...path(id), body: { text } })),
-    label: async (id: string, label: { name?: string; note?: string }) =>
-      done(await api.PATCH("/api/v1/recordings/{recording}", { ...path(id), body: label })),
-    remove: async (id: string) => {
-      const answer = await api.DELETE("/api/v1/recordings/{recording}", path(id));
+  const done = <T>(answer: Promise<T>): Promise<T> =>
+    answer.finally(() => {
       void queries.invalidateQueries({ queryKey: ["recordings"] });
-      if (answer.error !== undefined) throw new ApiError(problemOf(answer.error));
-    },
-    replay: async (id: string) =>
-      done(await api.POST("/api/v1/recordings/{recording}/replay", { ...path(id), body: {} })),
+      void queries.invalidateQueries({ queryKey: ["recording"] });
+    });
+  const path = (recording: string) => ({ path: { recording } });
+  return {
+    start: (body: Start) => done(api.POST("/api/v1/recordings", { body })),
+    stop: (id: string) => done(api.POST("/api/v1/recordings/{recording}/stop", path(id))),
+    mark: (id: string, text: string) =>
+      done(api.POST("/api/v1/recordings/{recording}/marks", { ...path(id), body: { text } })),
+    label: (id: string, label: { name?: string; note?: string }) =>
+      done(api.PATCH("/api/v1/recordings/{recording}", { ...path(id), body: label })),
+    remove: (id: string) =>
+      api
+        .DELETE("/api/v1/recordings/{recording}", path(id))
+        .finally(() => void queries.invalidateQueries({ queryKey: ["recordings"] })),
+    replay: (id: string) => done(api.POST("/api/v1/recordings/{recording}/replay", { ...path(id), body: {} })),
   };
 }
 

@@ -1,6 +1,6 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { type Replay, useChanges } from "./api";
 
 /** The replay of a recording: begun, looked at while it runs. */
@@ -11,8 +11,7 @@ export function useReplay(id: string) {
   const key = ["replay", id];
   const query = useQuery<Replay | null>({
     queryKey: key,
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/recordings/{recording}/replay", { params: { path: { recording: id } } })),
+    queryFn: () => api.GET("/api/v1/recordings/{recording}/replay", { path: { recording: id } }),
     refetchInterval: ({ state }) => (state.data?.state === "running" ? 300 : false),
   });
   return {

@@ -1,7 +1,7 @@
 import { Button, Group, Text, TextInput } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useRef, useState, useSyncExternalStore } from "react";
-import { api, type Problem, problemOf, unwrap } from "../../api/client";
+import { api, type Problem, problemOf } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
@@ -73,10 +73,8 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
   const send = useMutation({
     // one after the other: what is entered while a datagram is under way goes behind it
     scope: { id: `datagrams of ${device}` },
-    mutationFn: async (sent: string) =>
-      unwrap(
-        await api.POST("/api/v1/devices/{device}/exchange", { params: { path: { device } }, body: { frame: sent } }),
-      ),
+    mutationFn: (sent: string) =>
+      api.POST("/api/v1/devices/{device}/exchange", { path: { device }, body: { frame: sent } }),
     onSuccess: (answer, sent) =>
       remember(device, {
         sent,

@@ -1,7 +1,7 @@
 import { Button, Text } from "@mantine/core";
 import { IconEye } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -12,8 +12,8 @@ import { timeOf } from "../../lib/time";
 export function ReadOnce({ device, row }: { device: Device | undefined; row: RegisterRow }) {
   const look = useMutation({
     mutationFn: async () => {
-      const params = { path: { device: device?.id ?? "", name: row.name }, query: { axis: row.axis } };
-      const reading = unwrap(await api.GET("/api/v1/devices/{device}/registers/{name}", { params }));
+      const path = { device: device?.id ?? "", name: row.name };
+      const reading = await api.GET("/api/v1/devices/{device}/registers/{name}", { path, query: { axis: row.axis } });
       return { raw: reading.raw, at: timeOf(Date.now()) };
     },
   });

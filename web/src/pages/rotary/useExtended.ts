@@ -1,6 +1,6 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import { type Answer, type Change, extendedOf } from "./extended";
 
@@ -12,10 +12,10 @@ const ROUTE = "/api/v1/devices/{device}/axes/{axis}/extended-position";
 export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
   const queries = useQueryClient();
   const key = useMemo(() => ["extended-position", device, axis], [device, axis]);
-  const params = { params: { path: { device, axis } } };
+  const params = { path: { device, axis } };
   const query = useQuery({
     queryKey: key,
-    queryFn: async () => unwrap(await api.GET(ROUTE, params)),
+    queryFn: () => api.GET(ROUTE, params),
     enabled,
     refetchInterval: PERIOD_MS,
     retry: false,
@@ -27,11 +27,11 @@ export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
     void queries.invalidateQueries({ queryKey: ["extended-history", device, axis] });
   };
   const change = useMutation({
-    mutationFn: async (body: Change) => unwrap(await api.PUT(ROUTE, { ...params, body })),
+    mutationFn: (body: Change) => api.PUT(ROUTE, { ...params, body }),
     onSuccess: settled,
   });
   const forget = useMutation({
-    mutationFn: async () => unwrap(await api.DELETE(ROUTE, params)),
+    mutationFn: () => api.DELETE(ROUTE, params),
     onSuccess: settled,
   });
   const seen = useMemo(() => (query.data ? extendedOf(query.data) : null), [query.data]);
@@ -44,8 +44,7 @@ export type ExtendedAxis = ReturnType<typeof useExtended>;
 export function useHistory({ device, axis }: AxisAddress, seconds: number, enabled: boolean) {
   return useQuery({
     queryKey: ["extended-history", device, axis, seconds],
-    queryFn: async () =>
-      unwrap(await api.GET(`${ROUTE}/history`, { params: { path: { device, axis }, query: { seconds } } })),
+    queryFn: () => api.GET(`${ROUTE}/history`, { path: { device, axis }, query: { seconds } }),
     enabled,
     refetchInterval: Math.max(2000, seconds * 2),
     retry: false,

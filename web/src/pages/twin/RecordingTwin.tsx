@@ -2,7 +2,7 @@ import { Button, Loader, Text } from "@mantine/core";
 import { IconCube } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { recordingCursor } from "../../lib/cursor";
 import { fixed } from "../../lib/format";
@@ -52,7 +52,7 @@ function Scrubbed({ recording }: { recording: string }) {
     const scrubber = new Scrubber(
       async (place) => {
         const body = { ...place, scheme };
-        queries.setQueryData(TWIN_KEY, unwrap(await api.POST("/api/v1/twin/cursor", { body })));
+        queries.setQueryData(TWIN_KEY, await api.POST("/api/v1/twin/cursor", { body }));
         setProblem(null);
       },
       (error) => setProblem(error),

@@ -1,5 +1,5 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, type Schemas } from "../../api/client";
 
 export type TwinState = Schemas["TwinState"];
 export type TwinLook = Schemas["TwinLook"];
@@ -24,17 +24,17 @@ export function useTwin(): Twin {
   const queries = useQueryClient();
   const query = useQuery({
     queryKey: TWIN_KEY,
-    queryFn: async () => unwrap(await api.GET("/api/v1/twin")),
+    queryFn: () => api.GET("/api/v1/twin"),
     refetchInterval: ({ state }) => (state.data?.state === "on" ? READ_MS : LOOK_MS),
   });
   const seen = (state: TwinState) => queries.setQueryData(TWIN_KEY, state);
   const show = useMutation({
-    mutationFn: async (body: Schemas["TwinShow"]) => unwrap(await api.POST("/api/v1/twin", { body })),
+    mutationFn: (body: Schemas["TwinShow"]) => api.POST("/api/v1/twin", { body }),
     onSuccess: seen,
     onError: () => void queries.invalidateQueries({ queryKey: TWIN_KEY }),
   });
   const end = useMutation({
-    mutationFn: async () => unwrap(await api.DELETE("/api/v1/twin")),
+    mutationFn: () => api.DELETE("/api/v1/twin"),
     onSuccess: seen,
   });
   return {

@@ -3,7 +3,7 @@ import { useSessionStorage } from "@mantine/hooks";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { Page } from "../../../lib/Page";
@@ -44,13 +44,11 @@ function useClk2Div(device: Device | undefined): number | null {
   const id = device?.id ?? "";
   const reading = useQuery({
     queryKey: ["registers", id, "global"],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers/{name}", {
-          params: { path: { device: id, name: "stepper_motor_global_parameter_register" } },
-          signal,
-        }),
-      ),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/devices/{device}/registers/{name}", {
+        path: { device: id, name: "stepper_motor_global_parameter_register" },
+        signal,
+      }),
     enabled: device?.state === "connected",
     refetchInterval: 3000,
   });
@@ -77,8 +75,7 @@ function Editor({ device }: { device: Device | undefined }) {
 
   const chip = useQuery({
     queryKey: ["driver-chain", id],
-    queryFn: async ({ signal }) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/driver-chain", { params: { path: { device: id } }, signal })),
+    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/driver-chain", { path: { device: id }, signal }),
     enabled: connected,
     refetchInterval: 3000,
   });
@@ -92,17 +89,12 @@ function Editor({ device }: { device: Device | undefined }) {
       clk2_div: clk2Div,
       ramp_divs: rampDivs,
     },
-    async (body, signal) => unwrap(await api.POST("/api/v1/calc/driver-chain", { body, signal })),
+    (body, signal) => api.POST("/api/v1/calc/driver-chain", { body, signal }),
   );
 
   const send = useWork(
-    async () =>
-      unwrap(
-        await api.PUT("/api/v1/devices/{device}/driver-chain", {
-          params: { path: { device: id } },
-          body: { drivers: request(drivers) },
-        }),
-      ),
+    () =>
+      api.PUT("/api/v1/devices/{device}/driver-chain", { path: { device: id }, body: { drivers: request(drivers) } }),
     {
       onSuccess: (table) => {
         queries.setQueryData(["driver-chain", id], table);

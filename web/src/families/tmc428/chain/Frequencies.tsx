@@ -1,6 +1,6 @@
 import { Button, Slider } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { Card } from "../../../lib/Card";
 import { frequency } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
@@ -25,13 +25,11 @@ export function Frequencies(props: Props) {
   const { design, stale, clk2Div, onClk2Div, rampDivs, onRampDivs, chipClk2Div, device } = props;
   const queries = useQueryClient();
   const send = useWork(
-    async () =>
-      unwrap(
-        await api.PUT("/api/v1/devices/{device}/registers/{name}", {
-          params: { path: { device: device ?? "", name: "stepper_motor_global_parameter_register" } },
-          body: { fields: { clk2_div: clk2Div } },
-        }),
-      ),
+    () =>
+      api.PUT("/api/v1/devices/{device}/registers/{name}", {
+        path: { device: device ?? "", name: "stepper_motor_global_parameter_register" },
+        body: { fields: { clk2_div: clk2Div } },
+      }),
     { onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }) },
   );
   const cells: [name: string, value: number | null | undefined, note: string][] = [

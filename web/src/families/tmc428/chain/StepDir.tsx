@@ -3,7 +3,7 @@ import { useElementSize } from "@mantine/hooks";
 import { IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { duration, fixed, withUnit } from "../../../lib/format";
@@ -145,13 +145,7 @@ export function StepDir({ device }: { device: Device }) {
   const connected = device.state === "connected";
   const readings = useQuery({
     queryKey: ["registers", device.id, null],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers", {
-          params: { path: { device: device.id } },
-          signal,
-        }),
-      ),
+    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/registers", { path: { device: device.id }, signal }),
     enabled: connected,
     refetchInterval: 1000,
   });
@@ -173,12 +167,7 @@ export function StepDir({ device }: { device: Device }) {
       const writes = [GLOBAL, INTERFACE]
         .map((name) => ({ name, fields: fields(name) }))
         .filter((write) => Object.keys(write.fields).length > 0);
-      return unwrap(
-        await api.POST("/api/v1/devices/{device}/registers", {
-          params: { path: { device: device.id } },
-          body: { writes },
-        }),
-      );
+      return await api.POST("/api/v1/devices/{device}/registers", { path: { device: device.id }, body: { writes } });
     },
     {
       onSuccess: (answer) => {

@@ -1,7 +1,7 @@
 import { Button, Select } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconArrowRight } from "@tabler/icons-react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { Card } from "../../../lib/Card";
 import { fixed, withUnit } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
@@ -96,7 +96,7 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
       clock_hz: scale.clockHz,
       reduction,
     },
-    async (body, signal) => unwrap(await api.POST("/api/v1/calc/ramp-inverse", { body, signal })),
+    (body, signal) => api.POST("/api/v1/calc/ramp-inverse", { body, signal }),
   );
   const { result, stale, error, retry } = calculation;
 

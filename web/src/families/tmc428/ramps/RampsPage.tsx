@@ -1,6 +1,6 @@
 import { useSessionStorage } from "@mantine/hooks";
 import { useEffect, useMemo, useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
@@ -54,7 +54,7 @@ function useRamp(model: Model, body: { parameters: Record<string, number | strin
   return useCalc<Schemas["Ramp"], Schemas["RampResult"]>(
     "ramp",
     body === null ? null : { model, samples: 1600, ...body },
-    async (question, signal) => unwrap(await api.POST("/api/v1/calc/ramp", { body: question, signal })),
+    (question, signal) => api.POST("/api/v1/calc/ramp", { body: question, signal }),
   );
 }
 
@@ -128,7 +128,7 @@ function Designer({ device, axis }: Props) {
       v_min: design.v_min,
       clock_hz: clockHz,
     },
-    async (body, signal) => unwrap(await api.POST("/api/v1/calc/pmul-pdiv", { body, signal })),
+    (body, signal) => api.POST("/api/v1/calc/pmul-pdiv", { body, signal }),
   );
   const p = idealP(design);
   const own = sketch.own !== null && sketch.own.p === p ? sketch.own.pair : null;

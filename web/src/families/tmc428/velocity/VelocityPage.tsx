@@ -3,7 +3,7 @@ import { useSessionStorage } from "@mantine/hooks";
 import { IconPlayerPlay, IconPlayerStop, IconTimeline, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { compact, fixed } from "../../../lib/format";
@@ -23,7 +23,7 @@ import { KNOTS_DRAWN_MAX, parsed, type Shape, shaped, split, textOf } from "./kn
 const PAGE = "Velocity profile";
 const START = textOf(shaped("trapezoid", 4000, 2));
 
-const onAxis = (device: string, axis: number) => ({ params: { path: { device, axis } } });
+const onAxis = (device: string, axis: number) => ({ path: { device, axis } });
 
 function Player({ device, axis }: { device: Device; axis: number }) {
   const connected = device.state === "connected";
@@ -45,21 +45,17 @@ function Player({ device, axis }: { device: Device; axis: number }) {
   const check = useCalc<Schemas["VelocityProfileBody"], Schemas["VelocityProfileSummary"]>(
     `velocity-profile ${device.id} ${axis}`,
     connected ? body : null,
-    async (asked, signal) =>
-      unwrap(
-        await api.POST("/api/v1/devices/{device}/axes/{axis}/velocity-profile/check", {
-          ...onAxis(device.id, axis),
-          body: asked,
-          signal,
-        }),
-      ),
+    (asked, signal) =>
+      api.POST("/api/v1/devices/{device}/axes/{axis}/velocity-profile/check", {
+        ...onAxis(device.id, axis),
+        body: asked,
+        signal,
+      }),
   );
   const play = useQuery({
     queryKey: key,
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/axes/{axis}/velocity-profile", { ...onAxis(device.id, axis), signal }),
-      ),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/devices/{device}/axes/{axis}/velocity-profile", { ...onAxis(device.id, axis), signal }),
     enabled: connected,
     refetchInterval: (query) => (query.state.data?.state === "running" ? 200 : 2000),
   });
@@ -68,15 +64,15 @@ function Player({ device, axis }: { device: Device; axis: number }) {
   const start = useWork(
     async () => {
       if (body === null) throw new Error("There is no profile to play");
-      return unwrap(
-        await api.POST("/api/v1/devices/{device}/axes/{axis}/velocity-profile", { ...onAxis(device.id, axis), body }),
-      );
+      return await api.POST("/api/v1/devices/{device}/axes/{axis}/velocity-profile", {
+        ...onAxis(device.id, axis),
+        body,
+      });
     },
     { onSettled: refresh },
   );
   const stop = useWork(
-    async () =>
-      unwrap(await api.DELETE("/api/v1/devices/{device}/axes/{axis}/velocity-profile", onAxis(device.id, axis))),
+    () => api.DELETE("/api/v1/devices/{device}/axes/{axis}/velocity-profile", onAxis(device.id, axis)),
     { onSettled: refresh },
   );
   const begin = (shape: Shape) => {
@@ -238,13 +234,8 @@ function Lateness({ device, axis, running, sent }: { device: Device; axis: numbe
   const [over, setOver] = useState<"time" | "spread">("time");
   const late = useQuery({
     queryKey: ["velocity-profile-lateness", device.id, axis],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/axes/{axis}/velocity-profile/lateness", {
-          ...onAxis(device.id, axis),
-          signal,
-        }),
-      ),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/devices/{device}/axes/{axis}/velocity-profile/lateness", { ...onAxis(device.id, axis), signal }),
     enabled: device.state === "connected" && sent > 0,
     refetchInterval: running ? 1000 : false,
   });

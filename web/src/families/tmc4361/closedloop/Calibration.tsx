@@ -1,7 +1,7 @@
 import { Alert, Button, Checkbox, Group, Progress, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
@@ -134,12 +134,11 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
   const write = useWork(
     async () => {
       for (const [name, fields] of writes)
-        unwrap(
-          await api.PUT("/api/v1/devices/{device}/registers/{name}", {
-            params: { path: { device: at.device, name }, query: { axis: at.axis } },
-            body: { fields },
-          }),
-        );
+        await api.PUT("/api/v1/devices/{device}/registers/{name}", {
+          path: { device: at.device, name },
+          query: { axis: at.axis },
+          body: { fields },
+        });
     },
     { onSettled: () => queries.invalidateQueries() },
   );

@@ -1,6 +1,6 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import { STOP_EVENT } from "../../../shell/stopEverything";
 
@@ -65,9 +65,9 @@ export function useCalibration(at: AxisAddress, enabled: boolean) {
     ["closed-loop-calibration", at.device, at.axis],
     enabled,
     {
-      get: async (signal) => unwrap(await api.GET(url, { params: path(at), signal })),
-      start: async (body) => unwrap(await api.POST(url, { params: path(at), body })),
-      abort: async () => unwrap(await api.DELETE(url, { params: path(at) })),
+      get: (signal) => api.GET(url, { ...path(at), signal }),
+      start: (body) => api.POST(url, { ...path(at), body }),
+      abort: () => api.DELETE(url, path(at)),
     },
   );
 }
@@ -75,18 +75,18 @@ export function useCalibration(at: AxisAddress, enabled: boolean) {
 export function useStepResponse(at: AxisAddress, enabled: boolean) {
   const url = "/api/v1/devices/{device}/axes/{axis}/step-response" as const;
   return useProcedure<ResponseState, Schemas["StepResponseStart"]>(["step-response", at.device, at.axis], enabled, {
-    get: async (signal) => unwrap(await api.GET(url, { params: path(at), signal })),
-    start: async (body) => unwrap(await api.POST(url, { params: path(at), body })),
-    abort: async () => unwrap(await api.DELETE(url, { params: path(at) })),
+    get: (signal) => api.GET(url, { ...path(at), signal }),
+    start: (body) => api.POST(url, { ...path(at), body }),
+    abort: () => api.DELETE(url, path(at)),
   });
 }
 
 export function useDisturbance(at: AxisAddress, enabled: boolean) {
   const url = "/api/v1/devices/{device}/axes/{axis}/disturbance" as const;
   return useProcedure<ResponseState, Schemas["DisturbanceStart"]>(["disturbance", at.device, at.axis], enabled, {
-    get: async (signal) => unwrap(await api.GET(url, { params: path(at), signal })),
-    start: async (body) => unwrap(await api.POST(url, { params: path(at), body })),
-    abort: async () => unwrap(await api.DELETE(url, { params: path(at) })),
+    get: (signal) => api.GET(url, { ...path(at), signal }),
+    start: (body) => api.POST(url, { ...path(at), body }),
+    abort: () => api.DELETE(url, path(at)),
   });
 }
 

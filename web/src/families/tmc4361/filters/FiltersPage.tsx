@@ -1,7 +1,7 @@
 import { Button, Loader, SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { compact, frequency } from "../../../lib/format";
@@ -28,7 +28,7 @@ export default function FiltersPage() {
   const { device, axis } = useSelection();
   const filters = useQuery({
     queryKey: ["calc", "input-filters"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/calc/input-filter")),
+    queryFn: () => api.GET("/api/v1/calc/input-filter"),
     staleTime: Number.POSITIVE_INFINITY,
   });
   if (filters.isError)
@@ -119,7 +119,7 @@ function FilterDesigner({ device, axis, filters }: Props) {
       input,
       phase: Math.min(phase, period - 1),
     },
-    async (body, signal) => unwrap(await api.POST("/api/v1/calc/input-filter", { body, signal })),
+    (body, signal) => api.POST("/api/v1/calc/input-filter", { body, signal }),
   );
   const result = calculation.result;
   const select = (suffix: string) => {

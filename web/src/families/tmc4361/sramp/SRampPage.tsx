@@ -1,5 +1,5 @@
 import { useCallback, useMemo } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
 import { compact } from "../../../lib/format";
 import type { Answer } from "../../../lib/ramp/answer";
@@ -89,7 +89,7 @@ function Designer({ device, axis }: Props) {
       samples: SAMPLES,
       motor: motorBody(designer.motor, scale),
     },
-    async (body, signal) => unwrap(await api.POST("/api/v1/calc/ramp", { body, signal })),
+    (body, signal) => api.POST("/api/v1/calc/ramp", { body, signal }),
   );
   const answer = calculation.result;
   // by content: the limits change with the units alone, and not with every answer

@@ -1,6 +1,6 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { Card } from "../../../lib/Card";
 import { duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
@@ -27,8 +27,8 @@ interface Props {
 }
 
 /** The one calculator behind both ways. */
-export const askCurrent = async (body: CurrentBody, signal: AbortSignal): Promise<Result> =>
-  unwrap(await api.POST("/api/v1/calc/coil-current", { body, signal }));
+export const askCurrent = (body: CurrentBody, signal: AbortSignal): Promise<Result> =>
+  api.POST("/api/v1/calc/coil-current", { body, signal });
 
 /** What the current registers make of the coils, and what registers a current needs. */
 export function CurrentSection({ chip, model, clockHz, sensing, onSensing, disabled }: Props) {

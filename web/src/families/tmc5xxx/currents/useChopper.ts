@@ -1,5 +1,5 @@
 import { useLocalStorage } from "@mantine/hooks";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { useCalc } from "../../../lib/useCalc";
 import type { Registers } from "./chip";
 import type { Model } from "./models";
@@ -42,8 +42,8 @@ export function useChopper(chip: Registers, model: Model, scale: SpeedScale, run
           irun,
           chopper_hz: motor.chopperKhz * 1000,
         };
-  const answer = useCalc<Schemas["Chopper"], Schemas["ChopperResult"]>("chopper", body, async (asked, signal) =>
-    unwrap(await api.POST("/api/v1/calc/chopper", { body: asked, signal })),
+  const answer = useCalc<Schemas["Chopper"], Schemas["ChopperResult"]>("chopper", body, (asked, signal) =>
+    api.POST("/api/v1/calc/chopper", { body: asked, signal }),
   );
   return { motor, setMotor: (part: Partial<Motor>) => setAll({ ...motor, ...part }), runRmsA, answer };
 }

@@ -1,7 +1,7 @@
 import { Button } from "@mantine/core";
 import { IconBookmark, IconX } from "@tabler/icons-react";
 import { useCallback, useMemo } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
 import type { Answer } from "../../../lib/ramp/answer";
 import { DesignerPage } from "../../../lib/ramp/DesignerPage";
@@ -71,8 +71,8 @@ const PLOTS: readonly PlotOf[] = [
 const NEVER_ZERO: readonly Parameter[] = ["vmax", "amax"];
 
 function useRamp(body: Schemas["Ramp"] | null) {
-  return useFollow<Schemas["Ramp"], Answer>(body, async (question, signal) =>
-    unwrap(await api.POST("/api/v1/calc/ramp", { body: question, signal })),
+  return useFollow<Schemas["Ramp"], Answer>(body, (question, signal) =>
+    api.POST("/api/v1/calc/ramp", { body: question, signal }),
   );
 }
 

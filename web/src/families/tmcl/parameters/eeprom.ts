@@ -1,6 +1,6 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import type { RegisterRow } from "../../../lib/rows/bits";
 import { type Key, keyOf } from "../../../lib/rows/staging";
 
@@ -19,12 +19,8 @@ export function useEeprom(device: string) {
   const [kept, setKept] = useState<ReadonlyMap<Key, Kept>>(new Map());
   const copy = useMutation({
     mutationFn: async ({ row, action }: { row: RegisterRow; action: EepromAction }) => {
-      const path = { params: { path: { device, name: row.name }, query: row.axis === null ? {} : { axis: row.axis } } };
-      return unwrap(
-        action === "store"
-          ? await api.POST("/api/v1/devices/{device}/registers/{name}/store", path)
-          : await api.POST("/api/v1/devices/{device}/registers/{name}/restore", path),
-      );
+      const path = { path: { device, name: row.name }, query: row.axis === null ? {} : { axis: row.axis } };
+      return api.POST(`/api/v1/devices/{device}/registers/{name}/${action}`, path);
     },
     onSuccess: (reading, { row, action }) =>
       setKept((now) =>

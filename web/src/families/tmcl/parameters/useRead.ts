@@ -1,6 +1,6 @@
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import type { RegisterRow } from "../../../lib/rows/bits";
 import { type Key, keyOf } from "../../../lib/rows/staging";
 
@@ -13,12 +13,11 @@ export interface Asked {
 export function useRead(device: string) {
   const [answers, setAnswers] = useState<ReadonlyMap<Key, Asked>>(new Map());
   const read = useMutation({
-    mutationFn: async (row: RegisterRow) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers/{name}", {
-          params: { path: { device, name: row.name }, query: row.axis === null ? {} : { axis: row.axis } },
-        }),
-      ),
+    mutationFn: (row: RegisterRow) =>
+      api.GET("/api/v1/devices/{device}/registers/{name}", {
+        path: { device, name: row.name },
+        query: row.axis === null ? {} : { axis: row.axis },
+      }),
     onSuccess: (reading, row) => setAnswers((now) => new Map(now).set(keyOf(row), { reading, at: Date.now() })),
   });
   return {

@@ -1,7 +1,7 @@
 import { Button, Group, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, toSteps } from "../../../lib/units";
@@ -30,8 +30,7 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
   const refused = (name: string) => (is: boolean) => setWrong((old) => ({ ...old, [name]: is }));
   const shuttle = useQuery({
     queryKey: shuttleKey(at),
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { params: { path: at } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { path: at }),
     enabled: !disabled,
     refetchInterval: 1000,
   });

@@ -1,4 +1,4 @@
-import { ApiError, api, unwrap } from "../../../api/client";
+import { ApiError, api } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
 import { familyOf } from "../../../families/families";
@@ -17,11 +17,9 @@ export async function setZero({ device, axis }: AxisAddress, of: Device, moving:
       instance: null,
     });
   const writes = (await familyOf(of)?.zero(of)) ?? [];
-  const result = unwrap(
-    await api.POST("/api/v1/devices/{device}/registers", {
-      params: { path: { device } },
-      body: { writes: writes.map((write) => ({ ...write, axis })) },
-    }),
-  );
+  const result = await api.POST("/api/v1/devices/{device}/registers", {
+    path: { device },
+    body: { writes: writes.map((write) => ({ ...write, axis })) },
+  });
   if (result.failed) throw new ApiError(result.failed);
 }

@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
 import { familyOf } from "../../../families/families";
@@ -15,16 +15,11 @@ const CAREFUL_PPS = 1000;
 /** What the register holds; null where nobody knows. */
 async function look({ device, axis }: AxisAddress, { name, kept }: TopRegister) {
   if (kept === undefined)
-    return unwrap(
-      await api.GET("/api/v1/devices/{device}/registers/{name}", {
-        params: { path: { device, name }, query: { axis } },
-      }),
-    );
-  const known = unwrap(
-    await api.GET("/api/v1/devices/{device}/registers", {
-      params: { path: { device }, query: { axis, group: [kept], kept: true } },
-    }),
-  );
+    return await api.GET("/api/v1/devices/{device}/registers/{name}", { path: { device, name }, query: { axis } });
+  const known = await api.GET("/api/v1/devices/{device}/registers", {
+    path: { device },
+    query: { axis, group: [kept], kept: true },
+  });
   return known.find((reading) => reading.name === name) ?? null;
 }
 

@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, unwrap } from "../../../api/client";
+import { api } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 
 export const searchKey = (at: AxisAddress) => ["reference-search", at.device, at.axis];
@@ -8,8 +8,7 @@ export const searchKey = (at: AxisAddress) => ["reference-search", at.device, at
 export function useSearch(at: AxisAddress, enabled: boolean) {
   return useQuery({
     queryKey: searchKey(at),
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/reference-search", { params: { path: at } })),
+    queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/reference-search", { path: at }),
     enabled,
     refetchInterval: (query) => (query.state.data?.state === "running" ? 200 : 2000),
   });

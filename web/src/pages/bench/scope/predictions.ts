@@ -51,10 +51,8 @@ export class PredictionKeeper {
     if (this.busy) return;
     this.busy = true;
     try {
-      const { data } = await api.GET("/api/v1/devices/{device}/axes/{axis}/prediction", {
-        params: { path: { device: this.device, axis: this.axis } },
-      });
-      this.ramp = data ? columns(data) : null;
+      const path = { device: this.device, axis: this.axis };
+      this.ramp = columns(await api.GET("/api/v1/devices/{device}/axes/{axis}/prediction", { path }));
     } catch {
       // without an answer there is nothing to foretell; the banner says that the server is gone
       this.ramp = null;

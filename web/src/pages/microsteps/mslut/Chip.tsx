@@ -1,6 +1,6 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { api, type Schemas } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { timeOf } from "../../../lib/time";
@@ -39,12 +39,10 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
   const send = useMutation({
     mutationFn: async (wanted: Table) => {
       const answer = asHeld(
-        unwrap(
-          await api.PUT("/api/v1/devices/{device}/microstep-table", {
-            params: { path: { device: id } },
-            body: { registers: wordsOf(wanted.registers), mirror: wanted.mirror },
-          }),
-        ),
+        await api.PUT("/api/v1/devices/{device}/microstep-table", {
+          path: { device: id },
+          body: { registers: wordsOf(wanted.registers), mirror: wanted.mirror },
+        }),
       );
       queries.setQueryData(tableKey(id), answer);
       if (!answer) return;
