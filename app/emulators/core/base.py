@@ -8,10 +8,12 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypedDict, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from ...clock import Clock, ScaledClock
+from .ground_truth import GroundTruth
 from .noise import flip
 from .pace import SLICE_S, Pace
 
@@ -21,11 +23,45 @@ UNMEASURED_S = SLICE_S / 16
 """Chip time that is worked out without a look at how much work it is [s]."""
 
 
-class FarEnd(ABC):
+class Times(TypedDict):
+    """How the time of an emulator passes: the first fields of its `EmulatedState`."""
+
+    time_scale: float
+    chip_time_s: float
+    time_skipped_s: float
+
+
+class EmulatedState(BaseModel):
+    """What GET .../emulator answers of every emulator."""
+
+    model: str
+    time_scale: float
+    chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
+
+
+class Change(Protocol):
+    """What PATCH .../emulator takes for every emulator."""
+
+    @property
+    def time_scale(self) -> float | None: ...
+
+    @property
+    def faults(self) -> BaseModel: ...
+
+
+ChangeT = TypeVar("ChangeT", bound=Change)
+StateT = TypeVar("StateT", bound=BaseModel)
+
+
+class FarEnd(ABC, Generic[ChangeT, StateT]):
     """Lives by `clock`, `time_scale` times as fast, and never by itself: whoever asks makes it catch up first."""
 
-    def __init__(self, clock: Clock, time_scale: float) -> None:
+    def __init__(self, clock: Clock, time_scale: float, faults: ChipFaults) -> None:
         self.clock = ScaledClock(clock, time_scale)
+        self.faults = faults
         self._lock = threading.Lock()
         self._latest_s = 0.0
         """Where it has been brought to, on `clock` [s]."""
@@ -89,6 +125,59 @@ class FarEnd(ABC):
     @abstractmethod
     def model(self) -> str:
         """The name in the catalog."""
+
+    # --- the world around ------------------------------------------------------------------------
+
+    def state(self, at_s: float | None = None) -> StateT:
+        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    def patch(self, change: ChangeT, at_s: float | None = None) -> StateT:
+        """Change the world around at chip time `at_s` [s], by default now.
+
+        Raises BenchError, before anything was changed, for what cannot be done to this one.
+        """
+        with self._lock:
+            self._check(change)
+            self._run_until(at_s)
+            self._change(change)
+            self.faults.change(change.faults)
+            if change.time_scale is not None:
+                self.clock.scale = change.time_scale
+            return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with an axis at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._truth(axis)
+
+    @abstractmethod
+    def _describe(self) -> StateT:
+        """What there is to tell at this moment. The lock is held."""
+
+    def _check(self, change: ChangeT) -> None:
+        """Raises BenchError for what cannot be done. The lock is held."""
+
+    @abstractmethod
+    def _change(self, change: ChangeT) -> None:
+        """Do what has been checked, but for what every emulator has. The lock is held."""
+
+    @abstractmethod
+    def _truth(self, axis: int) -> GroundTruth:
+        """How it really is at this moment. The lock is held."""
+
+    @property
+    def _times(self) -> Times:
+        return {
+            "time_scale": self.clock.scale,
+            "chip_time_s": self._latest_s,
+            "time_skipped_s": self.clock.skipped_s,
+        }
+
+    # --- time ------------------------------------------------------------------------------------
 
     def caught_up(self, lag_s: float = 1e-9) -> bool:
         """Has it been brought to within `lag_s` [s] of its clock?"""

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import random
-from abc import abstractmethod
 from typing import Generic, Protocol, TypeVar
-
-from pydantic import BaseModel
 
 from ...clock import Clock
 from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
-from .base import ChipFaults, FarEnd
+from .base import ChangeT, ChipFaults, FarEnd, StateT
 from .uart_end import UartChip, UartEnd
 
 
@@ -31,6 +28,10 @@ class Chip40(Protocol):
         """Catch up to `clock` clocks; never back."""
         ...
 
+    def reset(self) -> None:
+        """As after power-on."""
+        ...
+
     def read(self, address: int) -> int:
         """The word at `address`, with all consequences."""
         ...
@@ -46,19 +47,17 @@ class UartChip40(Chip40, UartChip, Protocol):
 
 ChipT = TypeVar("ChipT", bound=Chip40)
 UartChipT = TypeVar("UartChipT", bound=UartChip40)
-StateT = TypeVar("StateT", bound=BaseModel)
 
 
-class FarEnd40(FarEnd, Generic[ChipT, StateT]):
+class FarEnd40(FarEnd[ChangeT, StateT], Generic[ChipT, ChangeT, StateT]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, clock: Clock, time_scale: float, chip: ChipT, clock_hz: float, seed: int) -> None:
-        super().__init__(clock, time_scale)
+        super().__init__(clock, time_scale, ChipFaults())
         self._chip = chip
         self._clock_hz = clock_hz
         self._noise = random.Random(seed)
         self._data = 0
-        self._faults = ChipFaults()
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         """Answer one 5-byte datagram at chip time `at_s` [s], by default now; never before the latest time used.
@@ -77,7 +76,7 @@ class FarEnd40(FarEnd, Generic[ChipT, StateT]):
         before them leave after 40 clocks, to the next chip of a chain (DS-TMC4361 5.2). Raises what `exchange` does,
         but for lengths.
         """
-        self._faults.require_plugged(self.model)
+        self.faults.require_plugged(self.model)
         with self._lock:
             chip = self._chip
             self._run_until(at_s)
@@ -90,20 +89,14 @@ class FarEnd40(FarEnd, Generic[ChipT, StateT]):
                     self._data = data
                 else:
                     self._data = chip.read(first)
-            return self._faults.pass_on(self.model, received, self._noise)
+            return self.faults.pass_on(self.model, received, self._noise)
 
     def _selected(self) -> None:
         """A datagram begins."""
 
-    def state(self, at_s: float | None = None) -> StateT:
-        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
-
-    @abstractmethod
-    def _describe(self) -> StateT:
-        """The same of this moment. The lock is held."""
+    def _power_cycle(self) -> None:
+        self._chip.reset()
+        self._data = 0
 
     def _run(self, until_s: float) -> None:
         self._chip.advance(self._clocks(until_s, self._clock_hz))
@@ -113,7 +106,7 @@ class FarEnd40(FarEnd, Generic[ChipT, StateT]):
         return self._chip.quiet
 
 
-class UartFarEnd40(FarEnd40[UartChipT, StateT]):
+class UartFarEnd40(FarEnd40[UartChipT, ChangeT, StateT]):
     """The same of chips of which some have a UART: `uart` is its single wire; `read` and `write` are what both buses
     reach, for an evaluation board whose firmware does the framing."""
 
@@ -130,11 +123,11 @@ class UartFarEnd40(FarEnd40[UartChipT, StateT]):
         nothing was obeyed either, but for the write. Raises ConnectionError while unplugged and TimeoutError while
         silent, for a question only.
         """
-        self._faults.require_plugged(self.model)
+        self.faults.require_plugged(self.model)
         with self._lock:
             self._run_until(at_s)
             reply = self._uart.answer(datagram)
-            return self._faults.pass_on(self.model, reply, self._noise) if reply else b""
+            return self.faults.pass_on(self.model, reply, self._noise) if reply else b""
 
     @property
     def reply_delay_bits(self) -> int:
@@ -145,14 +138,14 @@ class UartFarEnd40(FarEnd40[UartChipT, StateT]):
 
     def read(self, address: int, at_s: float | None = None) -> int:
         """The word that a bus reads at `address`, with all consequences (flags that a read clears)."""
-        self._faults.require_plugged(self.model)
+        self.faults.require_plugged(self.model)
         with self._lock:
             self._run_until(at_s)
             return self._chip.read(address)
 
     def write(self, address: int, data: int, at_s: float | None = None) -> None:
         """Write 32 bits as a bus does. IFCNT counts only what came over the UART."""
-        self._faults.require_plugged(self.model)
+        self.faults.require_plugged(self.model)
         with self._lock:
             self._run_until(at_s)
             self._chip.write(address, data)

@@ -7,9 +7,7 @@ speed and acceleration of a ramp generator hold something with which it can move
 
 from __future__ import annotations
 
-import random
 from collections.abc import Mapping
-from dataclasses import asdict
 
 from ...clock import Clock
 from ...links import datagram40
@@ -17,15 +15,13 @@ from ...links.datagram_uart import IFCNT, SYNC, WRITE_BIT, UartForm, crc8
 from ...registers.entry import Model
 from ...registers.listed.ramp import BACKWARD, FORWARD, POSITION, Ramp, ramps_of
 from ...registers.model import Access, Register, to_raw
-from ..core.base import FarEnd
-from ..core.ground_truth import GroundTruth
 from .axis import Axis
 from .board import BoardEnd
-from .module import ACCELERATION, FULL_STEP, SPEED, ListedFaults
-from .options import PLAIN_CHIP, ListedAxisState, ListedFaultsState, ListedOptions, ListedPatch, ListedState
+from .far_end import ACCELERATION, SPEED, PlainFarEnd
+from .options import PLAIN_CHIP, ListedOptions, ListedState
 
 
-class PlainChip(FarEnd):
+class PlainChip(PlainFarEnd):
     """Registers, and what leads to them: datagrams of 40 bits, a UART, an evaluation board. Safe to use from several
     threads."""
 
@@ -33,27 +29,17 @@ class PlainChip(FarEnd):
 
     def __init__(self, model: Model, clock: Clock, options: ListedOptions) -> None:
         """A chip that has just been switched on."""
-        super().__init__(clock, options.time_scale)
-        self._model = model
-        self.options = options
-        self.faults = ListedFaults()
-        self._noise = random.Random(options.seed)
+        super().__init__(model, clock, options)
         self._ramps = ramps_of(model.table)
         self._rows: Mapping[int, tuple[Register, ...]] = {
             row.address: model.table.meanings(row.address) for row in model.table
         }
         self._board = BoardEnd(model, self.read, self.write)
         self._held: dict[int, int] = {}
-        self._axes: tuple[Axis, ...] = ()
         self._data = 0
         """What the next datagram brings: it belongs to the latest."""
         self._writes = 0
         self._power_on()
-
-    @property
-    def model(self) -> str:
-        """The name in the catalog."""
-        return self._model.name
 
     # --- wires -----------------------------------------------------------------------------------
 
@@ -157,7 +143,7 @@ class PlainChip(FarEnd):
 
     def _power_on(self) -> None:
         self._held = {row.address: row.reset for row in self._model.table if row.reset is not None and not row.when}
-        self._axes = tuple(Axis() for _ in self._ramps)
+        self._axes = [Axis() for _ in self._ramps]
         self._data = self._writes = 0
         for ramp, axis in zip(self._ramps, self._axes, strict=True):
             for row, value in ((ramp.max_speed, SPEED), (ramp.acceleration, ACCELERATION)):
@@ -166,50 +152,5 @@ class PlainChip(FarEnd):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def state(self, at_s: float | None = None) -> ListedState:
-        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
-
-    def patch(self, change: ListedPatch, at_s: float | None = None) -> ListedState:
-        """Change it at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            if change.power_cycle:
-                self._power_on()
-            self.faults.change(change.faults)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
-
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """Where the counter is: there is no motor that could be elsewhere."""
-        with self._lock:
-            self._run_until(at_s)
-            moving = self._axes[axis]
-            return GroundTruth(moving.position / FULL_STEP, speed_fullsteps_s=moving.speed / FULL_STEP)
-
     def _describe(self) -> ListedState:
-        return ListedState(
-            model=self.model,
-            depth=PLAIN_CHIP,
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
-            address=self.options.node,
-            plain_axes=[ListedAxisState(position=axis.position, velocity=axis.speed) for axis in self._axes],
-            faults=ListedFaultsState(**asdict(self.faults)),
-        )
-
-    # --- within ----------------------------------------------------------------------------------
-
-    def _run(self, until_s: float) -> None:
-        if until_s > self._latest_s:
-            for axis in self._axes:
-                axis.run(until_s - self._latest_s)
-            self._latest_s = until_s
-
-    @property
-    def _quiet(self) -> bool:
-        return True  # each axis is worked out at once, however long it was
+        return self._told(PLAIN_CHIP, self.options.node)

@@ -7,10 +7,8 @@ and acceleration, with which it can move.
 
 from __future__ import annotations
 
-import random
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
 
 from ...clock import Clock
 from ...links.tmcl import FRAME_BYTES, Reply, Request, checksum
@@ -18,23 +16,18 @@ from ...registers.entry import Model
 from ...registers.listed.modules import role_of
 from ...registers.model import Register, Space
 from ...registers.tmcl.commands import Opcode, Status
-from ..core.base import ChipFaults, FarEnd
-from ..core.ground_truth import GroundTruth
 from ..core.noise import cut, flip
 from .axis import Axis
-from .options import PLAIN, ListedAxisState, ListedFaultsState, ListedOptions, ListedPatch, ListedState
+from .far_end import ACCELERATION, SPEED, PlainFarEnd
+from .options import PLAIN, ListedOptions, ListedState
 
 HOST = 2
 """Whom a module answers as it comes (global parameter 76)."""
-SPEED, ACCELERATION = 2000, 2000
-"""After power-on [counts/s, counts/s^2]: no package tells any, and with 0 nothing would move."""
 FIRMWARE = 0x0100
 """What it calls its version: 1.00."""
 ABS, REL = 0, 1
 STATUS = 2
 _SPACES = {0: Space.GLOBAL_0, 2: Space.GLOBAL_2, 3: Space.GLOBAL_3}
-FULL_STEP = 256
-"""Counts that are called a full step where somebody asks how it really is."""
 
 Key = tuple[Space, int, int]
 """Space, axis, number."""
@@ -48,25 +41,13 @@ class Refused(Exception):
         self.status = status
 
 
-@dataclass(slots=True)
-class ListedFaults(ChipFaults):
-    """On the wire; a serial line looks at them for every frame."""
-
-    late_reply_s: float = 0.0
-    half_frame_rate: float = 0.0
-
-
-class ListedModule(FarEnd):
+class ListedModule(PlainFarEnd):
     """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads."""
 
     reply_pause_s = 0.0
 
     def __init__(self, model: Model, clock: Clock, options: ListedOptions) -> None:
-        self._model = model
-        self.options = options
-        super().__init__(clock, options.time_scale)
-        self.faults = ListedFaults()
-        self._noise = random.Random(options.seed)
+        super().__init__(model, clock, options)
         self._rows: Mapping[Key, Register] = {
             (row.space, row.axis or 0, row.address): row
             for row in reversed(model.table.registers)  # of several names of one number the first counts
@@ -75,13 +56,7 @@ class ListedModule(FarEnd):
         self._roles = {key: role_of(row) for key, row in self._rows.items()}
         self._stored: dict[Key, int] = {}
         self._held: dict[Key, int] = {}
-        self._axes: list[Axis] = []
         self._power_on()
-
-    @property
-    def model(self) -> str:
-        """The name in the catalog."""
-        return self._model.name
 
     # --- frames ----------------------------------------------------------------------------------
 
@@ -303,50 +278,5 @@ class ListedModule(FarEnd):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def state(self, at_s: float | None = None) -> ListedState:
-        """Everything that GET .../emulator answers, at module time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
-
-    def patch(self, change: ListedPatch, at_s: float | None = None) -> ListedState:
-        """Change it at module time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            if change.power_cycle:
-                self._power_on()
-            self.faults.change(change.faults)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
-
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """Where the counter is: there is no motor that could be elsewhere."""
-        with self._lock:
-            self._run_until(at_s)
-            moving = self._axes[axis]
-            return GroundTruth(moving.position / FULL_STEP, speed_fullsteps_s=moving.speed / FULL_STEP)
-
     def _describe(self) -> ListedState:
-        return ListedState(
-            model=self.model,
-            depth=PLAIN,
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
-            address=self.options.address,
-            plain_axes=[ListedAxisState(position=axis.position, velocity=axis.speed) for axis in self._axes],
-            faults=ListedFaultsState(**asdict(self.faults)),
-        )
-
-    # --- within ----------------------------------------------------------------------------------
-
-    def _run(self, until_s: float) -> None:
-        if until_s > self._latest_s:
-            for axis in self._axes:
-                axis.run(until_s - self._latest_s)
-            self._latest_s = until_s
-
-    @property
-    def _quiet(self) -> bool:
-        return True  # each axis is worked out at once, however long it was
+        return self._told(PLAIN, self.options.address)

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from ...form_hints import REST_ONLY, form
+from ..core.base import EmulatedState
 from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
 
 PLAIN = (
@@ -80,16 +81,10 @@ class ListedAxisState(BaseModel):
     velocity: float = Field(description="how fast it goes [counts/s]")
 
 
-class ListedState(BaseModel):
+class ListedState(EmulatedState):
     """Everything that GET .../emulator answers for a chip or module of which only names are known."""
 
-    model: str
     depth: str = Field(description="what is emulated, and what is not")
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     address: int = Field(description="of a chip its node")
     plain_axes: list[ListedAxisState]
     faults: ListedFaultsState

@@ -22,16 +22,15 @@ from .tmc4210 import Tmc4210
 CHIPS: Mapping[str, type[Tmc428 | Tmc4210]] = {"tmc428": Tmc428, "tmc429": Tmc429, "tmc4210": Tmc4210}
 
 
-class EmulatedDevice(FarEnd):
+class EmulatedDevice(FarEnd[EmulatorPatch, EmulatorState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, model: str, clock: Clock, options: EmulatorOptions) -> None:
-        super().__init__(clock, options.time_scale)
+        super().__init__(clock, options.time_scale, ChipFaults())
         self._model = model
         self._clock_hz = options.clock_hz
         self._chip = CHIPS[model](options)
         self._options = options
-        self._faults = ChipFaults()
         self._noise = random.Random(options.seed)
 
     @property
@@ -47,23 +46,15 @@ class EmulatedDevice(FarEnd):
         """
         if len(frame) != FRAME_BYTES:
             raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
-        self._faults.require_plugged(self.model)
+        self.faults.require_plugged(self.model)
         with self._lock:
             clocks = self._clocks(self._reach(at_s), self._clock_hz)
             reply: int = self._chip.exchange(int.from_bytes(frame, "big"), clocks)
-            return self._faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
+            return self.faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
 
-    def state(self, at_s: float | None = None) -> EmulatorState:
-        """Everything that GET /emulator answers, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
+    # --- the world around ------------------------------------------------------------------------
 
-    def patch(self, change: EmulatorPatch, at_s: float | None = None) -> EmulatorState:
-        """Change the world around the chip at chip time `at_s` [s], by default now.
-
-        Raises OutOfRange for an axis that the chip does not have.
-        """
+    def _check(self, change: EmulatorPatch) -> None:
         chip = self._chip
         axes = chip.model.axes
         named = [
@@ -75,31 +66,24 @@ class EmulatedDevice(FarEnd):
             raise OutOfRange("axis", max(named), 0, axes - 1)
         if change.drivers and not isinstance(chip, Tmc428):
             raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
-        with self._lock:
-            clocks = self._clocks(self._reach(at_s), self._clock_hz)
-            chip.advance(clocks)
-            if change.power_cycle:
-                chip.power_cycle(clocks)
-            for moved in change.stages:
-                stage.change(chip.axes[moved.axis], moved, chip.stage_units)
-            for forced in change.switches:
-                stage.force(chip.axes[forced.axis], forced)
-            if isinstance(chip, Tmc428):
-                for driver in change.drivers:
-                    chip.driver_status[driver.axis] = driver.status
-            if change.inputs.gp_in is not None:
-                chip.set_general_input(change.inputs.gp_in)
-            chip.refresh()
-            self._faults.change(change.faults)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
 
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """How it really is with an axis at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
+    def _change(self, change: EmulatorPatch) -> None:
+        chip = self._chip
+        if change.power_cycle:
+            chip.power_cycle(self._clocks(self._latest_s, self._clock_hz))
+        for moved in change.stages:
+            stage.change(chip.axes[moved.axis], moved, chip.stage_units)
+        for forced in change.switches:
+            stage.force(chip.axes[forced.axis], forced)
+        if isinstance(chip, Tmc428):
+            for driver in change.drivers:
+                chip.driver_status[driver.axis] = driver.status
+        if change.inputs.gp_in is not None:
+            chip.set_general_input(change.inputs.gp_in)
+        chip.refresh()
+
+    def _truth(self, axis: int) -> GroundTruth:
+        return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
 
     def _run(self, until_s: float) -> None:
         self._chip.advance(self._clocks(until_s, self._clock_hz))
@@ -113,15 +97,13 @@ class EmulatedDevice(FarEnd):
         step_dir = chip.describe_step_dirs() if isinstance(chip, StepDirChip) else []
         return EmulatorState(
             model=self.model,
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
+            **self._times,
             clock_hz=self._clock_hz,
             wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
             v_actual_writable=self._options.v_actual_writable,
             axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
             inputs=Inputs(gp_in=chip.general_input),
-            faults=Faults(**asdict(self._faults)),
+            faults=Faults(**asdict(self.faults)),
             powered_down=chip.powered_down,
             driver_chain=chip.describe_chain() if isinstance(chip, Tmc428) else None,
             step_dir=step_dir[0] if step_dir else None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from ...registers.names import PmulName
+from ..core.base import EmulatedState
 from .options import VActualWritable
 
 
@@ -89,13 +90,8 @@ class StepDirState(BaseModel):
     pulse_clocks: int
 
 
-class EmulatorState(BaseModel):
+class EmulatorState(EmulatedState):
     model: PmulName
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     clock_hz: float
     wiring: str
     v_actual_writable: VActualWritable = Field(description="where a write to V_ACTUAL counts: see the link's option")

@@ -16,7 +16,7 @@ from .state import Tmc4361State
 MODEL = "tmc4361"
 
 
-class EmulatedTmc4361(FarEnd40[Chip, Tmc4361State]):
+class EmulatedTmc4361(FarEnd40[Chip, Tmc4361Patch, Tmc4361State]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, clock: Clock, options: Tmc4361Options | None = None) -> None:
@@ -37,37 +37,18 @@ class EmulatedTmc4361(FarEnd40[Chip, Tmc4361State]):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def patch(self, change: Tmc4361Patch, at_s: float | None = None) -> Tmc4361State:
-        """Change the world around the chip at chip time `at_s` [s], by default now.
+    def _check(self, change: Tmc4361Patch) -> None:
+        world.check(self._chip, change)
 
-        Raises OutOfRange for switches that would change places, ValueError for a load that cannot be computed.
-        """
-        with self._lock:
-            chip = self._chip
-            world.check(chip, change)
-            self._run_until(at_s)
-            chip.feedback.change(change.feedback())
-            if change.power_cycle:
-                chip.reset()
-                self._data = 0
-            world.change(chip, change, self.options.clock_hz)
-            self._faults.change(change.faults)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
+    def _change(self, change: Tmc4361Patch) -> None:
+        self._chip.feedback.change(change.feedback())
+        if change.power_cycle:
+            self._power_cycle()
+        world.change(self._chip, change, self.options.clock_hz)
 
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return ground_truth(self._chip.feedback.truth, self._chip.feedback.world)
+    def _truth(self, axis: int) -> GroundTruth:
+        return ground_truth(self._chip.feedback.truth, self._chip.feedback.world)
 
     def _describe(self) -> Tmc4361State:
-        return world.describe(
-            self._chip,
-            ChipFaultsState(**asdict(self._faults)),
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
-            clock_hz=self.options.clock_hz,
-        )
+        faults = ChipFaultsState(**asdict(self.faults))
+        return world.describe(self._chip, faults, self._times, self.options.clock_hz)

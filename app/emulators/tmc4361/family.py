@@ -21,16 +21,6 @@ def warm_up() -> None:
     EmulatedTmc4361(VirtualClock()).exchange(bytes(5), 1e-3)
 
 
-def _load_nm(state: Tmc4361State, axis: int) -> float:
-    del axis
-    return state.load_torque_nm
-
-
-def _loaded(axis: int, load_nm: float) -> Tmc4361Patch:
-    del axis
-    return Tmc4361Patch(load_torque_nm=load_nm)
-
-
 FAMILY = EmulatorFamily(
     "tmc4361",
     (MODEL,),
@@ -39,5 +29,5 @@ FAMILY = EmulatorFamily(
     Tmc4361State,
     build,
     warm_up,
-    load=AxisLoad(_load_nm, _loaded),
+    load=AxisLoad(lambda state, axis: state.load_torque_nm, lambda axis, load_nm: Tmc4361Patch(load_torque_nm=load_nm)),
 )

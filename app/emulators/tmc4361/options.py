@@ -12,45 +12,29 @@ from ..drive.bench import (
     Closed,
     Flag,
     Forced,
-    Friction,
-    MotorChange,
-    Seed,
     StageChange,
     Supply,
     TimeScale,
-    Torque,
 )
-from ..drive.options import FullSteps, LoadOptions, MotorOptions, StageSwitches
+from ..drive.options import MotorOptions, StageSwitches
+from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 from .feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
 
 FaultsChange = ChipFaultsChange
 
 
-class Tmc4361Options(Closed):
+class Tmc4361Options(MotorDocument):
     """How an emulated chip, its motor, its encoder and its stage are made: the `link` of an emulated device."""
 
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoder"))
 
-    time_scale: TimeScale = Field(
-        default=1.0,
-        title="Time runs at",
-        description="how fast the chip's time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
-    )
-    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
-    seed: Seed = Field(
-        default=4361, title="Seed of noise and faults", description="of the noise in the load value and of bit errors"
-    )
-    start_fullsteps: FullSteps = Field(
-        default=0.0, title="Rotor at first", description="where the rotor stands at first [full steps]"
-    )
+    seed: NoiseSeed = 4361
     clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = Field(
         default=16e6,
         description="the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is",
         json_schema_extra=REST_ONLY,
     )
     motor: MotorOptions = Field(default_factory=MotorOptions, title="Motor and load")
-    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoder: ShaftEncoder = Field(default_factory=ShaftEncoder, title="Encoder")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
@@ -107,16 +91,10 @@ class StepDirChange(Closed):
     )
 
 
-class Tmc4361Patch(Closed):
+class Tmc4361Patch(LoadChange):
     """A change to a running chip; what is left out stays. A power cycle comes first."""
 
     time_scale: TimeScale | None = None
-    motor: MotorChange = Field(default_factory=MotorChange)
-    load_torque_nm: Torque | None = Field(
-        default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
-    )
-    blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
-    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
     inertia: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] | None = Field(
         default=None, description="of the load [kg m^2]"
     )

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from ..core.base import EmulatedState
 from ..drive.bench import ChipFaultsState, StageState, TruthState
 from .feedback.state import EncoderState, FeedbackMotor, PwmState
 
@@ -58,15 +59,10 @@ class RampState(BaseModel):
     clocks_gated: bool
 
 
-class Tmc4361State(BaseModel):
+class Tmc4361State(EmulatedState):
     """Everything that GET .../emulator answers for a TMC4361."""
 
     model: Literal["tmc4361"] = "tmc4361"
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     clock_hz: float
     motor: FeedbackMotor
     load_torque_nm: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from ..core.base import Times
 from ..drive.bench import ChipFaultsState, Forced, StageState, check_stage
 from ..drive.options import StageSwitches
 from . import layout as c
@@ -68,15 +69,7 @@ def _force(chip: Chip, pin: int, forced: Forced) -> None:
     s[c.FORCED] = int(s[c.FORCED]) | pin if forced is True else int(s[c.FORCED]) & ~pin
 
 
-def describe(
-    chip: Chip,
-    faults: ChipFaultsState,
-    *,
-    time_scale: float,
-    chip_time_s: float,
-    time_skipped_s: float,
-    clock_hz: float,
-) -> Tmc4361State:
+def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float) -> Tmc4361State:
     """The chip and its bench as the API tells them."""
     r, s, f = chip.r, chip.s, chip.f
     behind = chip.feedback.describe()
@@ -86,9 +79,8 @@ def describe(
         return LevelState(active=bool(int(s[c.INPUTS]) & pin), forced=forced)
 
     return Tmc4361State(
-        time_scale=time_scale,
-        chip_time_s=chip_time_s,
-        time_skipped_s=time_skipped_s,
+        model="tmc4361",
+        **times,
         clock_hz=clock_hz,
         motor=behind.motor,
         load_torque_nm=behind.load_torque_nm,

@@ -15,7 +15,7 @@ from .registers import Chip
 from .state import Tmc5xxxState
 
 
-class EmulatedTmc5xxx(UartFarEnd40[Chip, Tmc5xxxState]):
+class EmulatedTmc5xxx(UartFarEnd40[Chip, Tmc5xxxPatch, Tmc5xxxState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
     `exchange` and `transfer` are its SPI, `uart` is its single wire. Both go by the same registers.
@@ -34,39 +34,18 @@ class EmulatedTmc5xxx(UartFarEnd40[Chip, Tmc5xxxState]):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def patch(self, change: Tmc5xxxPatch, at_s: float | None = None) -> Tmc5xxxState:
-        """Change the world around the chip at chip time `at_s` [s], by default now.
+    def _check(self, change: Tmc5xxxPatch) -> None:
+        world.check(self._chip, self._model, self.options, change)
 
-        Raises OutOfRange for an axis or an encoder that the chip does not have and for switches that would change
-        places, WrongState for a load on a rigid motor. Then nothing was changed.
-        """
-        with self._lock:
-            chip = self._chip
-            world.check(chip, self._model, self.options, change)
-            self._run_until(at_s)
-            if change.power_cycle:
-                chip.reset()
-                self._data = 0
-            world.change(chip, change)
-            self._faults.change(change.faults)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
+    def _change(self, change: Tmc5xxxPatch) -> None:
+        if change.power_cycle:
+            self._power_cycle()
+        world.change(self._chip, change)
 
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """How it really is with an axis at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            drive = self._chip.axes[axis].drive
-            return ground_truth(drive.truth, drive.world)
+    def _truth(self, axis: int) -> GroundTruth:
+        drive = self._chip.axes[axis].drive
+        return ground_truth(drive.truth, drive.world)
 
     def _describe(self) -> Tmc5xxxState:
-        return world.describe(
-            self._chip,
-            self._model,
-            self.options,
-            ChipFaultsState(**asdict(self._faults)),
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
-        )
+        faults = ChipFaultsState(**asdict(self.faults))
+        return world.describe(self._chip, self._model, self.options, faults, self._times)

@@ -12,19 +12,15 @@ from ..drive.bench import (
     Closed,
     Flag,
     Forced,
-    Friction,
-    MotorChange,
-    Seed,
     StageChange,
     Supply,
     TimeScale,
-    Torque,
 )
-from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
+from ..drive.options import DriveOptions, EncoderOptions, FullSteps, StageSwitches
+from ..motor_documents import LoadChange, MotorDocument
 
 Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "tmc5240"]
 MODELS: tuple[Tmc5xxxModel, ...] = get_args(Tmc5xxxModel)
-Rigid = Literal["rigid"]
 
 
 class LineEncoder(Closed):
@@ -36,7 +32,7 @@ class LineEncoder(Closed):
     reversed: Flag = Field(default=False, description="A and B are swapped", json_schema_extra=REST_ONLY)
 
 
-class Tmc5xxxOptions(Closed):
+class Tmc5xxxOptions(MotorDocument):
     """How an emulated chip, its motors, encoders and stages are made: the `link` of an emulated device.
 
     Two motors of one chip are alike.
@@ -44,31 +40,11 @@ class Tmc5xxxOptions(Closed):
 
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage"))
 
-    time_scale: TimeScale = Field(
-        default=1.0,
-        title="Time runs at",
-        description="how fast the chip's time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
-    )
-    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
-    seed: Seed = Field(
-        default=5160, title="Seed of noise and faults", description="of the noise in the load value and of bit errors"
-    )
-    start_fullsteps: FullSteps = Field(
-        default=0.0, title="Rotor at first", description="where the rotors stand at first [full steps]"
-    )
     clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = Field(
         default=16e6,
         description="fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz",
         json_schema_extra=REST_ONLY,
     )
-    motor: MotorOptions | Rigid = Field(
-        default_factory=MotorOptions,
-        title="Motor and load",
-        description='"rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity '
-        "take no time to work out",
-    )
-    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoder: LineEncoder = Field(
         default_factory=LineEncoder,
@@ -92,15 +68,10 @@ class Tmc5xxxOptions(Closed):
         """The same with the clock that a chip has by itself, where nobody has said another."""
         return self if "clock_hz" in self.model_fields_set else self.model_copy(update={"clock_hz": clock_hz})
 
-    @property
-    def rigid(self) -> bool:
-        """Whether the shaft follows the field exactly."""
-        return self.motor == "rigid"
-
     def drive(self, full_scale_a: float, has_encoder: bool) -> DriveOptions:
         """The part that each motor and its driver are made with; `full_scale_a` [A] is what the chip has by itself."""
         return DriveOptions(
-            motor=MotorOptions() if self.motor == "rigid" else self.motor,
+            motor=self.physics,
             load=self.load,
             stage=self.stage,
             encoders=EncoderOptions(external_lines=self.encoder.lines, external_reversed=self.encoder.reversed),
@@ -132,16 +103,10 @@ class EncoderChange(Closed):
     )
 
 
-class AxisChange(Closed):
+class AxisChange(LoadChange):
     """One motor, its load, its switches; what is left out stays."""
 
     axis: Annotated[int, Field(strict=True, ge=0, le=1)]
-    motor: MotorChange = Field(default_factory=MotorChange)
-    load_torque_nm: Torque | None = Field(
-        default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
-    )
-    blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
-    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
     stage: StageChange = Field(default_factory=StageChange)
     switches: SwitchesChange = Field(default_factory=SwitchesChange)
     encoder: EncoderChange = Field(default_factory=EncoderChange)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
+from ..core.base import EmulatedState
 from ..drive.bench import ChipFaultsState, MotorState, StageState, TruthState
 from .options import Tmc5xxxModel
 
@@ -63,15 +64,10 @@ class PinsState(BaseModel):
     interrupt: bool = Field(description="the interrupt output is active")
 
 
-class Tmc5xxxState(BaseModel):
+class Tmc5xxxState(EmulatedState):
     """Everything that GET .../emulator answers for a TMC5xxx."""
 
     model: Tmc5xxxModel
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     clock_hz: float
     rigid: bool = Field(description="no physics: the shafts follow the fields exactly")
     supply_v: float

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from ...errors import OutOfRange, WrongState
+from ...errors import OutOfRange
+from ..core.base import Times
 from ..core.uart_end import UartEnd
 from ..drive import Drive
 from ..drive.bench import (
     ChipFaultsState,
-    change_motor,
     change_stage,
     check_stage,
-    forced,
     motor_state,
     places_of,
     stage_state,
     truth_state,
 )
+from ..motor_documents import change_load, force_switches, require_physics
 from .options import AxisChange, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from .registers import Chip
 from .state import (
@@ -37,8 +37,7 @@ def check(chip: Chip, model: Tmc5xxxModel, options: Tmc5xxxOptions, wanted: Tmc5
             raise OutOfRange("axis", axis.axis, 0, chip.kind.axes - 1, f"a {model.upper()} has {chip.kind.axes}")
         if axis.encoder.slip_fullsteps is not None and not chip.has_encoder:
             raise OutOfRange("encoder", axis.axis, 0, 0, f"a {model.upper()} has no encoder interface")
-        if options.rigid and (axis.load_torque_nm or axis.friction or axis.blocked):
-            raise WrongState("the motor is rigid", "make the emulator with a motor that has physics")
+        require_physics(options.rigid, axis)
         check_stage(places_of(chip.axes[axis.axis].drive.world), axis.stage)
 
 
@@ -58,18 +57,9 @@ def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
 
 def _change_axis(drive: Drive, wanted: AxisChange) -> None:
     world = drive.world
-    change_motor(world, wanted.motor)
-    if wanted.load_torque_nm is not None:
-        world.load_torque_nm = wanted.load_torque_nm
-    if wanted.friction is not None:
-        world.extra_friction_nm = wanted.friction
-    if wanted.blocked is not None:
-        world.blocked = wanted.blocked
+    change_load(world, wanted)
     change_stage(world, wanted.stage)
-    if wanted.switches.left is not None:
-        world.force_left = forced(wanted.switches.left)
-    if wanted.switches.right is not None:
-        world.force_right = forced(wanted.switches.right)
+    force_switches(world, wanted.switches)
     if wanted.encoder.slip_fullsteps is not None:
         world.external_slip_fullsteps += wanted.encoder.slip_fullsteps
 
@@ -79,18 +69,13 @@ def describe(
     model: Tmc5xxxModel,
     options: Tmc5xxxOptions,
     faults: ChipFaultsState,
-    *,
-    time_scale: float,
-    chip_time_s: float,
-    time_skipped_s: float,
+    times: Times,
 ) -> Tmc5xxxState:
     """The chip and its bench as the API tells them."""
     uart, first = UartEnd(chip), chip.axes[0].drive
     return Tmc5xxxState(
         model=model,
-        time_scale=time_scale,
-        chip_time_s=chip_time_s,
-        time_skipped_s=time_skipped_s,
+        **times,
         clock_hz=options.clock_hz,
         rigid=options.rigid,
         supply_v=first.world.supply_v,

@@ -25,16 +25,6 @@ def warm_up() -> None:
     EmulatedDriver(MODELS[0], VirtualClock()).state(1e-3)
 
 
-def _load_nm(state: TmcDriverState, axis: int) -> float:
-    del axis
-    return state.load_torque_nm
-
-
-def _loaded(axis: int, load_nm: float) -> TmcDriverPatch:
-    del axis
-    return TmcDriverPatch(load_torque_nm=load_nm)
-
-
 FAMILY = EmulatorFamily(
     "tmcdrivers",
     MODELS,
@@ -43,5 +33,7 @@ FAMILY = EmulatorFamily(
     TmcDriverState,
     build,
     warm_up,
-    load=AxisLoad(_load_nm, _loaded),
+    load=AxisLoad(
+        lambda state, axis: state.load_torque_nm, lambda axis, load_nm: TmcDriverPatch(load_torque_nm=load_nm)
+    ),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
+from ..core.base import EmulatedState
 from ..drive.bench import ChipFaultsState, MotorState, TruthState
 from .options import DriverModel
 
@@ -23,15 +24,10 @@ class DriverPinsState(BaseModel):
     diag: bool = Field(description="an error of the driver, or a stall")
 
 
-class TmcDriverState(BaseModel):
+class TmcDriverState(EmulatedState):
     """Everything that GET .../emulator answers for a driver."""
 
     model: DriverModel
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     clock_hz: float
     rigid: bool = Field(description="no physics: the shaft follows the field exactly")
     supply_v: float

@@ -24,12 +24,14 @@ from .refused import Refused
 from .state import TmclState
 
 
-class EmulatedModule(FarEnd):
+class EmulatedModule(FarEnd[TmclPatch, TmclState]):
     """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads.
 
     The module never runs by itself: whoever asks makes it catch up first. Behind a serial line `receive` and
     `unsolicited` are its wire, and the line does to the bytes what `faults` says; without one `exchange` is.
     """
+
+    faults: Faults
 
     def __init__(
         self, model: str, clock: Clock, options: TmclOptions | None = None, eeprom: Path | None = None
@@ -38,8 +40,7 @@ class EmulatedModule(FarEnd):
         played = PLAYED[model]
         self._model = model
         self.options = options or TmclOptions()
-        super().__init__(clock, self.options.time_scale)
-        self.faults = Faults()
+        super().__init__(clock, self.options.time_scale, Faults())
         delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
         self._drive = Drive(self.options.drive(played.full_scale_a))
         self._firmware = Firmware(
@@ -110,45 +111,29 @@ class EmulatedModule(FarEnd):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def state(self, at_s: float | None = None) -> TmclState:
-        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
+    def _check(self, change: TmclPatch) -> None:
+        world.check(self._drive, change)
 
-    def patch(self, change: TmclPatch, at_s: float | None = None) -> TmclState:
-        """Change the world around the module at chip time `at_s` [s], by default now.
+    def _change(self, change: TmclPatch) -> None:
+        if change.factory_default:
+            self._erase()
+        if change.factory_default or change.power_cycle:
+            self._firmware.power_on()
+        world.change(self._drive, change)
+        self._change_inputs(change)
+        self.faults.change(change.faults)
+        if change.supply_v is not None:
+            self._supply_v = change.supply_v
+        self._drive.world.supply_v = UNDERVOLTAGE_V if self.faults.undervoltage else self._supply_v
+        if change.step_dir is not None:
+            self._firmware.axis.feed_pulses(change.step_dir.pulses, change.step_dir.rate_hz)
 
-        Raises OutOfRange for switches that would change places, WrongState where factory settings cannot be written.
-        """
-        with self._lock:
-            self._run_until(at_s)
-            world.check(self._drive, change)
-            if change.factory_default:
-                self._erase()
-            if change.factory_default or change.power_cycle:
-                self._firmware.power_on()
-            world.change(self._drive, change)
-            self._change_inputs(change)
-            self.faults.change(change.faults)
-            if change.supply_v is not None:
-                self._supply_v = change.supply_v
-            self._drive.world.supply_v = UNDERVOLTAGE_V if self.faults.undervoltage else self._supply_v
-            if change.step_dir is not None:
-                self._firmware.axis.feed_pulses(change.step_dir.pulses, change.step_dir.rate_hz)
-            if change.time_scale is not None:
-                self.clock.scale = change.time_scale
-            return self._describe()
-
-    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
-        """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            application, interpreter = self._firmware.application, self._firmware.interpreter
-            program = ProgramTruth(
-                tuple(application.flags), tuple(application.stack), interpreter.waits, interpreter.serves
-            )
-            return replace(ground_truth(self._drive.truth, self._drive.world), program=program)
+    def _truth(self, axis: int) -> GroundTruth:
+        application, interpreter = self._firmware.application, self._firmware.interpreter
+        program = ProgramTruth(
+            tuple(application.flags), tuple(application.stack), interpreter.waits, interpreter.serves
+        )
+        return replace(ground_truth(self._drive.truth, self._drive.world), program=program)
 
     # --- within ----------------------------------------------------------------------------------
 
@@ -178,13 +163,5 @@ class EmulatedModule(FarEnd):
             ports.analog = inputs.analog
 
     def _describe(self) -> TmclState:
-        return world.describe(
-            self._model,
-            self._drive,
-            self._firmware,
-            self.options,
-            self.faults.describe(),
-            time_scale=self.clock.scale,
-            chip_time_s=self._latest_s,
-            time_skipped_s=self.clock.skipped_s,
-        )
+        faults = self.faults.describe()
+        return world.describe(self._model, self._drive, self._firmware, faults, self._times)

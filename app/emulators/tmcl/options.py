@@ -11,41 +11,23 @@ from ..drive.bench import (
     Closed,
     Flag,
     Forced,
-    Friction,
-    MotorChange,
     Rate,
-    Seed,
     StageChange,
     Supply,
     TimeScale,
-    Torque,
 )
-from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
+from ..drive.options import DriveOptions, EncoderOptions, FullSteps, StageSwitches
+from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 
 Level = Flag | Literal["open"]
-Rigid = Literal["rigid"]
 
 
-class TmclOptions(Closed):
+class TmclOptions(MotorDocument):
     """How an emulated module, its motor and its stage are made: the `link` of an emulated device."""
 
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoders"))
 
-    time_scale: TimeScale = Field(
-        default=1.0,
-        title="Time runs at",
-        description="how fast the module's time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
-    )
-    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
-    seed: Seed = Field(
-        default=1241,
-        title="Seed of noise and faults",
-        description="of the noise in the load value and of faults on the wire",
-    )
-    start_fullsteps: FullSteps = Field(
-        default=0.0, title="Rotor at first", description="where the rotor stands at first [full steps]"
-    )
+    seed: NoiseSeed = 1241
     address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
         default=1,
         description="serial address at delivery; what its EEPROM holds comes first",
@@ -56,13 +38,6 @@ class TmclOptions(Closed):
         description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200",
         json_schema_extra=REST_ONLY,
     )
-    motor: MotorOptions | Rigid = Field(
-        default_factory=MotorOptions,
-        title="Motor and load",
-        description='"rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity '
-        "take no time to work out",
-    )
-    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
@@ -86,7 +61,7 @@ class TmclOptions(Closed):
     def drive(self, full_scale_a: float) -> DriveOptions:
         """The part that the motor and its driver chip, of that peak coil current, are made with."""
         return DriveOptions(
-            motor=MotorOptions() if self.motor == "rigid" else self.motor,
+            motor=self.physics,
             load=self.load,
             stage=self.stage,
             encoders=self.encoders,
@@ -94,7 +69,7 @@ class TmclOptions(Closed):
             full_scale_a=full_scale_a,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
-            rigid=self.motor == "rigid",
+            rigid=self.rigid,
         )
 
 
@@ -150,16 +125,10 @@ class FaultsChange(Closed):
     )
 
 
-class TmclPatch(Closed):
+class TmclPatch(LoadChange):
     """A change to a running module; what is left out stays. A power cycle or factory default comes first."""
 
     time_scale: TimeScale | None = None
-    motor: MotorChange = Field(default_factory=MotorChange)
-    load_torque_nm: Torque | None = Field(
-        default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
-    )
-    blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
-    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
     supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
     stage: StageChange = Field(default_factory=StageChange)
     switches: SwitchesChange = Field(default_factory=SwitchesChange)

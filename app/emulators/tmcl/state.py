@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from ...registers.names import ModuleName
+from ..core.base import EmulatedState
 from ..drive.bench import MotorState, StageState, TruthState
 
 
@@ -69,15 +70,10 @@ class SearchState(BaseModel):
     phase: str = Field(description="what the reference search does; empty while none runs")
 
 
-class TmclState(BaseModel):
+class TmclState(EmulatedState):
     """Everything that GET .../emulator answers for a PD42-1241."""
 
     model: ModuleName
-    time_scale: float
-    chip_time_s: float
-    time_skipped_s: float = Field(
-        description="how long it stood still because more had to be worked out than this machine can in time [s]"
-    )
     address: int = Field(description="serial address now")
     baud: int = Field(description="baud rate in force: a change waits for the next power-on")
     motor: MotorState

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ...errors import WrongState
+from ..core.base import Times
 from ..drive import Drive
 from ..drive.bench import (
-    change_motor,
     change_stage,
     check_stage,
-    forced,
     motor_state,
     places_of,
     stage_state,
     truth_state,
 )
+from ..motor_documents import change_load, force_switches, require_physics
 from .firmware import Firmware
-from .options import TmclOptions, TmclPatch
+from .options import TmclPatch
 from .parameters import SEARCH_MODE
 from .state import (
     ApplicationState,
@@ -35,28 +34,16 @@ _STATUS: tuple[Literal["stopped", "runs", "steps"], ...] = ("stopped", "runs", "
 
 def check(drive: Drive, wanted: TmclPatch) -> None:
     """Raises OutOfRange or WrongState for what cannot be done to this bench."""
-    if drive.options.rigid and (wanted.load_torque_nm or wanted.friction or wanted.blocked):
-        raise WrongState("the motor is rigid", "make the emulator with a motor that has physics")
+    require_physics(drive.options.rigid, wanted)
     check_stage(places_of(drive.world), wanted.stage)
 
 
 def change(drive: Drive, wanted: TmclPatch) -> None:
     """Everything that is not the firmware's; the stage has been checked."""
     world = drive.world
-    change_motor(world, wanted.motor)
-    if wanted.load_torque_nm is not None:
-        world.load_torque_nm = wanted.load_torque_nm
-    if wanted.friction is not None:
-        world.extra_friction_nm = wanted.friction
-    if wanted.blocked is not None:
-        world.blocked = wanted.blocked
+    change_load(world, wanted)
     change_stage(world, wanted.stage)
-    if wanted.switches.left is not None:
-        world.force_left = forced(wanted.switches.left)
-    if wanted.switches.right is not None:
-        world.force_right = forced(wanted.switches.right)
-    if wanted.switches.home is not None:
-        world.force_home = forced(wanted.switches.home)
+    force_switches(world, wanted.switches)
     encoder = wanted.encoder
     if encoder.slip_fullsteps is not None:
         world.encoder_slip_fullsteps += encoder.slip_fullsteps
@@ -70,12 +57,8 @@ def describe(
     model: str,
     drive: Drive,
     firmware: Firmware,
-    options: TmclOptions,
     faults: FaultsState,
-    *,
-    time_scale: float,
-    chip_time_s: float,
-    time_skipped_s: float,
+    times: Times,
 ) -> TmclState:
     """The module and its bench as the API tells them."""
     world, truth, switches = drive.world, drive.truth, drive.switches
@@ -84,9 +67,7 @@ def describe(
     path = firmware.eeprom.path
     return TmclState(
         model=model,
-        time_scale=time_scale,
-        chip_time_s=chip_time_s,
-        time_skipped_s=time_skipped_s,
+        **times,
         address=firmware.globals.address,
         baud=firmware.globals.baud_in_force,
         motor=motor_state(world, drive.options.motor),

@@ -2550,8 +2550,6 @@ export interface components {
          * @description One motor, its load, its switches; what is left out stays.
          */
         AxisChange: {
-            /** Axis */
-            axis: number;
             motor?: components["schemas"]["MotorChange"];
             /**
              * Load Torque Nm
@@ -2568,6 +2566,8 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction?: number | null;
+            /** Axis */
+            axis: number;
             stage?: components["schemas"]["DriveStageChange"];
             switches?: components["schemas"]["Tmc5xxxSwitchesChange"];
             encoder?: components["schemas"]["Tmc5xxxEncoderChange"];
@@ -3387,7 +3387,7 @@ export interface components {
         Chip40EmulatorLink: {
             /**
              * Time runs at
-             * @description how fast the chip's time passes; 0 stands still
+             * @description how fast its time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
@@ -3409,16 +3409,16 @@ export interface components {
              * @default 0
              */
             start_fullsteps?: number;
+            /** Motor and load */
+            motor?: components["schemas"]["MotorOptions"];
+            /** Motor and load */
+            load?: components["schemas"]["LoadOptions"];
             /**
              * Clock Hz
              * @description the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is
              * @default 16000000
              */
             clock_hz?: number;
-            /** Motor and load */
-            motor?: components["schemas"]["MotorOptions"];
-            /** Motor and load */
-            load?: components["schemas"]["LoadOptions"];
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoder */
@@ -4563,7 +4563,7 @@ export interface components {
         DriverEmulatorLink: {
             /**
              * Time runs at
-             * @description how fast the chip's time passes; 0 stands still
+             * @description how fast its time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
@@ -4573,12 +4573,6 @@ export interface components {
              * @default 24
              */
             supply_v?: number;
-            /**
-             * Node address
-             * @description of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless mstep_reg_select says otherwise
-             * @default 0
-             */
-            node?: number;
             /**
              * Seed of noise and faults
              * @description of the noise in the load value and of bit errors
@@ -4592,18 +4586,24 @@ export interface components {
              */
             start_fullsteps?: number;
             /**
-             * Clock Hz
-             * @description fCLK, which velocities and delays hang on [Hz]
-             * @default 12000000
-             */
-            clock_hz?: number;
-            /**
              * Motor and load
              * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
              */
             motor?: components["schemas"]["MotorOptions"] | "rigid";
             /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
+            /**
+             * Node address
+             * @description of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless mstep_reg_select says otherwise
+             * @default 0
+             */
+            node?: number;
+            /**
+             * Clock Hz
+             * @description fCLK, which velocities and delays hang on [Hz]
+             * @default 12000000
+             */
+            clock_hz?: number;
             /**
              * Full Scale A
              * @description peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]
@@ -6436,11 +6436,6 @@ export interface components {
         ListedState: {
             /** Model */
             model: string;
-            /**
-             * Depth
-             * @description what is emulated, and what is not
-             */
-            depth: string;
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
@@ -6450,6 +6445,11 @@ export interface components {
              * @description how long it stood still because more had to be worked out than this machine can in time [s]
              */
             time_skipped_s: number;
+            /**
+             * Depth
+             * @description what is emulated, and what is not
+             */
+            depth: string;
             /**
              * Address
              * @description of a chip its node
@@ -6776,7 +6776,7 @@ export interface components {
         ModuleEmulatorLink: {
             /**
              * Time runs at
-             * @description how fast the module's time passes; 0 stands still
+             * @description how fast its time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
@@ -6788,7 +6788,7 @@ export interface components {
             supply_v?: number;
             /**
              * Seed of noise and faults
-             * @description of the noise in the load value and of faults on the wire
+             * @description of the noise in the load value and of bit errors
              * @default 1241
              */
             seed?: number;
@@ -6798,6 +6798,13 @@ export interface components {
              * @default 0
              */
             start_fullsteps?: number;
+            /**
+             * Motor and load
+             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
+             */
+            motor?: components["schemas"]["MotorOptions"] | "rigid";
+            /** Motor and load */
+            load?: components["schemas"]["LoadOptions"];
             /**
              * Address
              * @description serial address at delivery; what its EEPROM holds comes first
@@ -6810,13 +6817,6 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
-            /**
-             * Motor and load
-             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
-             */
-            motor?: components["schemas"]["MotorOptions"] | "rigid";
-            /** Motor and load */
-            load?: components["schemas"]["LoadOptions"];
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoders */
@@ -10315,7 +10315,7 @@ export interface components {
         SixPointEmulatorLink: {
             /**
              * Time runs at
-             * @description how fast the chip's time passes; 0 stands still
+             * @description how fast its time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
@@ -10333,16 +10333,10 @@ export interface components {
             seed?: number;
             /**
              * Rotor at first
-             * @description where the rotors stand at first [full steps]
+             * @description where the rotor stands at first [full steps]
              * @default 0
              */
             start_fullsteps?: number;
-            /**
-             * Clock Hz
-             * @description fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz
-             * @default 16000000
-             */
-            clock_hz?: number;
             /**
              * Motor and load
              * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
@@ -10350,6 +10344,12 @@ export interface components {
             motor?: components["schemas"]["MotorOptions"] | "rigid";
             /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
+            /**
+             * Clock Hz
+             * @description fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz
+             * @default 16000000
+             */
+            clock_hz?: number;
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /**
@@ -11050,8 +11050,6 @@ export interface components {
          * @description A change to a running chip; what is left out stays. A power cycle comes first.
          */
         Tmc4361Patch: {
-            /** Time Scale */
-            time_scale?: number | null;
             motor?: components["schemas"]["MotorChange"];
             /**
              * Load Torque Nm
@@ -11068,6 +11066,8 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction?: number | null;
+            /** Time Scale */
+            time_scale?: number | null;
             /**
              * Inertia
              * @description of the load [kg m^2]
@@ -11214,8 +11214,6 @@ export interface components {
          * @description A change to a running driver; what is left out stays. A power cycle comes first.
          */
         TmcDriverPatch: {
-            /** Time Scale */
-            time_scale?: number | null;
             motor?: components["schemas"]["MotorChange"];
             /**
              * Load Torque Nm
@@ -11232,6 +11230,8 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction?: number | null;
+            /** Time Scale */
+            time_scale?: number | null;
             /**
              * Supply V
              * @description motor supply [V]; the driver needs 4.75
@@ -11334,8 +11334,6 @@ export interface components {
          * @description A change to a running module; what is left out stays. A power cycle or factory default comes first.
          */
         TmclPatch: {
-            /** Time Scale */
-            time_scale?: number | null;
             motor?: components["schemas"]["MotorChange"];
             /**
              * Load Torque Nm
@@ -11352,6 +11350,8 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction?: number | null;
+            /** Time Scale */
+            time_scale?: number | null;
             /**
              * Supply V
              * @description motor supply [V]; the driver needs 8
