@@ -26,6 +26,11 @@ class Rows:
         row = Register(name, width, help_, address=address, access=access, group=self.group, source=self.source)
         return replace(row, **particulars)
 
+    def reading(self, address: int, name: str, width: int, help_: str, **particulars: Unpack[Particulars]) -> Register:
+        """A register that the chip keeps by itself, and that can only be read."""
+        row = self(address, name, width, R, help_, reset=None, volatile=True)
+        return replace(row, **particulars)
+
 
 def choice(
     lsb: int,

@@ -10,6 +10,7 @@ from functools import cache, cached_property
 
 from ...registers.model import Field, Register, RegisterTable
 from ...registers.tmc5xxx.table import AXES, TABLES
+from ..core.row_named import row_named, row_named_if_any
 
 POSITION, FORWARD, BACKWARD, HOLD = range(4)
 """RAMPMODE."""
@@ -49,58 +50,31 @@ class AxisRows:
     table: RegisterTable
     axis: int
 
-    def _get(self, name: str) -> Register:
+    def get(self, name: str) -> Register:
+        """A row that all of the chips have. Raises KeyError."""
         return self.table.get(name, self.axis)
 
     def find(self, name: str) -> Register | None:
         """A row that only some of the chips have."""
         return _row(self.table, self.axis, name)
 
-    @cached_property
-    def rampmode(self) -> Register:
-        return self._get("RAMPMODE")
-
-    @cached_property
-    def xactual(self) -> Register:
-        return self._get("XACTUAL")
-
-    @cached_property
-    def vactual(self) -> Register:
-        return self._get("VACTUAL")
-
-    @cached_property
-    def xtarget(self) -> Register:
-        return self._get("XTARGET")
-
-    @cached_property
-    def vmax(self) -> Register:
-        return self._get("VMAX")
-
-    @cached_property
-    def amax(self) -> Register:
-        return self._get("AMAX")
+    rampmode = row_named("RAMPMODE")
+    xactual = row_named("XACTUAL")
+    vactual = row_named("VACTUAL")
+    xtarget = row_named("XTARGET")
+    vmax = row_named("VMAX")
+    amax = row_named("AMAX")
 
     @cached_property
     def ramp(self) -> dict[str, Register]:
         """The ramp's parameters by name; most chips cannot read them."""
         further = {name: row for name in FURTHER if (row := self.find(name)) is not None}
-        return {name: self._get(name) for name in RAMP} | further
+        return {name: self.get(name) for name in RAMP} | further
 
-    @cached_property
-    def sw_mode(self) -> Register:
-        return self._get("SW_MODE")
-
-    @cached_property
-    def ramp_stat(self) -> Register:
-        return self._get("RAMP_STAT")
-
-    @cached_property
-    def ihold_irun(self) -> Register:
-        return self._get("IHOLD_IRUN")
-
-    @cached_property
-    def chopconf(self) -> Register:
-        return self._get("CHOPCONF")
+    sw_mode = row_named("SW_MODE")
+    ramp_stat = row_named("RAMP_STAT")
+    ihold_irun = row_named("IHOLD_IRUN")
+    chopconf = row_named("CHOPCONF")
 
     @cached_property
     def current_range(self) -> tuple[Register, Field] | None:
@@ -109,41 +83,21 @@ class AxisRows:
         field = None if row is None else row.field_named("CURRENT_RANGE")
         return None if row is None or field is None else (row, field)
 
-    @cached_property
-    def drv_status(self) -> Register:
-        return self._get("DRV_STATUS")
-
-    @cached_property
-    def mscnt(self) -> Register:
-        return self._get("MSCNT")
-
-    @cached_property
-    def mscuract(self) -> Register:
-        return self._get("MSCURACT")
-
-    @cached_property
-    def tstep(self) -> Register | None:
-        """Chips of two axes have none."""
-        return self.find("TSTEP")
-
-    @cached_property
-    def x_enc(self) -> Register | None:
-        """None where the chip has no encoder input."""
-        return self.find("X_ENC")
-
-    @cached_property
-    def enc_const(self) -> Register | None:
-        return self.find("ENC_CONST")
-
-    @cached_property
-    def encoder_mode(self) -> Register | None:
-        """Not asked for by the driver itself: kept in mind where somebody reads or writes it."""
-        return self.find("ENCMODE")
+    drv_status = row_named("DRV_STATUS")
+    mscnt = row_named("MSCNT")
+    mscuract = row_named("MSCURACT")
+    tstep = row_named_if_any("TSTEP")
+    """Chips of two axes have none."""
+    x_enc = row_named_if_any("X_ENC")
+    """None where the chip has no encoder input."""
+    enc_const = row_named_if_any("ENC_CONST")
+    encoder_mode = row_named_if_any("ENCMODE")
+    """Not asked for by the driver itself: kept in mind where somebody reads or writes it."""
 
     @cached_property
     def mslut(self) -> tuple[Register, ...]:
         """MSLUT[0..7], MSLUTSEL and MSLUTSTART; of a TMC5072 the same for both axes."""
-        return tuple(self._get(name) for name in (*(f"MSLUT[{index}]" for index in range(8)), "MSLUTSEL", "MSLUTSTART"))
+        return tuple(self.get(name) for name in (*(f"MSLUT[{index}]" for index in range(8)), "MSLUTSEL", "MSLUTSTART"))
 
     @cached_property
     def remembered(self) -> tuple[Register, ...]:
@@ -184,13 +138,12 @@ class ChipRows:
     table: RegisterTable
     axes: tuple[AxisRows, ...]
 
-    @cached_property
-    def gconf(self) -> Register:
-        return self.table.get("GCONF")
+    def get(self, name: str) -> Register:
+        """A row of the whole chip. Raises KeyError."""
+        return self.table.get(name)
 
-    @cached_property
-    def gstat(self) -> Register:
-        return self.table.get("GSTAT")
+    gconf = row_named("GCONF")
+    gstat = row_named("GSTAT")
 
     @cached_property
     def disable_pin(self) -> str:

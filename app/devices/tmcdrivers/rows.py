@@ -7,6 +7,7 @@ from functools import cached_property
 
 from ...registers.catalog import Model
 from ...registers.model import Field, Register
+from ..core.row_named import row_named, row_named_if_any
 
 FINEST = 256
 """Microsteps a full step of the microstep table, and of TSTEP."""
@@ -27,55 +28,28 @@ class DriverRows:
         found = self.model.table.find(name, 0)
         return found[0] if found is not None and found[1] is None else None
 
-    def _get(self, name: str) -> Register:
+    def get(self, name: str) -> Register:
+        """A row that all of the drivers have. Raises KeyError."""
         return self.model.table.get(name, 0)
 
-    @cached_property
-    def gconf(self) -> Register:
-        return self._get("GCONF")
-
-    @cached_property
-    def gstat(self) -> Register:
-        return self._get("GSTAT")
-
-    @cached_property
-    def inputs(self) -> Register:
-        """Pins and VERSION."""
-        return self._get("IOIN")
+    gconf = row_named("GCONF")
+    gstat = row_named("GSTAT")
+    inputs = row_named("IOIN")
+    """Pins and VERSION."""
 
     @cached_property
     def disable_pin(self) -> str:
         """The bit of `inputs` that is 1 while a pin switches the bridges off."""
         return next(part.name for part in self.inputs.fields if part.name.upper().split("_")[-1] == "ENN")
 
-    @cached_property
-    def chopconf(self) -> Register:
-        return self._get("CHOPCONF")
-
-    @cached_property
-    def ihold_irun(self) -> Register:
-        return self._get("IHOLD_IRUN")
-
-    @cached_property
-    def vactual(self) -> Register | None:
-        """None where the driver turns by STEP alone."""
-        return self.find("VACTUAL")
-
-    @cached_property
-    def tstep(self) -> Register:
-        return self._get("TSTEP")
-
-    @cached_property
-    def drv_status(self) -> Register:
-        return self._get("DRV_STATUS")
-
-    @cached_property
-    def mscnt(self) -> Register:
-        return self._get("MSCNT")
-
-    @cached_property
-    def mscuract(self) -> Register:
-        return self._get("MSCURACT")
+    chopconf = row_named("CHOPCONF")
+    ihold_irun = row_named("IHOLD_IRUN")
+    vactual = row_named_if_any("VACTUAL")
+    """None where the driver turns by STEP alone."""
+    tstep = row_named("TSTEP")
+    drv_status = row_named("DRV_STATUS")
+    mscnt = row_named("MSCNT")
+    mscuract = row_named("MSCURACT")
 
     @cached_property
     def load(self) -> tuple[Register, Field | None]:

@@ -6,7 +6,7 @@ from ..build import RW, Rows, W, choice, flag, state
 from ..microstep_rows import GROUP as TABLE
 from ..microstep_rows import START_RESET, mslut_rows
 from ..model import Field, Register
-from .rows import CLOCKS, VENDOR, VENDOR_RESET, reading
+from .rows import CLOCKS, VENDOR, VENDOR_RESET
 
 DRIVER = "driver"
 PWM = "stealthchop"
@@ -35,25 +35,13 @@ def table_rows(start_90: str) -> tuple[Register, ...]:
 
 
 PLACE_ROWS = (
-    reading(
-        "MSCNT",
-        10,
-        "place of phase B in the microstep table now; phase A is 256 ahead",
-        0x6A,
-        TABLE,
-        unit="1/1024 electrical turn",
+    _table.reading(0x6A, "MSCNT", 10, "place of phase B in the microstep table now; phase A is 256 ahead").having(
+        unit="1/1024 electrical turn"
     ),
-    reading(
-        "MSCURACT",
-        25,
-        "both values of the microstep table now, before scaling",
-        0x6B,
-        TABLE,
+    _table.reading(0x6B, "MSCURACT", 25, "both values of the microstep table now, before scaling").having(
+        Field("CUR_B", 9, "phase B: sine", signed=True, lsb=0),
+        Field("CUR_A", 9, "phase A: cosine", signed=True, lsb=16),
         source="API and PY have A and B the other way round",
-        fields=(
-            Field("CUR_B", 9, "phase B: sine", signed=True, lsb=0),
-            Field("CUR_A", 9, "phase A: cosine", signed=True, lsb=16),
-        ),
     ),
 )
 
@@ -178,26 +166,19 @@ def dcctrl(time_bits: int, sg_lsb: int, source: str = VENDOR) -> Register:
 
 
 def _drv_status(*more: Field) -> Register:
-    return reading(
-        "DRV_STATUS",
-        32,
-        "load, current and faults of the driver now",
-        0x6F,
-        DRIVER,
-        fields=(
-            Field("SG_RESULT", 10, "StallGuard's value: the less, the more load; 0 at a stall", lsb=0),
-            *more,
-            state(15, "fsactive", "full steps now"),
-            Field("CS_ACTUAL", 5, "current scale now", unit="1/32, plus 1/32", lsb=16),
-            state(24, "StallGuard", "a stall"),
-            state(25, "ot", "too hot: the driver is off"),
-            state(26, "otpw", "warning of overtemperature"),
-            state(27, "s2ga", "short to ground at phase A: the driver is off"),
-            state(28, "s2gb", "short to ground at phase B: the driver is off"),
-            state(29, "ola", "no load at phase A; tells nothing at rest and at high speed"),
-            state(30, "olb", "no load at phase B; tells nothing at rest and at high speed"),
-            state(31, "stst", "the motor stands"),
-        ),
+    return _driver.reading(0x6F, "DRV_STATUS", 32, "load, current and faults of the driver now").having(
+        Field("SG_RESULT", 10, "StallGuard's value: the less, the more load; 0 at a stall", lsb=0),
+        *more,
+        state(15, "fsactive", "full steps now"),
+        Field("CS_ACTUAL", 5, "current scale now", unit="1/32, plus 1/32", lsb=16),
+        state(24, "StallGuard", "a stall"),
+        state(25, "ot", "too hot: the driver is off"),
+        state(26, "otpw", "warning of overtemperature"),
+        state(27, "s2ga", "short to ground at phase A: the driver is off"),
+        state(28, "s2gb", "short to ground at phase B: the driver is off"),
+        state(29, "ola", "no load at phase A; tells nothing at rest and at high speed"),
+        state(30, "olb", "no load at phase B; tells nothing at rest and at high speed"),
+        state(31, "stst", "the motor stands"),
     )
 
 
@@ -233,7 +214,7 @@ _AMPLITUDE = (
 )
 PWM_5072 = (
     _pwmconf(0x10, 22, 0, *_AMPLITUDE, _FREQUENCY, _AUTOSCALE, _FREEWHEEL),
-    reading("PWM_STATUS", 8, "amplitude now, at most 255", 0x11, PWM),
+    _pwm.reading(0x11, "PWM_STATUS", 8, "amplitude now, at most 255"),
 )
 PWM_5130 = (
     _pwmconf(
@@ -246,7 +227,7 @@ PWM_5130 = (
         flag(19, "pwm_symmetric", "both sides of a PWM period are alike"),
         _FREEWHEEL,
     ),
-    reading("PWM_SCALE", 8, "amplitude now, at most 255", 0x71, PWM),
+    _pwm.reading(0x71, "PWM_SCALE", 8, "amplitude now, at most 255"),
 )
 PWM_5160 = (
     _pwmconf(
@@ -262,31 +243,17 @@ PWM_5160 = (
         Field("PWM_REG", 4, "greatest change of the amplitude a half wave, with pwm_autoscale", unit="1/2", lsb=24),
         Field("PWM_LIM", 4, "limit of the amplitude when StealthChop takes over again", lsb=28),
     ),
-    reading(
-        "PWM_SCALE",
-        25,
-        "amplitude now, and what the regulation adds to it",
-        0x71,
-        PWM,
-        fields=(
-            Field("PWM_SCALE_SUM", 8, "amplitude now", lsb=0),
-            Field("PWM_SCALE_AUTO", 9, "what pwm_autoscale adds", signed=True, range=(-255, 255), lsb=16),
-        ),
+    _pwm.reading(0x71, "PWM_SCALE", 25, "amplitude now, and what the regulation adds to it").having(
+        Field("PWM_SCALE_SUM", 8, "amplitude now", lsb=0),
+        Field("PWM_SCALE_AUTO", 9, "what pwm_autoscale adds", signed=True, range=(-255, 255), lsb=16),
     ),
-    reading(
-        "PWM_AUTO",
-        24,
-        "what StealthChop has found by itself",
-        0x72,
-        PWM,
-        fields=(
-            Field("PWM_OFS_AUTO", 8, "amplitude at rest", lsb=0),
-            Field("PWM_GRAD_AUTO", 8, "amplitude that velocity adds", lsb=16),
-        ),
+    _pwm.reading(0x72, "PWM_AUTO", 24, "what StealthChop has found by itself").having(
+        Field("PWM_OFS_AUTO", 8, "amplitude at rest", lsb=0),
+        Field("PWM_GRAD_AUTO", 8, "amplitude that velocity adds", lsb=16),
     ),
 )
 ENCM_CTRL = _driver(0x72, "ENCM_CTRL", 2, W, "commutation by the encoder: for the factory").having(
     flag(0, "inv", "the encoder counts the other way"),
     flag(1, "maxspeed", "steps are ignored"),
 )
-LOST_STEPS = reading("LOST_STEPS", 20, "steps that DcStep left out, counted round", 0x73, DRIVER, unit="steps")
+LOST_STEPS = _driver.reading(0x73, "LOST_STEPS", 20, "steps that DcStep left out, counted round", unit="steps")

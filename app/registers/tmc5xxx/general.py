@@ -13,7 +13,6 @@ from .rows import (
     OPEN_PUSH,
     VENDOR,
     clearing,
-    reading,
 )
 
 GROUP = "general"
@@ -101,7 +100,9 @@ def _gstat(width: int, *fields: Field, write_clears: bool = False) -> Register:
 
 GSTAT_5130 = _gstat(3, *_GSTAT_ONE)
 GSTAT_5160 = _gstat(3, *_GSTAT_ONE, write_clears=True)
-IFCNT = reading("IFCNT", 8, "UART writes that arrived with a right CRC, counted round", 0x02, GROUP, unit="writes")
+IFCNT = _general.reading(0x02, "IFCNT", 8, "UART writes that arrived with a right CRC, counted round").having(
+    unit="writes"
+)
 
 
 def nodeconf(source: str = VENDOR) -> Register:
@@ -121,20 +122,11 @@ def _send_delay(lsb: int) -> Field:
 
 def _ioin(enable: str, index: str) -> Register:
     names = ("REFL_STEP", "REFR_DIR", "ENCB_DCEN_CFG4", "ENCA_DCIN_CFG5", enable, index)
-    return reading(
-        "IOIN",
-        32,
-        "levels of the pins, and the chip's version",
-        0x04,
-        GROUP,
-        fields=(
-            *(choice(n, name, 1, f"pin {name}", LOW_HIGH) for n, name in enumerate(names)),
-            choice(
-                6, "SD_MODE", 1, "pin SD_MODE: what moves the motor", {0: "ramp generator", 1: "step and direction"}
-            ),
-            choice(7, "SWCOMP_IN", 1, "comparator of the UART's pins SWN and SWP", LOW_HIGH),
-            Field("VERSION", 8, "version of the silicon", lsb=24),
-        ),
+    return _general.reading(0x04, "IOIN", 32, "levels of the pins, and the chip's version").having(
+        *(choice(n, name, 1, f"pin {name}", LOW_HIGH) for n, name in enumerate(names)),
+        choice(6, "SD_MODE", 1, "pin SD_MODE: what moves the motor", {0: "ramp generator", 1: "step and direction"}),
+        choice(7, "SWCOMP_IN", 1, "comparator of the UART's pins SWN and SWP", LOW_HIGH),
+        Field("VERSION", 8, "version of the silicon", lsb=24),
     )
 
 
@@ -203,16 +195,9 @@ CURRENT_5160 = (
     _current(
         0x0B, "GLOBAL_SCALER", 8, W, "scales all motor currents; 0 stands for 256, and 1 to 31 must not be"
     ).having(unit="1/256"),
-    reading(
-        "OFFSET_READ",
-        16,
-        "what the calibration of the current comparators found",
-        0x0C,
-        "current",
-        fields=(
-            Field("OFFSET_READ_B", 8, "offset of phase B", signed=True, lsb=0),
-            Field("OFFSET_READ_A", 8, "offset of phase A", signed=True, lsb=8),
-        ),
+    _current.reading(0x0C, "OFFSET_READ", 16, "what the calibration of the current comparators found").having(
+        Field("OFFSET_READ_B", 8, "offset of phase B", signed=True, lsb=0),
+        Field("OFFSET_READ_A", 8, "offset of phase A", signed=True, lsb=8),
     ),
 )
 
@@ -260,13 +245,8 @@ SLAVECONF = _general(0x03, "SLAVECONF", 8, W, "patience of the UART, which knows
 
 
 def _input(*fields: Field) -> Register:
-    return reading(
-        "INPUT",
-        32,
-        "levels of the pins, and the chip's version",
-        0x04,
-        GROUP,
-        fields=(*fields, Field("VERSION", 8, "version of the silicon", lsb=24)),
+    return _general.reading(0x04, "INPUT", 32, "levels of the pins, and the chip's version").having(
+        *fields, Field("VERSION", 8, "version of the silicon", lsb=24)
     )
 
 

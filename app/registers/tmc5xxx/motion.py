@@ -15,7 +15,6 @@ from .rows import (
     VELOCITY_UNIT,
     VENDOR,
     clearing,
-    reading,
 )
 
 _ramp = Rows("ramp", VENDOR)
@@ -54,7 +53,7 @@ def ramp_rows(vstop_reset: int = 0) -> tuple[Register, ...]:
         _position(
             "XACTUAL", 0x21, "position now; written while positioning, the motor sets off to XTARGET", volatile=True
         ),
-        reading("VACTUAL", 24, "velocity now", 0x22, "ramp", unit=VELOCITY_UNIT, signed=True),
+        _ramp.reading(0x22, "VACTUAL", 24, "velocity now", unit=VELOCITY_UNIT, signed=True),
         _velocity("VSTART", 0x23, 18, "velocity with which a motion begins"),
         _acceleration("A1", 0x24, "acceleration from VSTART to V1"),
         _velocity("V1", 0x25, 20, "velocity between the two slopes each way; 0 leaves A1 and D1 out"),
@@ -164,14 +163,9 @@ def time_threshold_rows(powerdown_reset: int, powerdown_help: str) -> tuple[Regi
     """0x11 to 0x15 of the single-axis chips: thresholds that count the clocks of a microstep."""
     return (
         _current(0x11, "TPOWERDOWN", 8, W, powerdown_help, unit=DELAY_UNIT, reset=powerdown_reset),
-        reading(
-            "TSTEP",
-            20,
-            "time between two of 256 microsteps a full step now; 2^20 - 1 at rest",
-            0x12,
-            "thresholds",
-            unit=CLOCKS,
-        ),
+        _thresholds.reading(
+            0x12, "TSTEP", 20, "time between two of 256 microsteps a full step now; 2^20 - 1 at rest"
+        ).having(unit=CLOCKS),
         _clocks("TPWMTHRS", 0x13, "StealthChop while TSTEP is not below this; 0 at every velocity"),
         _clocks("TCOOLTHRS", 0x14, "CoolStep and StallGuard while TSTEP is not above this; 0 never"),
         _clocks("THIGH", 0x15, "vhighchm and vhighfs while TSTEP is not above this; 0 never"),

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..build import Rows
 from ..model import Access, Field, Register
 
 MICROSTEPS = "microsteps"
@@ -33,34 +34,6 @@ MODE_RAMP = "driver by the ramp generator (SD_MODE low)"
 MODE_STEP_DIR = "driver by step and direction (SD_MODE high)"
 
 
-def reading(
-    name: str,
-    width: int,
-    help_: str,
-    address: int,
-    group: str,
-    unit: str = "",
-    signed: bool = False,
-    source: str = VENDOR,
-    fields: tuple[Field, ...] = (),
-) -> Register:
-    """A register that the chip keeps by itself, and that can only be read."""
-    return Register(
-        name,
-        width,
-        help_,
-        signed=signed,
-        unit=unit,
-        address=address,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=group,
-        source=source,
-        fields=fields,
-    )
-
-
 def clearing(
     name: str,
     width: int,
@@ -73,7 +46,7 @@ def clearing(
 ) -> Register:
     """Flags that stay until somebody clears them (`what` of them), by writing 1 or else by reading."""
     how = "writing 1" if write_clears else "reading"
-    row = reading(name, width, f"{help_}; {how} clears {what}", address, group, fields=fields)
+    row = Rows(group, VENDOR).reading(address, name, width, f"{help_}; {how} clears {what}").having(*fields)
     return replace(row, access=Access.R_W1C) if write_clears else replace(row, read_clears=True)
 
 

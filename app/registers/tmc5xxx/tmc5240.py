@@ -21,11 +21,16 @@ from .rows import (
     VENDOR_RESET,
     clearing,
 )
-from .rows import reading as _reading
 
 SUPPLY_UNIT, INPUT_UNIT, TEMPERATURE_UNIT = "9.732 mV", "0.3052 mV", "1/7.7 degC"
 VERSION = 0x40
 MONITOR = "monitor"
+_general = Rows(general.GROUP, VENDOR)
+_current = Rows("current", VENDOR)
+_ramp = Rows("ramp", VENDOR)
+_switches = Rows("switches", VENDOR)
+_monitor = Rows(MONITOR, VENDOR)
+_driver = Rows(driver.DRIVER, VENDOR)
 KLIPPER = f"{VENDOR}; KLIPPER (unit)"
 
 
@@ -35,22 +40,6 @@ NO_DCSTEP = "the emulated chip has no DcStep: whether the silicon has it is not 
 def _readable(*rows: Register) -> tuple[Register, ...]:
     """Rows of the sisters, which can only write some of them."""
     return tuple(replace(row, access=RW) if row.access is W else row for row in rows)
-
-
-def _word(
-    name: str,
-    width: int,
-    address: int,
-    help_: str,
-    group: str,
-    *fields: Field,
-    reset: int = 0,
-    unit: str = "",
-    signed: bool = False,
-    source: str = VENDOR,
-) -> Register:
-    row = Rows(group, source)(address, name, width, RW, help_)
-    return row.having(*fields, signed=signed, unit=unit, reset=reset)
 
 
 # --- the whole chip -----------------------------------------------------------------------------
@@ -74,12 +63,7 @@ _IOIN = (
     Field("VERSION", 8, "version of the chip", lsb=24),
 )
 CHIP = (
-    _word(
-        "GCONF",
-        21,
-        0x00,
-        "what the chip is set to do",
-        general.GROUP,
+    _general(0x00, "GCONF", 21, RW, "what the chip is set to do").having(
         *_GCONF,
         flag(7, "diag0_stall_step", "DIAG0 shows a stall or gives steps"),
         flag(8, "diag1_stall_dir", "DIAG1 shows a stall or gives the direction"),
@@ -102,14 +86,9 @@ CHIP = (
     ),
     general.IFCNT,
     *_readable(general.nodeconf(f"{VENDOR}; the levels of SCK and SDI add 0 to 3")),
-    _reading(
-        "IOIN",
-        32,
-        "levels of the pins, and the chip's version; INP_OUT in the vendor's headers",
-        0x04,
-        general.GROUP,
-        fields=_IOIN,
-    ),
+    _general.reading(
+        0x04, "IOIN", 32, "levels of the pins, and the chip's version; INP_OUT in the vendor's headers"
+    ).having(*_IOIN),
     replace(
         general.OUTPUT_PIN,
         width=13,
@@ -120,21 +99,14 @@ CHIP = (
 )
 AXIS = (
     *_readable(general.X_COMPARE),
-    _word(
+    _general(
+        0x06,
         "X_COMPARE_REPEAT",
         24,
-        0x06,
+        RW,
         "distance after which X_COMPARE counts again, both ways; less than 2: only once",
-        general.GROUP,
-        unit=MICROSTEPS,
-        source="API; PY has OTP_PROG here",
-    ),
-    _word(
-        "DRV_CONF",
-        12,
-        0x0A,
-        "range of the motor current, and how the bridges switch",
-        "current",
+    ).having(unit=MICROSTEPS, source="API; PY has OTP_PROG here"),
+    _current(0x0A, "DRV_CONF", 12, RW, "range of the motor current, and how the bridges switch").having(
         choice(
             0,
             "CURRENT_RANGE",
@@ -150,12 +122,7 @@ AXIS = (
         source=f"{VENDOR}; {VENDOR_RESET}; PRUNT; KLIPPER; in BBM_CLKS: API alone",
     ),
     *_readable(general.CURRENT_5160[0]),
-    _word(
-        "IHOLD_IRUN",
-        28,
-        0x10,
-        "motor current in motion and at rest",
-        "current",
+    _current(0x10, "IHOLD_IRUN", 28, RW, "motor current in motion and at rest").having(
         *motion.ihold_irun(0x10).fields,
         Field("IRUNDELAY", 4, "time for each step up to IRUN; 0 at once", unit="512 tCLK", lsb=24),
         reset=0x04011F08,
@@ -182,37 +149,26 @@ def _ramp_row(row: Register) -> Register:
 
 
 def _acceleration(name: str, address: int, help_: str, reset: int = 0) -> Register:
-    return _word(name, 18, address, help_, "ramp", reset=reset, unit=ACCELERATION_UNIT)
+    return _ramp(address, name, 18, RW, help_, reset=reset, unit=ACCELERATION_UNIT)
 
 
 RAMP = (
     *_readable(*(_ramp_row(row) for row in motion.ramp_rows(vstop_reset=10))),
-    _word(
+    _ramp(
+        0x29,
         "TVMAX",
         16,
-        0x29,
+        RW,
         "least time at constant velocity between speeding up and braking while positioning; in velocity modes 0",
-        "ramp",
-        unit="512 tCLK",
-    ),
-    _word(
-        "V2",
-        20,
-        0x2E,
-        "velocity between the two upper slopes each way; 0 leaves A2 and D2 out",
-        "ramp",
-        unit=VELOCITY_UNIT,
+    ).having(unit="512 tCLK"),
+    _ramp(0x2E, "V2", 20, RW, "velocity between the two upper slopes each way; 0 leaves A2 and D2 out").having(
+        unit=VELOCITY_UNIT
     ),
     _acceleration("A2", 0x2F, "acceleration from V1 to V2"),
     _acceleration("D2", 0x30, "deceleration from V2 to V1; never 0 while positioning, not even with V2 = 0", 10),
-    _reading("AACTUAL", 24, "acceleration now", 0x31, "ramp", unit=ACCELERATION_UNIT, signed=True),
+    _ramp.reading(0x31, "AACTUAL", 24, "acceleration now", unit=ACCELERATION_UNIT, signed=True),
     *_readable(replace(motion.VDCMIN, behaviour=NO_DCSTEP)),
-    _word(
-        "SW_MODE",
-        15,
-        0x34,
-        motion.SW_MODE.help,
-        "switches",
+    _switches(0x34, "SW_MODE", 15, RW, motion.SW_MODE.help).having(
         *motion.SW_MODE.fields,
         flag(12, "en_virtual_stop_l", "VIRTUAL_STOP_L stops motion to the left"),
         flag(13, "en_virtual_stop_r", "VIRTUAL_STOP_R stops motion to the right"),
@@ -229,56 +185,26 @@ RAMP = (
     ),
     motion.XLATCH,
     *_readable(*motion.ENCODER_5160),
-    _word(
-        "VIRTUAL_STOP_L",
-        32,
-        0x3E,
-        "position at and below which motion to the left is stopped",
-        "switches",
-        unit=MICROSTEPS,
-        signed=True,
+    _switches(0x3E, "VIRTUAL_STOP_L", 32, RW, "position at and below which motion to the left is stopped").having(
+        unit=MICROSTEPS, signed=True
     ),
-    _word(
-        "VIRTUAL_STOP_R",
-        32,
-        0x3F,
-        "position at and above which motion to the right is stopped",
-        "switches",
-        unit=MICROSTEPS,
-        signed=True,
+    _switches(0x3F, "VIRTUAL_STOP_R", 32, RW, "position at and above which motion to the right is stopped").having(
+        unit=MICROSTEPS, signed=True
     ),
 )
 
 # --- measured -----------------------------------------------------------------------------------
 
 ADC = (
-    _reading(
-        "ADC_VSUPPLY_AIN",
-        29,
-        "voltages of the motor supply and of the pin AIN",
-        0x50,
-        MONITOR,
+    _monitor.reading(0x50, "ADC_VSUPPLY_AIN", 29, "voltages of the motor supply and of the pin AIN").having(
+        Field("ADC_VSUPPLY", 13, "motor supply", unit=SUPPLY_UNIT, lsb=0),
+        Field("ADC_AIN", 13, "pin AIN", unit=INPUT_UNIT, lsb=16),
         source=f"{KLIPPER}; EVAL-5240 takes 9.766 mV for the supply",
-        fields=(
-            Field("ADC_VSUPPLY", 13, "motor supply", unit=SUPPLY_UNIT, lsb=0),
-            Field("ADC_AIN", 13, "pin AIN", unit=INPUT_UNIT, lsb=16),
-        ),
     ),
-    _reading(
-        "ADC_TEMP",
-        13,
-        "temperature of the chip: 2038 is 0 degC",
-        0x51,
-        MONITOR,
-        unit=TEMPERATURE_UNIT,
-        source=f"{KLIPPER}; EVAL-5240",
+    _monitor.reading(0x51, "ADC_TEMP", 13, "temperature of the chip: 2038 is 0 degC").having(
+        unit=TEMPERATURE_UNIT, source=f"{KLIPPER}; EVAL-5240"
     ),
-    _word(
-        "OTW_OV_VTH",
-        29,
-        0x52,
-        "from which temperature and supply on the chip warns",
-        MONITOR,
+    _monitor(0x52, "OTW_OV_VTH", 29, RW, "from which temperature and supply on the chip warns").having(
         Field("OVERVOLTAGE_VTH", 13, "supply at which the output OV is set", unit=SUPPLY_UNIT, lsb=0),
         Field(
             "OVERTEMPPREWARNING_VTH", 13, "ADC_TEMP at which otpw is set: 2038 is 0 degC", unit=TEMPERATURE_UNIT, lsb=16
@@ -331,30 +257,15 @@ DRIVER = (
         ),
     ),
     _PWM_AUTO,
-    _word(
-        "SG4_THRS",
-        10,
-        0x74,
-        "StallGuard4, which measures load with StealthChop",
-        driver.DRIVER,
+    _driver(0x74, "SG4_THRS", 10, RW, "StallGuard4, which measures load with StealthChop").having(
         Field("SG4_THRS", 8, "a stall at SG4_RESULT of twice this or less", unit="2", lsb=0),
         flag(8, "sg4_filt_en", "SG4_RESULT is the mean of four measurements"),
         flag(9, "sg_angle_offset", "the phase is kept where StealthChop gives way to SpreadCycle"),
     ),
-    _reading(
-        "SG4_RESULT",
-        10,
-        "StallGuard4's value: the less, the more load",
-        0x75,
-        driver.DRIVER,
-        source=f"{VENDOR}; bits 0 and 9 are always 0",
+    _driver.reading(0x75, "SG4_RESULT", 10, "StallGuard4's value: the less, the more load").having(
+        source=f"{VENDOR}; bits 0 and 9 are always 0"
     ),
-    _reading(
-        "SG4_IND",
-        32,
-        "the latest measurements of StallGuard4; without the filter the first alone",
-        0x76,
-        driver.DRIVER,
-        fields=tuple(Field(f"SG4_IND_{n}", 8, f"measurement {n}", unit="2", lsb=8 * n) for n in range(4)),
-    ),
+    _driver.reading(
+        0x76, "SG4_IND", 32, "the latest measurements of StallGuard4; without the filter the first alone"
+    ).having(*tuple(Field(f"SG4_IND_{n}", 8, f"measurement {n}", unit="2", lsb=8 * n) for n in range(4))),
 )

@@ -13,7 +13,7 @@ from dataclasses import replace
 from ..build import RW, R, Rows, W, choice, flag, state
 from ..model import Field, Register, RegisterTable
 from ..tmc5xxx import driver, general, motion
-from ..tmc5xxx.rows import CLOCKS, LOW_HIGH, VELOCITY_UNIT, VENDOR, reading
+from ..tmc5xxx.rows import CLOCKS, LOW_HIGH, VELOCITY_UNIT, VENDOR
 from .behaviour import with_behaviour
 
 VERSION = 0x21
@@ -64,23 +64,16 @@ _OTP_READ = _general(0x05, "OTP_READ", 24, R, "what is burnt into the chip: rese
     ),
     reset=None,
 )
-IOIN = reading(
-    "IOIN",
-    32,
-    "levels of the pins, and the chip's version",
-    VERSION_ADDRESS,
-    general.GROUP,
-    source=_GENERAL,
-    fields=(
-        *(
-            choice(lsb, name, 1, f"pin {name}", LOW_HIGH)
-            for name, lsb in (
-                *(("ENN", 0), ("MS1", 2), ("MS2", 3), ("DIAG", 4), ("PDN_UART", 6)),
-                *(("STEP", 7), ("SPREAD_EN", 8), ("DIR", 9)),
-            )
-        ),
-        Field("VERSION", 8, "version of the silicon", lsb=24),
+IOIN = _general.reading(VERSION_ADDRESS, "IOIN", 32, "levels of the pins, and the chip's version").having(
+    *(
+        choice(lsb, name, 1, f"pin {name}", LOW_HIGH)
+        for name, lsb in (
+            *(("ENN", 0), ("MS1", 2), ("MS2", 3), ("DIAG", 4), ("PDN_UART", 6)),
+            *(("STEP", 7), ("SPREAD_EN", 8), ("DIR", 9)),
+        )
     ),
+    Field("VERSION", 8, "version of the silicon", lsb=24),
+    source=_GENERAL,
 )
 _FACTORY_CONF = _general(0x07, "FACTORY_CONF", 10, RW, "trims; after a reset as burnt").having(
     Field("FCLKTRIM", 5, "of the clock: 0 is slowest, 31 fastest", lsb=0),
@@ -107,27 +100,20 @@ _COOLCONF = replace(
     source=_STALL,
     fields=tuple(part for part in driver.COOLCONF.fields if part.lsb < 16),
 )
-DRV_STATUS = reading(
-    "DRV_STATUS",
-    32,
-    "current and faults of the driver now",
-    0x6F,
-    driver.DRIVER,
+DRV_STATUS = _driver.reading(0x6F, "DRV_STATUS", 32, "current and faults of the driver now").having(
+    state(0, "otpw", "warning of overtemperature"),
+    state(1, "ot", "too hot: the driver is off"),
+    state(2, "s2ga", "short to ground at phase A: the driver is off"),
+    state(3, "s2gb", "short to ground at phase B: the driver is off"),
+    state(4, "s2vsa", "short to the supply at phase A: the driver is off"),
+    state(5, "s2vsb", "short to the supply at phase B: the driver is off"),
+    state(6, "ola", "no load at phase A; tells nothing at rest, at high speed and with StealthChop"),
+    state(7, "olb", "no load at phase B; tells nothing at rest, at high speed and with StealthChop"),
+    *(state(lsb, f"t{celsius}", f"{celsius} degC or more") for lsb, celsius in enumerate((120, 143, 150, 157), 8)),
+    Field("CS_ACTUAL", 5, "current scale now", unit="1/32, plus 1/32", lsb=16),
+    state(30, "stealth", "StealthChop now"),
+    state(31, "stst", "the motor stands"),
     source="5.5.3",
-    fields=(
-        state(0, "otpw", "warning of overtemperature"),
-        state(1, "ot", "too hot: the driver is off"),
-        state(2, "s2ga", "short to ground at phase A: the driver is off"),
-        state(3, "s2gb", "short to ground at phase B: the driver is off"),
-        state(4, "s2vsa", "short to the supply at phase A: the driver is off"),
-        state(5, "s2vsb", "short to the supply at phase B: the driver is off"),
-        state(6, "ola", "no load at phase A; tells nothing at rest, at high speed and with StealthChop"),
-        state(7, "olb", "no load at phase B; tells nothing at rest, at high speed and with StealthChop"),
-        *(state(lsb, f"t{celsius}", f"{celsius} degC or more") for lsb, celsius in enumerate((120, 143, 150, 157), 8)),
-        Field("CS_ACTUAL", 5, "current scale now", unit="1/32, plus 1/32", lsb=16),
-        state(30, "stealth", "StealthChop now"),
-        state(31, "stst", "the motor stands"),
-    ),
 )
 _CHOPCONF_FIELDS = {"toff", "hstrt", "hend", "mres", "dedge", "diss2g", "diss2vs", "intpol"}
 CHOPCONF = replace(
@@ -175,15 +161,9 @@ AXIS = (
     _current(
         0x11, "TPOWERDOWN", 8, W, "delay from standstill to the lower current; StealthChop needs 2 or more"
     ).having(unit="2^18 tCLK", reset=20),
-    reading(
-        "TSTEP",
-        20,
-        "time between two of 256 microsteps a full step; all ones at standstill",
-        0x12,
-        "thresholds",
-        unit=CLOCKS,
-        source=_SPEED,
-    ),
+    _thresholds.reading(
+        0x12, "TSTEP", 20, "time between two of 256 microsteps a full step; all ones at standstill"
+    ).having(unit=CLOCKS, source=_SPEED),
     _threshold("TPWMTHRS", 0x13, "StealthChop where TSTEP is this or more; 0: at every speed"),
     _threshold("TCOOLTHRS", 0x14, "CoolStep, and a stall shown at DIAG, where TSTEP is this or less"),
     _velocity(
@@ -194,14 +174,9 @@ AXIS = (
         "velocity at which the chip turns the motor by itself, without a ramp; 0: by STEP and DIR",
     ).having(signed=True, unit=VELOCITY_UNIT, range=(-(1 << 23) + 1, (1 << 23) - 1)),
     _driver(0x40, "SGTHRS", 8, W, "a stall is shown where SG_RESULT is twice this or less", unit="2"),
-    reading(
-        "SG_RESULT",
-        10,
-        "StallGuard4's value: the less, the more load; bits 0 and 9 are always 0",
-        0x41,
-        driver.DRIVER,
-        source=_STALL,
-    ),
+    _driver.reading(
+        0x41, "SG_RESULT", 10, "StallGuard4's value: the less, the more load; bits 0 and 9 are always 0"
+    ).having(source=_STALL),
     _COOLCONF,
     *_PLACE_ROWS,
     CHOPCONF,
