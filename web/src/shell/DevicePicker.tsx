@@ -1,5 +1,5 @@
-import { Group, Select, Text } from "@mantine/core";
 import { type Device, useDevices } from "../api/queries";
+import { Choice } from "../lib/Choice";
 import { choicesOf } from "../lib/choices";
 import { StateDot } from "../lib/StateDot";
 import { useSelection } from "../live/selection";
@@ -15,22 +15,16 @@ export function DevicePicker() {
   const stateOf = (value: string): Device["state"] =>
     list.find((candidate) => candidate.id === value.split("/")[0])?.state ?? "disconnected";
   return (
-    <Select
+    <Choice
       aria-label="Device and axis"
       data={choicesOf(list)}
       value={device ? `${device.id}/${axis}` : null}
       placeholder={devices.isPending ? "Looking for devices" : "No device"}
       w={{ base: 150, xs: 200, sm: 240 }}
       leftSection={device && <StateDot state={devices.isError ? "disconnected" : device.state} />}
-      comboboxProps={{ width: "max-content", position: "bottom-start" }}
-      renderOption={({ option }) => (
-        <Group gap={8} wrap="nowrap">
-          <StateDot state={stateOf(option.value)} />
-          <Text size="xs">{option.label}</Text>
-        </Group>
-      )}
+      mark={(value) => <StateDot state={stateOf(value)} />}
       onChange={(value) => {
-        const [id, index] = value?.split("/") ?? [];
+        const [id, index] = value.split("/");
         if (id !== undefined && index !== undefined) select(id, Number(index));
       }}
     />

@@ -1,7 +1,8 @@
-import { Badge, Group, Select, Stack, Tabs, Text, Title } from "@mantine/core";
+import { Badge, Group, Stack, Tabs, Text, Title } from "@mantine/core";
 import { Link } from "wouter";
 import { can, type Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
+import { Choice } from "../../../lib/Choice";
 import { ConditionCard } from "../../../lib/condition/ConditionCard";
 import { useAxisReading } from "../../../lib/condition/useAxisReading";
 import { fixed } from "../../../lib/format";
@@ -64,12 +65,12 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
           read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)}
           data-testid="position"
         />
-        <Select
+        <Choice
           aria-label="Unit"
           w={92}
           data={units.map((each) => ({ value: each, label: symbolOf(each) }))}
           value={shown}
-          onChange={(value) => value && onUnit(value)}
+          onChange={(value) => onUnit(value)}
         />
       </div>
       <Group justify="space-between" wrap="nowrap" className="text-12">

@@ -1,6 +1,7 @@
-import { ActionIcon, Box, Button, Group, Popover, SegmentedControl, Select } from "@mantine/core";
+import { ActionIcon, Box, Button, Group, Popover, SegmentedControl } from "@mantine/core";
 import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
+import { Choice } from "../../../lib/Choice";
 import { namesOf } from "../../../lib/choices";
 import { later } from "../../../lib/later";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
@@ -85,7 +86,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         }}
         title="Roll: follow the signal. Auto: a sweep from every start of a move. Single: catch the next move and hold (T)"
       />
-      <Select
+      <Choice
         w={86}
         aria-label="Time span"
         data={SPANS_S.filter((span) => span <= keepS(settings.rateHz)).map((span) => ({
@@ -93,27 +94,26 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           label: spanLabel(span),
         }))}
         value={String(settings.spanS)}
-        onChange={(value) => value && change({ spanS: Number(value) })}
+        onChange={(value) => change({ spanS: Number(value) })}
       />
-      <Select
+      <Choice
         w={92}
         className={classes.roomy ?? ""}
         aria-label="Sample rate"
         data={rates.map((rate) => ({ value: String(rate), label: `${rate} Hz` }))}
         value={String(rates.findLast((rate) => rate <= settings.rateHz) ?? rates[0])}
         onChange={(value) => {
-          if (!value) return;
           const rateHz = Number(value);
           change({ rateHz, spanS: Math.min(settings.spanS, keepS(rateHz)) });
         }}
       />
-      <Select
+      <Choice
         w={96}
         className={classes.roomy ?? ""}
         aria-label="Unit of positions"
         data={units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
         value={units.includes(settings.unit) ? settings.unit : "microsteps"}
-        onChange={(value) => value && change({ unit: value })}
+        onChange={(value) => change({ unit: value })}
       />
       <ActionIcon
         color="accent"

@@ -1,0 +1,77 @@
+import { CheckIcon, Combobox, Group, TextInput, type TextInputProps, useCombobox } from "@mantine/core";
+import type { ReactNode } from "react";
+
+interface Item {
+  value: string;
+  label: string;
+}
+
+interface Props extends Omit<TextInputProps, "value" | "onChange" | "size"> {
+  data: readonly (Item | { group: string; items: readonly Item[] })[];
+  value: string | null;
+  onChange: (value: string) => void;
+  /** what an option shows before its label */
+  mark?: (value: string) => ReactNode;
+}
+
+/** One of a few, as the library's Select without search, clearing and scroll areas: the first page loads none of them. */
+export function Choice({ data, value, onChange, mark, ...input }: Props) {
+  const store = useCombobox({
+    onDropdownOpen: () => store.updateSelectedOptionIndex("active"),
+    onDropdownClose: () => store.resetSelectedOption(),
+  });
+  const option = (item: Item) => (
+    <Combobox.Option
+      key={item.value}
+      value={item.value}
+      active={item.value === value}
+      aria-selected={item.value === value}
+    >
+      <Group gap={8} wrap="nowrap">
+        {item.value === value && <CheckIcon size={10} />}
+        {mark?.(item.value)}
+        {item.label}
+      </Group>
+    </Combobox.Option>
+  );
+  const items = data.flatMap((entry) => ("items" in entry ? entry.items : [entry]));
+  return (
+    <Combobox
+      __staticSelector="Select"
+      store={store}
+      size="xs"
+      width="max-content"
+      position="bottom-start"
+      onOptionSubmit={(chosen) => {
+        onChange(chosen);
+        store.closeDropdown();
+      }}
+    >
+      <Combobox.Target targetType="button" withExpandedAttribute>
+        <TextInput
+          {...input}
+          readOnly
+          pointer
+          value={items.find((item) => item.value === value)?.label ?? ""}
+          rightSection={<Combobox.Chevron size="xs" />}
+          rightSectionPointerEvents="none"
+          onClick={() => store.toggleDropdown()}
+          onBlur={() => store.closeDropdown()}
+        />
+      </Combobox.Target>
+      <Combobox.Dropdown>
+        <Combobox.Options mah={220} style={{ overflowY: "auto" }} aria-label={input["aria-label"]}>
+          {data.map((entry) =>
+            "items" in entry ? (
+              <Combobox.Group key={entry.group} label={entry.group}>
+                {entry.items.map(option)}
+              </Combobox.Group>
+            ) : (
+              option(entry)
+            ),
+          )}
+        </Combobox.Options>
+      </Combobox.Dropdown>
+    </Combobox>
+  );
+}
