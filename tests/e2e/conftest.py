@@ -96,11 +96,13 @@ def new_context(
     """Make further browsers-in-the-browser, of other sizes or schemes, that fail the test for errors too.
 
     Their pages have the bench already, together with `api`; `stranger=True`: as somebody who opens the first page.
+    Pictures step instead of rolling, which is most of what a browser works: `reduced_motion=None` for others.
     """
     made: list[BrowserContext] = []
 
     def make(*, stranger: bool = False, **options: object) -> BrowserContext:
-        context = browser.new_context(**{"base_url": server.url, "viewport": DESKTOP, **options})  # type: ignore[arg-type]
+        wanted = {"base_url": server.url, "viewport": DESKTOP, "reduced_motion": "reduce", **options}
+        context = browser.new_context(**wanted)  # type: ignore[arg-type]
         context.set_default_timeout(10_000)
         context.on("console", errors.on_console)
         context.on("weberror", errors.on_error)
@@ -118,7 +120,7 @@ def new_context(
 @pytest.fixture(scope="module")
 def usual_context(browser: Browser, server: ServerProcess) -> Iterator[BrowserContext]:
     """The browser-in-the-browser of every `page` of a module: in a fresh one, all scripts would be compiled anew."""
-    context = browser.new_context(base_url=server.url, viewport=DESKTOP)
+    context = browser.new_context(base_url=server.url, viewport=DESKTOP, reduced_motion="reduce")
     context.set_default_timeout(10_000)
     begin_with_the_bench(context)
     # A tab of our origin that stays, without a script of ours: with the last one goes what the browser has compiled.

@@ -1,4 +1,5 @@
 import { type ComponentPropsWithoutRef, useEffect, useLayoutEffect, useRef } from "react";
+import { repeatFrames } from "./useFrame";
 
 interface Props extends Omit<ComponentPropsWithoutRef<"span">, "children"> {
   /** what to show now; asked about fifteen times a second, outside of React's rendering */
@@ -7,23 +8,21 @@ interface Props extends Omit<ComponentPropsWithoutRef<"span">, "children"> {
 
 const PERIOD_MS = 66; // faster, nobody reads digits; slower, they stutter
 const readers = new Set<() => void>();
-let request = 0;
-let lastMs = 0;
-
-function tick(now: number) {
-  request = requestAnimationFrame(tick);
-  if (now - lastMs < PERIOD_MS) return;
-  lastMs = now;
-  for (const update of readers) update();
-}
+let end = () => {};
 
 /** Run `update` with all live texts of the page, in one loop. Returns the function that ends it. */
 export function everyTick(update: () => void): () => void {
   readers.add(update);
-  if (readers.size === 1) request = requestAnimationFrame(tick);
+  if (readers.size === 1)
+    end = repeatFrames(
+      () => {
+        for (const read of readers) read();
+      },
+      () => PERIOD_MS,
+    );
   return () => {
     readers.delete(update);
-    if (readers.size === 0) cancelAnimationFrame(request);
+    if (readers.size === 0) end();
   };
 }
 

@@ -1,14 +1,40 @@
 import { useEffect, useRef } from "react";
 
-/** Calls `draw` in every animation frame for as long as the component lives. `draw` may change without a restart. */
+/** Who asked the system for less motion sees pictures step that often instead of rolling [ms]. */
+const STEP_MS = 100;
+
+/**
+ * Calls `draw` in every animation frame for as long as the component lives; ten times a second where the system asks
+ * for reduced motion. `draw` may change without a restart.
+ */
 export function useFrame(draw: (nowMs: number) => void): void {
   const latest = useRef(draw);
   latest.current = draw;
   useEffect(() => {
-    let request = requestAnimationFrame(function next(now) {
-      latest.current(now);
-      request = requestAnimationFrame(next);
-    });
-    return () => cancelAnimationFrame(request);
+    const reduced = matchMedia("(prefers-reduced-motion: reduce)");
+    return repeatFrames(
+      (nowMs) => latest.current(nowMs),
+      () => (reduced.matches ? STEP_MS : 0),
+    );
   }, []);
+}
+
+/** Calls `draw` in an animation frame, and again `pauseMs()` after each, until the answer is called. */
+export function repeatFrames(draw: (nowMs: number) => void, pauseMs: () => number): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let request = 0;
+  const ask = () => {
+    request = requestAnimationFrame(frame);
+  };
+  const frame = (nowMs: number) => {
+    const pause = pauseMs();
+    if (pause === 0) ask();
+    else timer = setTimeout(ask, pause);
+    draw(nowMs);
+  };
+  ask();
+  return () => {
+    clearTimeout(timer);
+    cancelAnimationFrame(request);
+  };
 }

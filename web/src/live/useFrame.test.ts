@@ -1,0 +1,56 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { repeatFrames } from "./useFrame";
+
+beforeEach(
+  () =>
+    void vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "requestAnimationFrame", "cancelAnimationFrame"] }),
+);
+afterEach(() => void vi.useRealTimers());
+
+describe("repeatFrames", () => {
+  it("draws in every frame without a pause", () => {
+    const draw = vi.fn();
+    const end = repeatFrames(draw, () => 0);
+    vi.advanceTimersByTime(16 * 10);
+    expect(draw).toHaveBeenCalledTimes(10);
+    end();
+  });
+
+  it("waits for the pause before it asks for the next frame", () => {
+    const draw = vi.fn();
+    const end = repeatFrames(draw, () => 100);
+    vi.advanceTimersByTime(1000);
+    expect(draw.mock.calls.length).toBeGreaterThanOrEqual(8);
+    expect(draw.mock.calls.length).toBeLessThanOrEqual(10);
+    end();
+  });
+
+  it("asks for the pause each time: a system's setting may change", () => {
+    const draw = vi.fn();
+    let pause = 0;
+    const end = repeatFrames(draw, () => pause);
+    vi.advanceTimersByTime(160);
+    pause = 1000;
+    vi.advanceTimersByTime(160);
+    expect(draw.mock.calls.length).toBeLessThanOrEqual(12);
+    end();
+  });
+
+  it.each([0, 100])("draws nothing after its end, with a pause of %i ms", (pause) => {
+    const draw = vi.fn();
+    const end = repeatFrames(draw, () => pause);
+    vi.advanceTimersByTime(40);
+    const before = draw.mock.calls.length;
+    end();
+    vi.advanceTimersByTime(1000);
+    expect(draw).toHaveBeenCalledTimes(before);
+  });
+
+  it("may be ended by what it draws", () => {
+    let end = () => {};
+    const draw = vi.fn(() => end());
+    end = repeatFrames(draw, () => 0);
+    vi.advanceTimersByTime(1000);
+    expect(draw).toHaveBeenCalledTimes(1);
+  });
+});
