@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack, cast
+
+from pydantic import Field
 
 if TYPE_CHECKING:
     from pydantic.config import JsonDict
@@ -45,3 +47,15 @@ def form(**hints: Unpack[FormHints]) -> JsonDict:
 
 
 REST_ONLY = form(rest_only=True)
+
+
+def shown(default: Any, title: str, description: str, **hints: Unpack[FormHints]) -> Any:
+    """A field of a document that a form shows, with what it is when it is left out."""
+    return Field(
+        default=default, title=title, description=description, json_schema_extra=form(**hints) if hints else None
+    )
+
+
+def rest_only(default: Any, description: str) -> Any:
+    """A field that no form shows."""
+    return Field(default=default, description=description, json_schema_extra=REST_ONLY)

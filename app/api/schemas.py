@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from ..conditions.judge import Kind
-from ..form_hints import form
+from ..form_hints import form, shown
 from ..registers.names import AnyModelName, PmulName, SixPointName, SRampName
 
 Int = Annotated[int, Field(strict=True)]
@@ -141,50 +141,44 @@ class AxisLimits(Body):
 
     model_config = ConfigDict(extra="forbid", from_attributes=True, json_schema_serialization_defaults_required=True)
 
-    position_min: Counted | None = Field(
-        default=None,
-        title="From",
-        description="of the chip's counter [microsteps]",
-        json_schema_extra=form(unit="µsteps", empty="no limit"),
+    position_min: Counted | None = shown(
+        None, "From", "of the chip's counter [microsteps]", unit="µsteps", empty="no limit"
     )
-    position_max: Counted | None = Field(
-        default=None,
-        title="To",
-        description="of the chip's counter [microsteps]",
-        json_schema_extra=form(unit="µsteps", empty="no limit", at_least="position_min"),
+    position_max: Counted | None = shown(
+        None, "To", "of the chip's counter [microsteps]", unit="µsteps", empty="no limit", at_least="position_min"
     )
-    velocity_max_pps: Limit | None = Field(
-        default=None,
-        title="Speed",
-        description="either way [microsteps/s]",
-        json_schema_extra=form(unit="pps", empty="no limit"),
+    velocity_max_pps: Limit | None = shown(None, "Speed", "either way [microsteps/s]", unit="pps", empty="no limit")
+    acceleration_max_pps2: Limit | None = shown(
+        None,
+        "Acceleration",
+        "of every acceleration and deceleration that can be set [microsteps/s^2]",
+        unit="pps²",
+        empty="no limit",
     )
-    acceleration_max_pps2: Limit | None = Field(
-        default=None,
-        title="Acceleration",
-        description="of every acceleration and deceleration that can be set [microsteps/s^2]",
-        json_schema_extra=form(unit="pps²", empty="no limit"),
+    current_max_a: Limit | None = shown(
+        None,
+        "Current",
+        "of a coil, RMS, in motion or at rest [A]",
+        unit="A rms",
+        empty="no limit",
+        where={"current_scale": ["sense_resistor", "full_scale"]},
     )
-    current_max_a: Limit | None = Field(
-        default=None,
-        title="Current",
-        description="of a coil, RMS, in motion or at rest [A]",
-        json_schema_extra=form(
-            unit="A rms", empty="no limit", where={"current_scale": ["sense_resistor", "full_scale"]}
-        ),
+    sense_resistor_ohm: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = shown(
+        None,
+        "Sense resistor",
+        "of a TMC5xxx: what makes amperes of its current scales [ohm]",
+        unit="Ω",
+        where={"current_scale": ["sense_resistor"]},
+        needed_with="current_max_a",
     )
-    sense_resistor_ohm: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = Field(
-        default=None,
-        title="Sense resistor",
-        description="of a TMC5xxx: what makes amperes of its current scales [ohm]",
-        json_schema_extra=form(unit="Ω", where={"current_scale": ["sense_resistor"]}, needed_with="current_max_a"),
-    )
-    current_full_scale_a: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = Field(
-        default=None,
-        title="Full scale",
-        description="RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of "
+    current_full_scale_a: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = shown(
+        None,
+        "Full scale",
+        "RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of "
         "the sense resistor",
-        json_schema_extra=form(unit="A rms", where={"current_scale": ["full_scale"]}, needed_with="current_max_a"),
+        unit="A rms",
+        where={"current_scale": ["full_scale"]},
+        needed_with="current_max_a",
     )
 
 
@@ -192,50 +186,49 @@ class AxisConfig(Body):
     """The motor on an axis and what it moves."""
 
     name: Name = Field(default="axis", title="Name", json_schema_extra=form(proposed="axis"))
-    full_steps_per_rev: Annotated[int, Field(strict=True, ge=1, le=100_000)] = Field(
-        default=200,
-        title="Full steps per revolution",
-        description="of the motor: 200 where a full step is 1.8 deg",
-        json_schema_extra=form(heading="Full steps/rev"),
+    full_steps_per_rev: Annotated[int, Field(strict=True, ge=1, le=100_000)] = shown(
+        200, "Full steps per revolution", "of the motor: 200 where a full step is 1.8 deg", heading="Full steps/rev"
     )
-    driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = Field(
-        default=16,
-        title="Driver microsteps per full step",
-        description="microsteps per full step of the step/direction driver (TMC4210); others know theirs",
-        json_schema_extra=form(heading="Driver µsteps", where={"capabilities": ["step_dir"]}),
+    driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = shown(
+        16,
+        "Driver microsteps per full step",
+        "microsteps per full step of the step/direction driver (TMC4210); others know theirs",
+        heading="Driver µsteps",
+        where={"capabilities": ["step_dir"]},
     )
-    gear_ratio: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] = Field(
-        default=1.0,
-        title="Motor turns per turn of the load",
-        description="the gear between motor and load",
-        json_schema_extra=form(heading="Gear : 1"),
+    gear_ratio: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] = shown(
+        1.0, "Motor turns per turn of the load", "the gear between motor and load", heading="Gear : 1"
     )
-    travel_mm_per_rev: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] | None = Field(
-        default=None,
-        title="Travel per revolution",
-        description="travel of the load per turn of the load [mm]; null for a rotary axis",
-        json_schema_extra=form(unit="mm", heading="Travel mm/rev", empty="rotary"),
+    travel_mm_per_rev: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] | None = shown(
+        None,
+        "Travel per revolution",
+        "travel of the load per turn of the load [mm]; null for a rotary axis",
+        unit="mm",
+        heading="Travel mm/rev",
+        empty="rotary",
     )
     limits: AxisLimits = Field(
         default_factory=AxisLimits,
         title="Soft limits",
         description="the server refuses what is beyond, and stops an axis at its ends; what is left out is not limited",
     )
-    lost_steps_microsteps: Threshold | None = Field(
-        default=None,
-        title="Lost steps from",
-        description="deviation of the encoder that tells of lost steps at rest [microsteps]; null: two full steps",
-        json_schema_extra=form(
-            unit="µsteps", empty="two full steps", group="Encoder thresholds", where={"capabilities": ["encoder"]}
-        ),
+    lost_steps_microsteps: Threshold | None = shown(
+        None,
+        "Lost steps from",
+        "deviation of the encoder that tells of lost steps at rest [microsteps]; null: two full steps",
+        unit="µsteps",
+        empty="two full steps",
+        group="Encoder thresholds",
+        where={"capabilities": ["encoder"]},
     )
-    following_error_microsteps: Threshold | None = Field(
-        default=None,
-        title="Following error from",
-        description="deviation that tells of a motion not followed [microsteps]; null: four full steps",
-        json_schema_extra=form(
-            unit="µsteps", empty="four full steps", group="Encoder thresholds", where={"capabilities": ["encoder"]}
-        ),
+    following_error_microsteps: Threshold | None = shown(
+        None,
+        "Following error from",
+        "deviation that tells of a motion not followed [microsteps]; null: four full steps",
+        unit="µsteps",
+        empty="four full steps",
+        group="Encoder thresholds",
+        where={"capabilities": ["encoder"]},
     )
 
 

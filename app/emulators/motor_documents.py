@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ..errors import WrongState
-from ..form_hints import form
+from ..form_hints import shown
 from .drive.bench import (
     Closed,
     Flag,
@@ -32,17 +32,10 @@ NoiseSeed = Annotated[
 class MotorDocument(Closed):
     """How an emulator with a motor is made."""
 
-    time_scale: TimeScale = Field(
-        default=1.0,
-        title="Time runs at",
-        description="how fast its time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
-    )
-    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
+    time_scale: TimeScale = shown(1.0, "Time runs at", "how fast its time passes; 0 stands still", unit="x real time")
+    supply_v: Supply = shown(24.0, "Supply", "motor supply [V]")
     seed: NoiseSeed = 5160
-    start_fullsteps: FullSteps = Field(
-        default=0.0, title="Rotor at first", description="where the rotor stands at first [full steps]"
-    )
+    start_fullsteps: FullSteps = shown(0.0, "Rotor at first", "where the rotor stands at first [full steps]")
     motor: MotorOptions | Rigid = Field(
         default_factory=MotorOptions,
         title="Motor and load",

@@ -12,7 +12,7 @@ from ...emulators.tmc428.options import EmulatorOptions
 from ...emulators.tmc4361.options import Tmc4361Options
 from ...emulators.tmcdrivers.options import TmcDriverOptions
 from ...emulators.tmcl.options import TmclOptions
-from ...form_hints import REST_ONLY, form
+from ...form_hints import form, rest_only, shown
 from ...registers.catalog import kind_of
 from ...registers.names import AnyModelName, DriverName, ListedName, ModuleName
 from ..calc.schemas import ClockHz
@@ -82,18 +82,17 @@ class TcpLink(Body):
         title="Host", description="name or address of the machine", json_schema_extra=form(proposed="127.0.0.1")
     )
     port: TcpPortNumber = Field(title="Port", description="as the program or adapter there says it", examples=[4280])
-    timeout_s: Seconds = Field(default=1.0, title="Answer within", description="how long to wait for an answer [s]")
+    timeout_s: Seconds = shown(1.0, "Answer within", "how long to wait for an answer [s]")
 
 
 class ModuleEmulatorLink(TmclOptions):
     """A module emulated in this server, with a motor, a stage and encoders."""
 
     kind: Literal["emulator"]
-    eeprom: Annotated[str, StringConstraints(strict=True, pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = Field(
-        default=None,
-        description="name of its memory in the server's data directory, small letters, digits and dashes; a new "
+    eeprom: Annotated[str, StringConstraints(strict=True, pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = rest_only(
+        None,
+        "name of its memory in the server's data directory, small letters, digits and dashes; a new "
         "device without one gets one of its own, so that what it stores outlives the server",
-        json_schema_extra=REST_ONLY,
     )
 
 
@@ -105,8 +104,8 @@ class ModuleTcpLink(Body):
         title="Host", description="name or address of the machine", json_schema_extra=form(proposed="127.0.0.1")
     )
     port: TcpPortNumber = Field(title="Port", description="as the program or adapter there says it", examples=[4242])
-    address: Address = Field(default=1, title="Module address", description="the module's address on the line")
-    timeout_s: Seconds = Field(default=1.0, title="Answer within", description="how long to wait for an answer [s]")
+    address: Address = shown(1, "Module address", "the module's address on the line")
+    timeout_s: Seconds = shown(1.0, "Answer within", "how long to wait for an answer [s]")
 
 
 class ModuleSerialLink(Body):
@@ -115,7 +114,7 @@ class ModuleSerialLink(Body):
     kind: Literal["serial"]
     port: SerialPort = Field(title="Port or address")
     baud: LineBaud = 9600
-    address: Address = Field(default=1, title="Module address", description="the module's address on the line")
+    address: Address = shown(1, "Module address", "the module's address on the line")
     timeout_s: LineSeconds = 0.25
 
 
@@ -138,13 +137,9 @@ class ModuleCanLink(Body):
         description="of every node on the bus [bit/s]",
         examples=[20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 1_000_000],
     )
-    timeout_s: Seconds = Field(default=0.25, title="Answer within", description="how long to wait for an answer [s]")
-    send_id: CanId = Field(
-        default=1, title="The module listens to id", description="what the module listens to (global parameter 71)"
-    )
-    receive_id: CanId = Field(
-        default=2, title="It answers under id", description="what the module answers under (global parameter 70)"
-    )
+    timeout_s: Seconds = shown(0.25, "Answer within", "how long to wait for an answer [s]")
+    send_id: CanId = shown(1, "The module listens to id", "what the module listens to (global parameter 71)")
+    receive_id: CanId = shown(2, "It answers under id", "what the module answers under (global parameter 70)")
 
 
 class SpidevLink(Body):
@@ -157,13 +152,13 @@ class SpidevLink(Body):
     device: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(
         title="Chip select", description="D of /dev/spidevB.D", json_schema_extra=form(proposed="0")
     )
-    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
-        default=1_000_000,
-        title="Clock of the bus",
-        description="a quarter of the chip's clock is safe, of a chip with 32-bit datagrams an eighth [Hz]",
+    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = shown(
+        1_000_000,
+        "Clock of the bus",
+        "a quarter of the chip's clock is safe, of a chip with 32-bit datagrams an eighth [Hz]",
     )
-    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
-        default=3, title="SPI mode", description="clock polarity and phase: the chips use 3"
+    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = shown(
+        3, "SPI mode", "clock polarity and phase: the chips use 3"
     )
 
 
@@ -174,9 +169,7 @@ class LandungsbrueckeLink(Body):
     port: SerialPort = Field(title="Port of the board")
     timeout_s: LineSeconds = 0.25
     baud: LineBaud = 115_200
-    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = Field(
-        default=0, title="Motor of the board", description="the board's channel"
-    )
+    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = shown(0, "Motor of the board", "the board's channel")
 
 
 class UartLink(Body):
@@ -190,24 +183,22 @@ class UartLink(Body):
         description="the chip measures it: at most a sixteenth of its clock",
         examples=[9600, 19_200, 57_600, 115_200, 230_400, 250_000, 460_800, 500_000],
     )
-    node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
-        default=0,
-        title="Node address",
-        description="NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none",
-        json_schema_extra=form(where={"uart": ["node"]}),
+    node: Annotated[int, Field(strict=True, ge=0, le=254)] = shown(
+        0,
+        "Node address",
+        "NODEADDR, plus 1 where NEXTADDR is high; of a TMC2209 MS1 and 2 MS2; a TMC5062 has none",
+        where={"uart": ["node"]},
     )
     timeout_s: LineSeconds = 0.25
-    echo: Literal["auto", "on", "off"] = Field(
-        default="auto",
-        title="What is sent comes back as an echo",
-        description="whether what is sent comes back, as on a single wire; auto finds out",
-        json_schema_extra=form(
-            words={
-                "auto": "found out when connecting",
-                "on": "yes: one wire both ways",
-                "off": "no: the adapter takes it off",
-            }
-        ),
+    echo: Literal["auto", "on", "off"] = shown(
+        "auto",
+        "What is sent comes back as an echo",
+        "whether what is sent comes back, as on a single wire; auto finds out",
+        words={
+            "auto": "found out when connecting",
+            "on": "yes: one wire both ways",
+            "off": "no: the adapter takes it off",
+        },
     )
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import REST_ONLY, form, rest_only, shown
 from ..core.base import EmulatedState
 from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
 
@@ -24,18 +24,9 @@ class ListedOptions(Closed):
 
     model_config = ConfigDict(json_schema_extra=form(fold="time"))
 
-    time_scale: TimeScale = Field(
-        default=1.0,
-        title="Time runs at",
-        description="how fast its time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
-    )
-    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
-        default=1, description="serial address", json_schema_extra=REST_ONLY
-    )
-    node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
-        default=0, description="of a chip with a UART: its node address", json_schema_extra=REST_ONLY
-    )
+    time_scale: TimeScale = shown(1.0, "Time runs at", "how fast its time passes; 0 stands still", unit="x real time")
+    address: Annotated[int, Field(strict=True, ge=1, le=255)] = rest_only(1, "serial address")
+    node: Annotated[int, Field(strict=True, ge=0, le=254)] = rest_only(0, "of a chip with a UART: its node address")
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
         Field(
             default_factory=list,
@@ -43,9 +34,7 @@ class ListedOptions(Closed):
             json_schema_extra=REST_ONLY,
         )
     )
-    seed: Seed = Field(
-        default=1241, description="of the noise that faults on the wire make", json_schema_extra=REST_ONLY
-    )
+    seed: Seed = rest_only(1241, "of the noise that faults on the wire make")
 
 
 class ListedFaultsChange(Closed):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import form, rest_only, shown
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
 VActualWritable = Literal["hold-mode", "velocity-mode"]
@@ -26,35 +26,28 @@ class StageOptions(_Closed):
     reference switch 10..14 mm from the left one.
     """
 
-    left_at_fullsteps: FullSteps = Field(
-        default=0.0,
-        title="Left switch",
-        description="left switch is active here and to the left [full steps]",
-        json_schema_extra=form(heading="Left"),
+    left_at_fullsteps: FullSteps = shown(
+        0.0, "Left switch", "left switch is active here and to the left [full steps]", heading="Left"
     )
-    ref_from_fullsteps: FullSteps = Field(
-        default=250.0,
-        title="Left end of the reference switch",
-        description="left end of the reference switch [full steps]",
-        json_schema_extra=form(heading="Ref. from"),
+    ref_from_fullsteps: FullSteps = shown(
+        250.0, "Left end of the reference switch", "left end of the reference switch [full steps]", heading="Ref. from"
     )
-    ref_to_fullsteps: FullSteps = Field(
-        default=350.0,
-        title="Right end of the reference switch",
-        description="right end of the reference switch [full steps]",
-        json_schema_extra=form(heading="Ref. to", at_least="ref_from_fullsteps"),
+    ref_to_fullsteps: FullSteps = shown(
+        350.0,
+        "Right end of the reference switch",
+        "right end of the reference switch [full steps]",
+        heading="Ref. to",
+        at_least="ref_from_fullsteps",
     )
-    right_at_fullsteps: FullSteps = Field(
-        default=7500.0,
-        title="Right switch",
-        description="right switch is active here and to the right [full steps]",
-        json_schema_extra=form(heading="Right", above="left_at_fullsteps"),
+    right_at_fullsteps: FullSteps = shown(
+        7500.0,
+        "Right switch",
+        "right switch is active here and to the right [full steps]",
+        heading="Right",
+        above="left_at_fullsteps",
     )
-    start_fullsteps: FullSteps = Field(
-        default=3750.0,
-        title="Carriage at first",
-        description="where the carriage stands at first [full steps]",
-        json_schema_extra=form(heading="Start"),
+    start_fullsteps: FullSteps = shown(
+        3750.0, "Carriage at first", "where the carriage stands at first [full steps]", heading="Start"
     )
 
     @model_validator(mode="after")
@@ -71,57 +64,44 @@ class EmulatorOptions(_Closed):
 
     model_config = ConfigDict(json_schema_extra=form(fold="time, seed, wiring, writes of V_ACTUAL, stages"))
 
-    time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] = Field(
-        default=1.0,
-        title="Chip time runs at",
-        description="how fast chip time passes; 0 stands still",
-        json_schema_extra=form(unit="x real time"),
+    time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] = shown(
+        1.0, "Chip time runs at", "how fast chip time passes; 0 stands still", unit="x real time"
     )
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(
-        default=428,
-        title="Seed of RAM noise and bit errors",
-        description="seed of the RAM noise after power-on and of bit errors",
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = shown(
+        428, "Seed of RAM noise and bit errors", "seed of the RAM noise after power-on and of bit errors"
     )
-    clock_hz: Annotated[float, Field(strict=True, ge=1.0, le=32e6, allow_inf_nan=False)] = Field(
-        default=16e6,
-        description="the chip's clock [Hz]: TMC428 up to 16 MHz, TMC429 and TMC4210 up to 32 MHz",
-        json_schema_extra=REST_ONLY,
+    clock_hz: Annotated[float, Field(strict=True, ge=1.0, le=32e6, allow_inf_nan=False)] = rest_only(
+        16e6, "the chip's clock [Hz]: TMC428 up to 16 MHz, TMC429 and TMC4210 up to 32 MHz"
     )
-    wiring: Wiring = Field(
-        default="multiplexed",
-        title="How the switches reach REF1 to REF3",
-        description="TMC428: how the switches reach REF1..REF3 (DS-TMC428 Figures 9-3 to 9-5); the reference switch is "
+    wiring: Wiring = shown(
+        "multiplexed",
+        "How the switches reach REF1 to REF3",
+        "TMC428: how the switches reach REF1..REF3 (DS-TMC428 Figures 9-3 to 9-5); the reference switch is "
         "wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.",
-        json_schema_extra=form(
-            where={"axes": [2, 3]},
-            words={
-                "multiplexed": "multiplexed: both switches of every axis",
-                "two-one-null": "two-one-null: both of motor 1, left of motor 2",
-                "left-only": "left only: one switch an axis",
-            },
-        ),
+        where={"axes": [2, 3]},
+        words={
+            "multiplexed": "multiplexed: both switches of every axis",
+            "two-one-null": "two-one-null: both of motor 1, left of motor 2",
+            "left-only": "left only: one switch an axis",
+        },
     )
-    v_actual_writable: VActualWritable = Field(
-        default="hold-mode",
-        title="V_ACTUAL can be written in",
-        description="where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in "
+    v_actual_writable: VActualWritable = shown(
+        "hold-mode",
+        "V_ACTUAL can be written in",
+        "where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in "
         "VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects",
-        json_schema_extra=form(
-            words={
-                "hold-mode": "hold mode only: 0 in velocity mode brakes",
-                "velocity-mode": "velocity mode too: 0 there stops dead",
-            }
-        ),
+        words={
+            "hold-mode": "hold mode only: 0 in velocity mode brakes",
+            "velocity-mode": "velocity mode too: 0 there stops dead",
+        },
     )
     stages: Annotated[list[StageOptions], Field(max_length=3)] = Field(
         default_factory=list,
         title="Stages: switches and carriage",
         description="one stage an axis; axes beyond the list have the default stage",
     )
-    driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = Field(
-        default=16,
-        description="TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers",
-        json_schema_extra=REST_ONLY,
+    driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = rest_only(
+        16, "TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers"
     )
 
 

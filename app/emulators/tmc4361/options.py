@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import form, rest_only
 from ..drive.bench import (
     ChipFaultsChange,
     Closed,
@@ -29,22 +29,16 @@ class Tmc4361Options(MotorDocument):
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoder"))
 
     seed: NoiseSeed = 4361
-    clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = Field(
-        default=16e6,
-        description="the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is",
-        json_schema_extra=REST_ONLY,
+    clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = rest_only(
+        16e6, "the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is"
     )
     motor: MotorOptions = Field(default_factory=MotorOptions, title="Motor and load")
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoder: ShaftEncoder = Field(default_factory=ShaftEncoder, title="Encoder")
-    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
-        default=2.1,
-        description="peak coil current at current scale 255 [A]: the default motor's holding torque",
-        json_schema_extra=REST_ONLY,
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = rest_only(
+        2.1, "peak coil current at current scale 255 [A]: the default motor's holding torque"
     )
-    stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = Field(
-        default=0, description="SGT of the driver's StallGuard2", json_schema_extra=REST_ONLY
-    )
+    stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(0, "SGT of the driver's StallGuard2")
 
     def feedback(self) -> FeedbackOptions:
         """The part that the feedback unit and the motor are made with."""

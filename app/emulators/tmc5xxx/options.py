@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import form, rest_only, shown
 from ..drive.bench import (
     ChipFaultsChange,
     Closed,
@@ -26,10 +26,8 @@ MODELS: tuple[Tmc5xxxModel, ...] = get_args(Tmc5xxxModel)
 class LineEncoder(Closed):
     """An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0."""
 
-    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(
-        default=10_000, title="Lines", description="of a turn, four counts each"
-    )
-    reversed: Flag = Field(default=False, description="A and B are swapped", json_schema_extra=REST_ONLY)
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = shown(10_000, "Lines", "of a turn, four counts each")
+    reversed: Flag = rest_only(False, "A and B are swapped")
 
 
 class Tmc5xxxOptions(MotorDocument):
@@ -40,10 +38,8 @@ class Tmc5xxxOptions(MotorDocument):
 
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage"))
 
-    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = Field(
-        default=16e6,
-        description="fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz",
-        json_schema_extra=REST_ONLY,
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = rest_only(
+        16e6, "fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz"
     )
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoder: LineEncoder = Field(
@@ -52,17 +48,12 @@ class Tmc5xxxOptions(MotorDocument):
         description="on the shaft of each motor",
         json_schema_extra=form(where={"capabilities": ["encoder"]}),
     )
-    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = Field(
-        default=None,
-        description="peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; "
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = rest_only(
+        None,
+        "peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; "
         "null: as the chip's evaluation board has it [A]",
-        json_schema_extra=REST_ONLY,
     )
-    node_pin: Flag = Field(
-        default=False,
-        description="NEXTADDR is high: the UART's node address is one more",
-        json_schema_extra=REST_ONLY,
-    )
+    node_pin: Flag = rest_only(False, "NEXTADDR is high: the UART's node address is one more")
 
     def for_clock(self, clock_hz: float) -> Tmc5xxxOptions:
         """The same with the clock that a chip has by itself, where nobody has said another."""

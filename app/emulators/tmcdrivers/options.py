@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import form, rest_only, shown
 from ..drive.bench import ChipFaultsChange, Closed, Flag, Supply, TimeScale
 from ..drive.options import DriveOptions
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
@@ -21,21 +21,18 @@ class TmcDriverOptions(MotorDocument):
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load"))
 
     seed: NoiseSeed = 2209
-    node: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
-        default=0,
-        title="Node address",
-        description="of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless "
+    node: Annotated[int, Field(strict=True, ge=0, le=3)] = shown(
+        0,
+        "Node address",
+        "of a TMC2209, by its pins: MS1 is 1 of it, MS2 2. They also set its microsteps, unless "
         "mstep_reg_select says otherwise",
-        json_schema_extra=form(where={"nodes": [4]}),
+        where={"nodes": [4]},
     )
-    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=16e6, allow_inf_nan=False)] = Field(
-        default=12e6, description="fCLK, which velocities and delays hang on [Hz]", json_schema_extra=REST_ONLY
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=16e6, allow_inf_nan=False)] = rest_only(
+        12e6, "fCLK, which velocities and delays hang on [Hz]"
     )
-    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = Field(
-        default=None,
-        description="peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it "
-        "[A]",
-        json_schema_extra=REST_ONLY,
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = rest_only(
+        None, "peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]"
     )
 
     def drive(self, full_scale_a: float) -> DriveOptions:

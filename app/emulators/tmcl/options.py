@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from ...form_hints import REST_ONLY, form
+from ...form_hints import REST_ONLY, form, rest_only
 from ..drive.bench import (
     Closed,
     Flag,
@@ -28,15 +28,11 @@ class TmclOptions(MotorDocument):
     model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoders"))
 
     seed: NoiseSeed = 1241
-    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
-        default=1,
-        description="serial address at delivery; what its EEPROM holds comes first",
-        json_schema_extra=REST_ONLY,
+    address: Annotated[int, Field(strict=True, ge=1, le=255)] = rest_only(
+        1, "serial address at delivery; what its EEPROM holds comes first"
     )
-    baud_code: Annotated[int, Field(strict=True, ge=0, le=11)] = Field(
-        default=0,
-        description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200",
-        json_schema_extra=REST_ONLY,
+    baud_code: Annotated[int, Field(strict=True, ge=0, le=11)] = rest_only(
+        0, "code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200"
     )
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
@@ -47,15 +43,11 @@ class TmclOptions(MotorDocument):
             json_schema_extra=REST_ONLY,
         )
     )
-    later_commands: Flag = Field(
-        default=False,
-        description="its firmware knows the commands of later ones too (CALCV and its kin); firmware 1.44 does not",
-        json_schema_extra=REST_ONLY,
+    later_commands: Flag = rest_only(
+        False, "its firmware knows the commands of later ones too (CALCV and its kin); firmware 1.44 does not"
     )
-    command_us: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = Field(
-        default=100.0,
-        description="how long a command of a program takes [us of the module's time]; no source tells it",
-        json_schema_extra=REST_ONLY,
+    command_us: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = rest_only(
+        100.0, "how long a command of a program takes [us of the module's time]; no source tells it"
     )
 
     def drive(self, full_scale_a: float) -> DriveOptions:

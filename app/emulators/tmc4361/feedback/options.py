@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ....form_hints import REST_ONLY, form
+from ....form_hints import REST_ONLY, rest_only, shown
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
 from ...drive.options import FullSteps
 
@@ -20,40 +20,27 @@ class _Closed(BaseModel):
 class ShaftEncoder(_Closed):
     """The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts."""
 
-    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
-        default=0.0,
-        title="Eccentricity",
-        description="amplitude e1 of the once-a-turn error [deg of the shaft]",
-        json_schema_extra=form(unit="°"),
+    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = shown(
+        0.0, "Eccentricity", "amplitude e1 of the once-a-turn error [deg of the shaft]", unit="°"
     )
-    kind: EncoderKind = Field(
-        default="abn",
-        description="incremental with N channel, or absolute over SSI or SPI",
-        json_schema_extra=REST_ONLY,
+    kind: EncoderKind = rest_only("abn", "incremental with N channel, or absolute over SSI or SPI")
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 22)] = shown(
+        10_000, "Lines", "abn: lines a turn, four counts each"
     )
-    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 22)] = Field(
-        default=10_000, title="Lines", description="abn: lines a turn, four counts each"
+    single_turn_bits: Annotated[int, Field(strict=True, ge=2, le=24)] = rest_only(
+        13, "ssi, spi: bits of the place in the turn"
     )
-    single_turn_bits: Annotated[int, Field(strict=True, ge=2, le=24)] = Field(
-        default=13, description="ssi, spi: bits of the place in the turn", json_schema_extra=REST_ONLY
+    multi_turn_bits: Annotated[int, Field(strict=True, ge=0, le=24)] = rest_only(
+        12, "ssi, spi: bits of the turns counted"
     )
-    multi_turn_bits: Annotated[int, Field(strict=True, ge=0, le=24)] = Field(
-        default=12, description="ssi, spi: bits of the turns counted", json_schema_extra=REST_ONLY
+    gray: Annotated[bool, Field(strict=True)] = rest_only(False, "ssi, spi: answers in Gray code")
+    status_bits: Annotated[int, Field(strict=True, ge=0, le=3)] = rest_only(
+        0, "ssi, spi: status bits after the position"
     )
-    gray: Annotated[bool, Field(strict=True)] = Field(
-        default=False, description="ssi, spi: answers in Gray code", json_schema_extra=REST_ONLY
+    zero_fullsteps: FullSteps = rest_only(
+        37.3, "mounting offset: place of the rotor at which the encoder counts 0 (N pulse)"
     )
-    status_bits: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
-        default=0, description="ssi, spi: status bits after the position", json_schema_extra=REST_ONLY
-    )
-    zero_fullsteps: FullSteps = Field(
-        default=37.3,
-        description="mounting offset: place of the rotor at which the encoder counts 0 (N pulse)",
-        json_schema_extra=REST_ONLY,
-    )
-    reversed: Annotated[bool, Field(strict=True)] = Field(
-        default=False, description="counts down as the motor goes up", json_schema_extra=REST_ONLY
-    )
+    reversed: Annotated[bool, Field(strict=True)] = rest_only(False, "counts down as the motor goes up")
     eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
         default=0.0, json_schema_extra=REST_ONLY
     )
