@@ -108,10 +108,6 @@ def search_state(name: str, axis: int) -> Call[Json]:
     return Call("GET", f"{_of_axis(name, axis)}/reference-search", _as_it_is)
 
 
-def end_search(name: str, axis: int) -> Call[Json]:
-    return Call("DELETE", f"{_of_axis(name, axis)}/reference-search", _as_it_is)
-
-
 def stop(name: str, axis: int, mode: str) -> Call[Json]:
     return Call("POST", f"{_of_axis(name, axis)}/stop", _as_it_is, {"mode": mode})
 

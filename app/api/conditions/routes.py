@@ -12,7 +12,7 @@ from ...clock import BackgroundClock
 from ...conditions.service import ConditionService, Standing
 from ...devices.core.device import Device
 from ..bench import Bench
-from ..http.sockets import until_one_ends
+from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
 from .pages import Pages
 from .schemas import (
@@ -39,11 +39,8 @@ async def conditions(socket: WebSocket) -> None:
 
     A page of a session first says whose it is: when the last one of the bench's holder ends, it has left.
     """
-    offered = socket.scope.get("subprotocols", [])
-    if offered and SUBPROTOCOL not in offered:
-        await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
+    if not await accepted(socket, SUBPROTOCOL):
         return
-    await socket.accept(SUBPROTOCOL if offered else None)
     bench: Bench = socket.app.state.bench
     news = News(bench.conditions)
     try:

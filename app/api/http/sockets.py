@@ -8,12 +8,22 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from starlette.websockets import WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from .identity import Identity, identity_of
 
 ENDED = 4401
 """Close code: who opened this socket has logged out, or the token was revoked."""
+
+
+async def accepted(socket: WebSocket, subprotocol: str) -> bool:
+    """Accept a socket whose client offers this subprotocol or none; else close it."""
+    offered = socket.scope.get("subprotocols", [])
+    if offered and subprotocol not in offered:
+        await socket.close(1002, f"this server speaks {subprotocol}")
+        return False
+    await socket.accept(subprotocol if offered else None)
+    return True
 
 
 async def until_one_ends(*sides: Coroutine[Any, Any, None], name: str) -> None:

@@ -14,7 +14,7 @@ from ...devices.core.device import Device
 from ...errors import BenchError, UsageError
 from ..bench import Bench
 from ..http.problems import problem_of
-from ..http.sockets import until_one_ends
+from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
 from .schemas import (
     SUBPROTOCOL,
@@ -39,11 +39,8 @@ router = APIRouter(tags=["programs"])
 @policy(role="look")
 async def watch_program(socket: WebSocket, device: str) -> None:
     """Tell what the program of a device does: the first look, then what changes. A client may choose variables."""
-    offered = socket.scope.get("subprotocols", [])
-    if offered and SUBPROTOCOL not in offered:
-        await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
+    if not await accepted(socket, SUBPROTOCOL):
         return
-    await socket.accept(SUBPROTOCOL if offered else None)
     bench: Bench = socket.app.state.bench
     with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:

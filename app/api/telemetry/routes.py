@@ -14,7 +14,7 @@ from ...telemetry.frames import encode_body
 from ...telemetry.reader import Event, MoveSeen, Status
 from ..bench import Bench
 from ..http.problems import problem_of
-from ..http.sockets import until_one_ends
+from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
 from .schemas import (
     SUBPROTOCOL,
@@ -44,11 +44,8 @@ GONE = 4410
 @policy(role="look")
 async def telemetry(socket: WebSocket, device: str) -> None:
     """Stream channels of a device: `?channels=position.0,velocity.0&rate_hz=1000[&history_s=60][&batch_hz=60]`."""
-    offered = socket.scope.get("subprotocols", [])
-    if offered and SUBPROTOCOL not in offered:
-        await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
+    if not await accepted(socket, SUBPROTOCOL):
         return
-    await socket.accept(SUBPROTOCOL if offered else None)
     bench: Bench = socket.app.state.bench
     with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from ..capabilities import Capability
 from ..entry import Model
 from ..wires import Wire
@@ -12,46 +14,37 @@ _DESCRIPTION = "a chip that ramps by pmul and pdiv"
 _COMMON: frozenset[Capability] = frozenset({"registers", "motion", "ramp.pmul", "home_switch", "position_latch"})
 _WIRES: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev"})
 
+_chip = partial(Model, family=FAMILY, description=_DESCRIPTION, wires=_WIRES, clock_hz_default=16e6)
+_WITH_CHAIN: frozenset[Capability] = _COMMON | {"microsteps.ram", "driver_chain", "current"}
+
 MODELS = (
-    Model(
+    _chip(
         "tmc428",
-        FAMILY,
-        "TMC428",
-        "three axes, SPI driver chain",
-        _DESCRIPTION,
-        tmc428.AXES,
-        tmc428.TMC428,
-        clock_hz_default=16e6,
+        title="TMC428",
+        summary="three axes, SPI driver chain",
+        axes=tmc428.AXES,
+        table=tmc428.TMC428,
         clock_hz_max=16e6,
-        capabilities=_COMMON | {"microsteps.ram", "driver_chain", "current"},
-        wires=_WIRES,
+        capabilities=_WITH_CHAIN,
         current_scale="full_scale",
     ),
-    Model(
+    _chip(
         "tmc429",
-        FAMILY,
-        "TMC429",
-        "three axes, SPI driver chain or step/direction",
-        _DESCRIPTION,
-        tmc429.AXES,
-        tmc429.TMC429,
-        clock_hz_default=16e6,
+        title="TMC429",
+        summary="three axes, SPI driver chain or step/direction",
+        axes=tmc429.AXES,
+        table=tmc429.TMC429,
         clock_hz_max=32e6,
-        capabilities=_COMMON | {"microsteps.ram", "driver_chain", "current", "position_compare"},
-        wires=_WIRES,
+        capabilities=_WITH_CHAIN | {"position_compare"},
         current_scale="full_scale",
     ),
-    Model(
+    _chip(
         "tmc4210",
-        FAMILY,
-        "TMC4210",
-        "one axis, step/direction",
-        _DESCRIPTION,
-        tmc4210.AXES,
-        tmc4210.TMC4210,
-        clock_hz_default=16e6,
+        title="TMC4210",
+        summary="one axis, step/direction",
+        axes=tmc4210.AXES,
+        table=tmc4210.TMC4210,
         clock_hz_max=32e6,
         capabilities=_COMMON | {"step_dir", "position_compare"},
-        wires=_WIRES,
     ),
 )

@@ -65,7 +65,6 @@ _AXIS_REGISTERS = (
     ).having(
         signed=True,
         unit="microsteps",
-        axis=0,
         volatile=True,
         write_note="works in every mode, but in ramp_mode and soft_mode the motor then drives to X_TARGET",
         source="DS-TMC4210 6.1.2, 2.4",
@@ -76,19 +75,17 @@ _AXIS_REGISTERS = (
         Field("PDIV", 4, "exponent of the divisor", range=(0, 13), lsb=0),
         Field("PMUL", 8, "mantissa with its fixed leading one", range=(128, 255), reset=128, lsb=8),
         reset=0x8000,
-        axis=0,
         source="DS-TMC4210 6.1.9",
     ),
     _motion(0x0A, "lp_REF_CONF_RAMP_MODE", 17, RW, "ramp mode and what the switches do").having(
         *reference_fields(upper_case=True),
-        axis=0,
         source="DS-TMC4210 5.3, 6.1 (register table); TMC429 v2.06, p. 34 (bits)",
     ),
     _motion(0x0C, "PULSE_DIV_RAMP_DIV", 16, RW, "clock dividers", source="DS-TMC4210 5.3, 6.1 (register table)").having(
-        *divider_fields(upper_case=True), axis=0, write_note="change PULSE_DIV in ramp_mode only"
+        *divider_fields(upper_case=True), write_note="change PULSE_DIV in ramp_mode only"
     ),
     _motion(0x0F, "USTEP_COUNT_4210", 8, RW, "pointer of the internal microstep sequencer").having(
-        unit="sequencer steps", axis=0, volatile=True, source="DS-TMC4210 6.1 (register table)"
+        unit="sequencer steps", volatile=True, source="DS-TMC4210 6.1 (register table)"
     ),
 )
 
@@ -148,4 +145,5 @@ _GLOBAL_REGISTERS = (
     ),
 )
 
-TMC4210 = RegisterTable("tmc4210", tuple(sorted(_AXIS_REGISTERS + _GLOBAL_REGISTERS, key=lambda row: row.address)))
+_ROWS = (*(replace(row, axis=0) for row in _AXIS_REGISTERS), *_GLOBAL_REGISTERS)
+TMC4210 = RegisterTable("tmc4210", tuple(sorted(_ROWS, key=lambda row: row.address)))

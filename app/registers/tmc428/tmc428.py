@@ -8,6 +8,8 @@ positions (its Tables 7-2 and 9-1 draw them).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..build import RW, R, Rows, W, choice, flag
 from ..model import Access, Field, Register, RegisterTable
 from .roles import ACCELERATION_UNIT, VELOCITY_UNIT, divider_fields, interrupt_fields, reference_fields
@@ -30,33 +32,17 @@ RAM_TABLE = 0x60
 CURRENT_SCALES = {0: "100 %", **{eighth: f"{eighth * 12.5:g} %" for eighth in range(1, 8)}}
 MICROSTEPS = {usrs: f"{1 << usrs} microsteps" if usrs else "full step" for usrs in range(7)}
 
-SIGNAL_CODES = {
-    0x00: "DAC_A_0",
-    0x01: "DAC_A_1",
-    0x02: "DAC_A_2",
-    0x03: "DAC_A_3",
-    0x04: "DAC_A_4",
-    0x05: "DAC_A_5",
-    0x06: "PH_A",
-    0x07: "FD_A",
-    0x08: "DAC_B_0",
-    0x09: "DAC_B_1",
-    0x0A: "DAC_B_2",
-    0x0B: "DAC_B_3",
-    0x0C: "DAC_B_4",
-    0x0D: "DAC_B_5",
-    0x0E: "PH_B",
-    0x0F: "FD_B",
-    0x10: "Zero",
-    0x11: "One",
-    0x12: "Direction",
-    0x13: "Step",
-}
+_SIGNALS = (
+    "DAC_A_0 DAC_A_1 DAC_A_2 DAC_A_3 DAC_A_4 DAC_A_5 PH_A FD_A",
+    "DAC_B_0 DAC_B_1 DAC_B_2 DAC_B_3 DAC_B_4 DAC_B_5 PH_B FD_B",
+    "Zero One Direction Step",
+)
+SIGNAL_CODES = dict(enumerate(" ".join(_SIGNALS).split()))
 """Primary signal codes (DS-TMC428 Table 11-1); 0x14..0x1F are unused and send 1."""
 
 
-def _axis_registers(axis: int) -> tuple[Register, ...]:
-    base = axis << 4
+def _axis_registers(base: int) -> tuple[Register, ...]:
+    """Those of the axis whose addresses begin at `base`."""
     return (
         _motion(
             base | 0x0,
@@ -64,9 +50,9 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             24,
             RW,
             "where the motor goes in RAMP_MODE and SOFT_MODE; stay within 2^23 of x_actual",
-        ).having(signed=True, unit="microsteps", axis=axis, source="DS-TMC428 8.1"),
+        ).having(signed=True, unit="microsteps", source="DS-TMC428 8.1"),
         _motion(base | 0x1, "x_actual", 24, RW, "where the motor is; may be overwritten to set a reference").having(
-            signed=True, unit="microsteps", axis=axis, volatile=True, source="DS-TMC428 8.2"
+            signed=True, unit="microsteps", volatile=True, source="DS-TMC428 8.2"
         ),
         _motion(
             base | 0x2,
@@ -74,8 +60,8 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             11,
             RW,
             "speed at or below which the motor may stop dead at its target; at least 1 reaches every target",
-        ).having(unit=VELOCITY_UNIT, axis=axis, source="DS-TMC428 8.3"),
-        _motion(base | 0x3, "v_max", 11, RW, "speed limit", unit=VELOCITY_UNIT, axis=axis, source="DS-TMC428 8.4"),
+        ).having(unit=VELOCITY_UNIT, source="DS-TMC428 8.3"),
+        _motion(base | 0x3, "v_max", 11, RW, "speed limit", unit=VELOCITY_UNIT, source="DS-TMC428 8.4"),
         _motion(
             base | 0x4,
             "v_target",
@@ -86,7 +72,6 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             signed=True,
             range=(-2047, 2047),
             unit=VELOCITY_UNIT,
-            axis=axis,
             volatile=True,
             write_note="kept in VELOCITY_MODE; the ramp generator overwrites it in RAMP_MODE and SOFT_MODE",
             source="DS-TMC428 8.5",
@@ -97,16 +82,15 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             signed=True,
             range=(-2047, 2047),
             unit=VELOCITY_UNIT,
-            axis=axis,
             volatile=True,
             write_note="only in HOLD_MODE; writing 0 there stops at once",
             source="DS-TMC428 8.6",
         ),
         _motion(
             base | 0x6, "a_max", 11, RW, "acceleration limit; 0 leaves the motor unable to change its speed"
-        ).having(unit=ACCELERATION_UNIT, axis=axis, source="DS-TMC428 8.7"),
+        ).having(unit=ACCELERATION_UNIT, source="DS-TMC428 8.7"),
         _motion(base | 0x7, "a_actual", 12, R, "acceleration now applied, smoothed for reading").having(
-            signed=True, unit=ACCELERATION_UNIT, axis=axis, volatile=True, source="DS-TMC428 8.8"
+            signed=True, unit=ACCELERATION_UNIT, volatile=True, source="DS-TMC428 8.8"
         ),
         _current(base | 0x8, "is_agtat_is_aleat_is_v0_a_threshold", 23, RW, "coil current by phase of the ramp").having(
             Field(
@@ -119,7 +103,6 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             choice(12, "is_v0", 3, "current at rest", CURRENT_SCALES, unit="1/8"),
             choice(16, "is_aleat", 3, "current at or below a_threshold", CURRENT_SCALES, unit="1/8"),
             choice(20, "is_agtat", 3, "current above a_threshold", CURRENT_SCALES, unit="1/8"),
-            axis=axis,
             source="DS-TMC428 8.9",
         ),
         _motion(
@@ -133,11 +116,10 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             Field("pmul", 7, "mantissa less its fixed leading one (p_mul - 128)", lsb=8),
             Field("pmul_msb_one", 1, "the mantissa's leading one, fixed", reset=1, lsb=15, access=R),
             reset=0x8000,
-            axis=axis,
             source="DS-TMC428 8.10; TMC429 v2.06, p. 21 (bit 15)",
         ),
         _motion(base | 0xA, "lp_ref_conf_rm", 17, RW, "ramp mode and what the switches do").having(
-            *reference_fields(upper_case=False), axis=axis, source="DS-TMC428 8.12, Tables 8-3 to 8-5"
+            *reference_fields(upper_case=False), source="DS-TMC428 8.12, Tables 8-3 to 8-5"
         ),
         _interrupts(
             base | 0xB,
@@ -145,25 +127,21 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             16,
             RW,
             "what happened, and what is watched for; a flag whose mask is off stays 0",
-        ).having(
-            *interrupt_fields(upper_case=True), axis=axis, volatile=True, source="DS-TMC428 8.13, Tables 8-6 and 8-7"
-        ),
+        ).having(*interrupt_fields(upper_case=True), volatile=True, source="DS-TMC428 8.13, Tables 8-6 and 8-7"),
         _motion(base | 0xC, "pulse_div_ramp_div_usrs", 16, RW, "clock dividers and microstep resolution").having(
             choice(0, "usrs", 3, "microsteps per full step, 2^usrs", MICROSTEPS, range=(0, 6)),
             *divider_fields(upper_case=False),
-            axis=axis,
             write_note="change pulse_div in RAMP_MODE only, elsewhere it may force a microstep",
             source="DS-TMC428 8.14, Table 8-8",
         ),
         _switches(
             base | 0xD, "dx_ref_tolerance", 12, RW, "distance around position zero where switches do not stop the motor"
-        ).having(unit="microsteps", axis=axis, source="DS-TMC428 8.15; TMC429 v2.06, p. 21 (width)"),
+        ).having(unit="microsteps", source="DS-TMC428 8.15; TMC429 v2.06, p. 21 (width)"),
         _switches(
             base | 0xE, "x_latched", 24, Access.RW_IF, "x_actual at the last change of the reference switch while armed"
         ).having(
             signed=True,
             unit="microsteps",
-            axis=axis,
             volatile=True,
             write_note="any write arms the latch and sets lp; the value itself cannot be written",
             source="DS-TMC428 8.16",
@@ -315,7 +293,7 @@ def _table_words() -> tuple[Register, ...]:
 TMC428 = RegisterTable(
     "tmc428",
     (
-        *(register for axis in range(AXES) for register in _axis_registers(axis)),
+        *(replace(register, axis=axis) for axis in range(AXES) for register in _axis_registers(axis << 4)),
         *_global_registers(),
         *_chain_words(),
         *_table_words(),

@@ -101,15 +101,12 @@ def _chopconf(width: int, *fields: Field, reset: int = 0) -> Register:
     )
 
 
-CHOPCONF_5031 = _chopconf(31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _SHORT_TO_GROUND)
+_CLASSIC = (RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED)
+CHOPCONF_5031 = _chopconf(31, *_CLASSIC, _SYNC, _SHORT_TO_GROUND)
 """Always 256 microsteps: no mres."""
 CHOPCONF_5062 = _chopconf(
     32,
-    RANDOM,
-    _CHM,
-    _TBL,
-    _VSENSE,
-    *_HIGH_SPEED,
+    *_CLASSIC,
     _SYNC,
     _MRES,
     _intpol("intpol16"),
@@ -125,12 +122,8 @@ CHOPCONF_5062 = _chopconf(
     flag(10, "nosd3ph", "no slow decay", when=_THREE_PHASES),
     flag(12, "csync", "the choppers of all phases are kept in step", when=_THREE_PHASES),
 )
-CHOPCONF_5072 = _chopconf(
-    31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _MRES, _intpol("intpol16"), _DEDGE, _SHORT_TO_GROUND
-)
-CHOPCONF_5130 = _chopconf(
-    31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _MRES, _intpol("intpol"), _DEDGE, _SHORT_TO_GROUND
-)
+CHOPCONF_5072 = _chopconf(31, *_CLASSIC, _MRES, _intpol("intpol16"), _DEDGE, _SHORT_TO_GROUND)
+CHOPCONF_5130 = _chopconf(31, *_CLASSIC, _SYNC, _MRES, _intpol("intpol"), _DEDGE, _SHORT_TO_GROUND)
 CHOPCONF_5160 = _chopconf(
     32,
     _CHM,

@@ -10,6 +10,13 @@ from .pd42_axis import INT32, MANUAL
 COORDINATES = 21
 VARIABLES, VARIABLES_STORED = 256, 56
 
+_BAUD_RATES = dict(
+    enumerate(map(str, (9600, 14400, 19200, 28800, 38400, 57600, 76800, 115200, 230400, 250000, 500000, 1000000)))
+)
+_CAN_BIT_RATES = {
+    **{code: f"{kbit} kbit/s" for code, kbit in enumerate((20, 50, 100, 125, 250, 500), 2)},
+    8: "1 Mbit/s",
+}
 _EDGES = {0: "off", 1: "low to high", 2: "high to low", 3: "both"}
 
 _interface = Parameters("interface", f"{MANUAL} 5.1", Space.GLOBAL_0, stored="auto")
@@ -24,20 +31,7 @@ _LOSES_CONTACT = "in force at once: the connection has to use the new address"
 GLOBAL_PARAMETERS = (
     _interface(65, "serial_baud_rate", RW, (0, 11), "baud rate of the serial interface").having(
         write_note=_POWER_CYCLE,
-        values={
-            0: "9600",
-            1: "14400",
-            2: "19200",
-            3: "28800",
-            4: "38400",
-            5: "57600",
-            6: "76800",
-            7: "115200",
-            8: "230400",
-            9: "250000",
-            10: "500000",
-            11: "1000000",
-        },
+        values=_BAUD_RATES,
         reset=0,
     ),
     _interface(66, "serial_address", RW, (1, 255), "address of the module", reset=1, write_note=_LOSES_CONTACT),
@@ -47,15 +41,7 @@ GLOBAL_PARAMETERS = (
     _interface(69, "can_bit_rate", RW, (2, 8), "bit rate of the CAN interface").having(
         reset=8,
         write_note=_POWER_CYCLE,
-        values={
-            2: "20 kbit/s",
-            3: "50 kbit/s",
-            4: "100 kbit/s",
-            5: "125 kbit/s",
-            6: "250 kbit/s",
-            7: "500 kbit/s",
-            8: "1 Mbit/s",
-        },
+        values=_CAN_BIT_RATES,
     ),
     _interface(70, "can_send_id", RW, (0, 2047), "CAN identifier of the answers", reset=2),
     _interface(71, "can_receive_id", RW, (0, 2047), "CAN identifier that the module listens to", reset=1),
