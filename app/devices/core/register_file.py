@@ -17,7 +17,7 @@ from ...registers.model import Access, Field, Register
 from .capabilities import Registers
 from .changes import outcome_of, outcome_of_failure, register_changed
 from .lookup import Changes, Lookup, checked_fields, modify, word_of_value
-from .register_io import Words
+from .register_io import RegisterIO
 from .register_link import RegisterLink
 from .results import RegisterReading, RegisterWritten, WriteItem
 
@@ -53,15 +53,15 @@ class RegisterRules(Protocol):
         del register
         return None
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
         """What to tell about a write that is about to happen. Raises WrongState or WriteRefused to prevent it."""
-        del words, register, word
+        del io, register, word
         return []
 
-    async def settle(self, words: Words, register: Register, *, read_back: bool) -> None:
+    async def settle(self, io: RegisterIO, register: Register, *, read_back: bool) -> None:
         """Find out, within the turn of a write to `register`, what the axis does now. With `read_back` it has just been
         seen what the register holds. The write is done and judged: raises nothing."""
-        del words, register, read_back
+        del io, register, read_back
 
     async def after_write(self, register: Register) -> None:
         """A write to `register` has happened, and its turn is over."""
@@ -90,9 +90,9 @@ class RegisterRules(Protocol):
         del register
         return word
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         """Why `back` differs from `word` though the chip took the write; None where nothing explains it."""
-        del words, word
+        del io, word
         return changes_by_itself(register, back)
 
     def written_unread(self, register: Register, word: int, notes: Sequence[str]) -> RegisterWritten:
@@ -157,7 +157,7 @@ class RegisterFile(Registers):
             # A turn each, not one for all: 120 questions must not keep other commands waiting.
             some = wanted[first : first + self.read_at_once]
             async with self.link.turn() as turn:
-                held = await self.link.words(turn).read_many(some)
+                held = await self.link.io(turn).read_many(some)
             for register, word in zip(some, held, strict=True):
                 self._rules.saw(register, word)
                 readings.append(reading(register, None, self._rules.shown(register, word)))
@@ -195,36 +195,36 @@ class RegisterFile(Registers):
             word = word_of_value(register, value)
         self._session.require_connected()
         async with self.link.command(register.axis) as turn:
-            words = self.link.words(turn)
-            done = await self._write(words, register, word, changes)
-            await self._rules.settle(words, register, read_back=self._rules.may_read(register))
+            io = self.link.io(turn)
+            done = await self._write(io, register, word, changes)
+            await self._rules.settle(io, register, read_back=self._rules.may_read(register))
         await self._rules.after_write(register)
         return _renamed(done, part)
 
-    async def _write(self, words: Words, register: Register, word: int, changes: Changes | None) -> RegisterWritten:
+    async def _write(self, io: RegisterIO, register: Register, word: int, changes: Changes | None) -> RegisterWritten:
         """Write within a turn: `changes` over what the chip holds, or the whole `word`. Whoever listens is told."""
         if changes is not None and _needs_old(register, changes):
-            held = await self._held(words, register)
+            held = await self._held(io, register)
             word = modify(register, self._rules.as_written(register, held), changes)
             old = held if self._rules.may_read(register) else self._rules.kept_word(register)
         else:
-            old = await self._old(words, register)
+            old = await self._old(io, register)
             word = word if changes is None else modify(register, 0, changes)
-        notes = await self._rules.before_write(words, register, word)
+        notes = await self._rules.before_write(io, register, word)
         try:
-            done = await self._put(words, register, word, notes)
+            done = await self._put(io, register, word, notes)
         except BenchError as error:
             outcome = outcome_of_failure(error)
             if outcome is not None:
-                self._session.tell(register_changed(register, old, word, words.time_s, outcome))
+                self._session.tell(register_changed(register, old, word, io.time_s, outcome))
             raise
         new = done.raw if done.verified and self._rules.may_read(register) else word
-        self._session.tell(register_changed(register, old, new, words.time_s, outcome_of(done.verified, done.note)))
+        self._session.tell(register_changed(register, old, new, io.time_s, outcome_of(done.verified, done.note)))
         return done
 
-    async def _put(self, words: Words, register: Register, word: int, notes: list[str]) -> RegisterWritten:
+    async def _put(self, io: RegisterIO, register: Register, word: int, notes: list[str]) -> RegisterWritten:
         """Send `word`, and judge what came of it."""
-        arrived = await words.write(register, word)
+        arrived = await io.write(register, word)
         self._rules.sent(register, word)
         if not self._rules.may_read(register):
             if not arrived:
@@ -232,12 +232,12 @@ class RegisterFile(Registers):
                     self._session.port.name, f"what was sent to {register.name} may have arrived otherwise", b""
                 )
             return self._rules.written_unread(register, word, notes)
-        back = await words.read(register)
-        verified, note = await self._judge(words, register, word, back)
+        back = await io.read(register)
+        verified, note = await self._judge(io, register, word, back)
         if note is None:
             # One flipped bit on the way back looks like a refused write. Asking again moves nothing.
-            back = await words.read(register)
-            verified, note = await self._judge(words, register, word, back)
+            back = await io.read(register)
+            verified, note = await self._judge(io, register, word, back)
             if note is None:
                 self._rules.saw(register, back)
                 raise WriteRefused(register.name, word, back & register.mask, register.write_note)
@@ -247,14 +247,14 @@ class RegisterFile(Registers):
             notes.append(note)
         return written(reading(register, None, self._rules.shown(register, back)), word, verified, "; ".join(notes))
 
-    async def _judge(self, words: Words, register: Register, word: int, back: int) -> tuple[bool | None, str | None]:
+    async def _judge(self, io: RegisterIO, register: Register, word: int, back: int) -> tuple[bool | None, str | None]:
         """Whether the chip took `word`: (verified, note), or (False, None) where it did not and nothing explains it."""
         expected = self._rules.expected_back(register, word)
         flags = _bits(part for part in register.fields if part.access is Access.R_W1C)
         fixed = _bits(part for part in register.fields if not part.access.writable)
         differs = (expected ^ back) & register.mask & ~flags & ~fixed
         if differs:
-            explained = await self._rules.explain(words, register, word, back)
+            explained = await self._rules.explain(io, register, word, back)
             return (None, explained) if explained is not None else (False, None)
         again = [part.name for part in register.fields if part.access is Access.R_W1C and word & back & part.mask]
         if again:
@@ -290,7 +290,7 @@ class RegisterFile(Registers):
                 if held is None:
                     self._session.require_connected()
                     async with self.link.turn() as turn:
-                        held = self._rules.as_written(register, await self._held(self.link.words(turn), register))
+                        held = self._rules.as_written(register, await self._held(self.link.io(turn), register))
                 word = modify(register, held, checked_fields(register, fields))
             writes[register.address] = word
             found.append((register.address, word))
@@ -301,7 +301,7 @@ class RegisterFile(Registers):
         for first in range(0, len(registers), self.read_at_once):
             some = registers[first : first + self.read_at_once]
             async with self.link.turn() as turn:
-                held = await self.link.words(turn).read_many(some)
+                held = await self.link.io(turn).read_many(some)
             for register, word in zip(some, held, strict=True):
                 self._rules.saw(register, word)
                 if self._session.limiter is not None:
@@ -309,15 +309,15 @@ class RegisterFile(Registers):
 
     # --- inside ---------------------------------------------------------------------------------
 
-    async def _old(self, words: Words, register: Register) -> int | None:
+    async def _old(self, io: RegisterIO, register: Register) -> int | None:
         """What the chip holds before a write: asked for where that clears nothing, else as far as it is known."""
         if register.access.readable and not register.read_clears:
-            return await words.read(register)
+            return await io.read(register)
         return self._rules.kept_word(register)
 
-    async def _held(self, words: Words, register: Register) -> int:
+    async def _held(self, io: RegisterIO, register: Register) -> int:
         """What the chip holds, before some fields of it are written."""
-        return await words.read(register) if self._rules.may_read(register) else self._rules.held_unread(register)
+        return await io.read(register) if self._rules.may_read(register) else self._rules.held_unread(register)
 
 
 def _needs_old(register: Register, changes: Changes) -> bool:

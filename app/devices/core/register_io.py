@@ -34,7 +34,7 @@ async def read_once_more(queue: LinkQueue, address: int, access: RegisterAccess 
     return access.words(replies)[0]
 
 
-class Held:
+class Snapshot:
     """Registers as they were read together."""
 
     __slots__ = ("registers", "words")
@@ -57,8 +57,8 @@ class Held:
         return register.unpack(self.words[register.address])
 
 
-class Words:
-    """One turn's view of the chip: words by register, and the status bits of the latest reply."""
+class RegisterIO:
+    """Register reads and writes over one turn: words by register, and the status bits of the latest reply."""
 
     __slots__ = ("_access", "_turn", "arrived", "asked_s", "first_status", "status")
 

@@ -1,4 +1,4 @@
-"""The registers of one chip over its link: turns, words within them, and what soft limits say before a write."""
+"""The registers of one chip over its link: turns, reads and writes within them, what soft limits say before a write."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...links.queue import Priority, Turn
 from ...links.register_access import RegisterAccess
 from ...registers.model import Register, RegisterTable
-from .register_io import Words, Write, read_once_more
+from .register_io import RegisterIO, Write, read_once_more
 from .session import Session
 
 
@@ -29,9 +29,9 @@ class RegisterLink:
         guard = None if axis is None else self.session.stop_guard([axis])
         return self.session.queue.turn(Priority.COMMAND, guard)
 
-    def words(self, turn: Turn) -> Words:
-        """The chip's words over a turn."""
-        return Words(turn, self.access)
+    def io(self, turn: Turn) -> RegisterIO:
+        """Reads and writes over a turn."""
+        return RegisterIO(turn, self.access)
 
     async def read_once(self, register: Register) -> int:
         """One word in a turn of its own. Asked again once after no reply: a read moves nothing."""

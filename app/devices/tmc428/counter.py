@@ -37,11 +37,11 @@ class RampCounter(PositionCounter):
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            count = await words.value(self._memory.rows[axis].x_actual)
-            asked_at_s = words.asked_s
+            io = self._link.io(turn)
+            count = await io.value(self._memory.rows[axis].x_actual)
+            asked_at_s = io.asked_s
             for register in self._resets.rows(axis):
-                word = await words.read(register)
+                word = await io.read(register)
                 self._memory.saw(register, word)
                 if word != register.reset:
                     break  # one is enough

@@ -142,13 +142,13 @@ class RampRules(ChipRules):
     async def look(self, axis: int) -> Look:
         link, rows = self._link, self._memory.rows[axis]
         async with link.turn() as turn:
-            words = link.words(turn)
-            reference = await words.read(rows.reference)
-            dividers = await words.read(rows.dividers)
-            target = await words.value(rows.x_target)
-            velocity = await words.value(rows.v_actual)
-            position = await words.value(rows.x_actual)
-            asked_s = words.asked_s
+            io = link.io(turn)
+            reference = await io.read(rows.reference)
+            dividers = await io.read(rows.dividers)
+            target = await io.value(rows.x_target)
+            velocity = await io.value(rows.v_actual)
+            position = await io.value(rows.x_actual)
+            asked_s = io.asked_s
         link.session.saw_position(axis, position, asked_s)
         unit_pps = velocity_unit(min(rows.pulse_div.unpack(dividers), MAX_DIVIDER), self.clock_hz)
         positioning = rows.mode.unpack(reference) in POSITIONING_MODES

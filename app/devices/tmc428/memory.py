@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 
 from ...calc.units.mechanics import Mechanics
 from ...registers.model import Register
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .axis_rows import AxisRows
 from .setting import Setting
@@ -103,12 +103,12 @@ class RampMemory:
 
     # --- reading --------------------------------------------------------------------------------
 
-    async def read_setting(self, words: Words, axis: int, seen: Collection[Register] = ()) -> Setting:
+    async def read_setting(self, io: RegisterIO, axis: int, seen: Collection[Register] = ()) -> Setting:
         """The setting of an axis, read in this turn; `seen` are registers that this turn has read already."""
         rows = self.rows[axis]
         for register in Setting.rows(rows):
             if register not in seen:
-                self.saw(register, await words.read(register))
+                self.saw(register, await io.read(register))
         return Setting.of(rows, self._words)
 
     async def refresh(self) -> None:
@@ -116,6 +116,6 @@ class RampMemory:
         for rows in self.rows:
             for register in Setting.rows(rows):
                 async with self._link.turn() as turn:
-                    self.saw(register, await self._link.words(turn).read(register))
+                    self.saw(register, await self._link.io(turn).read(register))
         for register in self._besides:
             self.saw(register, await self._link.read_once(register))

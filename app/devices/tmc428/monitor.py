@@ -45,17 +45,17 @@ class RampMonitor(AxisMonitor):
         self._session.require_connected()
         rows = self._memory.rows[axis]
         async with self._session.queue.turn(priority) as turn:
-            words = self._link.words(turn)
-            setting = await self._memory.read_setting(words, axis)
-            interrupts = await words.read(rows.interrupts)
-            left, right = await self._switching.read(words, axis)
-            x_target = await words.value(rows.x_target)
-            v_target = await words.value(rows.v_target)
-            a_actual = await words.value(rows.a_actual)
-            v_actual = await words.value(rows.v_actual)
-            x_actual = await words.value(rows.x_actual)
-            time_s, status = words.time_s, words.status
-            asked_at_s = words.asked_s
+            io = self._link.io(turn)
+            setting = await self._memory.read_setting(io, axis)
+            interrupts = await io.read(rows.interrupts)
+            left, right = await self._switching.read(io, axis)
+            x_target = await io.value(rows.x_target)
+            v_target = await io.value(rows.v_target)
+            a_actual = await io.value(rows.a_actual)
+            v_actual = await io.value(rows.v_actual)
+            x_actual = await io.value(rows.x_actual)
+            time_s, status = io.time_s, io.status
+            asked_at_s = io.asked_s
         self._session.saw_position(axis, x_actual, asked_at_s)
         self._resets.judge(axis)
         reached = self._switching.reached(status, axis)

@@ -14,7 +14,7 @@ from ..core.axis_units import to_position
 from ..core.capabilities import Motion
 from ..core.events import MotionStarted
 from ..core.prediction import Prediction
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
@@ -91,17 +91,17 @@ class RampMotion(Motion):
             raise UsageError("a move of no axis")
         self._session.require_connected()
         async with self._session.queue.turn(Priority.COMMAND, self._session.stop_guard(axes)) as turn:
-            words = Words(turn)
-            common = await self._switching.motion_warnings(words)
-            prepared = [await self._prepare(words, move) for move in moves]
+            io = RegisterIO(turn)
+            common = await self._switching.motion_warnings(io)
+            prepared = [await self._prepare(io, move) for move in moves]
             self._allow_moves(prepared)
             for one in prepared:
                 if not one.positioning:  # there x_target has no effect yet, and the mode starts the move
-                    await words.put(one.rows.x_target, one.target)
+                    await io.put(one.rows.x_target, one.target)
             for one in prepared:
-                await self._start(words, one)
+                await self._start(io, one)
             for one in prepared:
-                await self._check_target(words, one)
+                await self._check_target(io, one)
         started = []
         for one in prepared:
             prediction = self._predict(one)
@@ -128,34 +128,34 @@ class RampMotion(Motion):
             self._session.stop_guard([axis]),
         )
         async with self._session.queue.turn(Priority.COMMAND, not_stopped) as turn:
-            words = Words(turn)
-            reference = await words.read(rows.reference)
-            v_actual = await words.value(rows.v_actual)
-            x_actual = await words.value(rows.x_actual)
+            io = RegisterIO(turn)
+            reference = await io.read(rows.reference)
+            v_actual = await io.value(rows.v_actual)
+            x_actual = await io.value(rows.x_actual)
             positioning = rows.mode.unpack(reference) in POSITIONING_MODES
             under_way = setting is not None and positioning and v_actual and setting.reference == reference
             if under_way:
                 assert setting is not None
                 one = _Prepared(axis, rows, setting, x_actual, v_actual, count_target)
                 self._allow_moves([one])
-                await self._start(words, one)
-                await self._check_target(words, one)
+                await self._start(io, one)
+                await self._check_target(io, one)
                 self._predict(one)
                 self._session.tell(MotionStarted(axis, one.started_at_s))
                 return MoveStarted(axis, x_actual, count_target, one.started_at_s, None, [])
         not_stopped()  # from here on a move looks out for itself
         return await super().retarget(axis, count_target)
 
-    async def _prepare(self, words: Words, move: AxisMove) -> _Prepared:
+    async def _prepare(self, io: RegisterIO, move: AxisMove) -> _Prepared:
         """Read what decides, and refuse what cannot go well. Nothing is written."""
         rows = self._memory.rows[move.axis]
-        setting = await self._memory.read_setting(words, move.axis)
+        setting = await self._memory.read_setting(io, move.axis)
         setting.require_motion(move.axis)
         setting.require_proportionality(move.axis)
         warnings = setting.proportionality_warnings()
-        left, right = await self._switching.read(words, move.axis)
-        v_actual = await words.value(rows.v_actual)
-        x_actual = await words.value(rows.x_actual)
+        left, right = await self._switching.read(io, move.axis)
+        v_actual = await io.value(rows.v_actual)
+        x_actual = await io.value(rows.x_actual)
         wanted = to_position(self._memory.mechanics(move.axis), move.target, move.unit)
         if move.unit == "microsteps" and wanted != move.target:
             warnings.append(f"rounded to {wanted} microsteps")
@@ -180,19 +180,19 @@ class RampMotion(Motion):
                 [target] if one.positioning else [target, (one.rows.reference.address, mode)]
             )
 
-    async def _start(self, words: Words, one: _Prepared) -> None:
+    async def _start(self, io: RegisterIO, one: _Prepared) -> None:
         """Exactly one datagram, which sets the axis in motion."""
         if one.positioning:
-            await words.put(one.rows.x_target, one.target)
+            await io.put(one.rows.x_target, one.target)
         else:
-            await words.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
-        one.started_at_s = words.time_s
+            await io.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
+        one.started_at_s = io.time_s
         self._session.commanded(one.axis, "move", target=one.target)
 
-    async def _check_target(self, words: Words, one: _Prepared) -> None:
+    async def _check_target(self, io: RegisterIO, one: _Prepared) -> None:
         rows = one.rows
-        back = await words.value(rows.x_target)
-        mode = await words.read(rows.reference)
+        back = await io.value(rows.x_target)
+        mode = await io.read(rows.reference)
         self._memory.saw(rows.reference, mode)
         if back != one.target:
             raise WriteRefused(rows.x_target.name, one.target, back, f"axis {one.axis} may go there: stop it")
@@ -233,34 +233,34 @@ class RampMotion(Motion):
         self._session.require_connected()
         rows = self._memory.rows[axis]
         async with self._session.queue.turn(Priority.COMMAND, self._session.stop_guard([axis])) as turn:
-            words = Words(turn)
-            setting = await self._memory.read_setting(words, axis)
+            io = RegisterIO(turn)
+            setting = await self._memory.read_setting(io, axis)
             setting.require_motion(axis)
             chip, warnings = to_chip_velocity(
                 self._memory.mechanics(axis), velocity, unit, setting.pulse_div, self._session.clock_hz, setting.v_max
             )
-            warnings += await self._switching.motion_warnings(words)
-            left, right = await self._switching.read(words, axis)
+            warnings += await self._switching.motion_warnings(io)
+            left, right = await self._switching.read(io, axis)
             switch = setting.blocked(rows, chip, left, right)
             if switch:
                 warnings.append(f"the {switch} switch is active and stops motion that way")
-            x_actual = await words.value(rows.x_actual)
+            x_actual = await io.value(rows.x_actual)
             if self._session.limiter is not None:
                 asked = velocity / one_chip_unit(
                     self._memory.mechanics(axis), unit, setting.pulse_div, self._session.clock_hz
                 )
                 chip = self._allow_rotation(axis, setting, asked, chip, x_actual)
-            v_actual = await words.value(rows.v_actual)
+            v_actual = await io.value(rows.v_actual)
             if setting.mode != VELOCITY_MODE:
                 if setting.mode == HOLD_MODE:
                     # HOLD_MODE ignores v_target, so an old one may still stand there: replace it first.
-                    await words.put(rows.v_target, chip)
-                await words.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
-            await words.put(rows.v_target, chip)
-            started_at_s = words.time_s
+                    await io.put(rows.v_target, chip)
+                await io.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
+            await io.put(rows.v_target, chip)
+            started_at_s = io.time_s
             self._session.commanded(axis, "rotate", velocity=chip)
-            back = await words.value(rows.v_target)
-            reference = await words.read(rows.reference)
+            back = await io.value(rows.v_target)
+            reference = await io.read(rows.reference)
             self._memory.saw(rows.reference, reference)
         if back != chip:
             raise WriteRefused(rows.v_target.name, chip, back, f"axis {axis} may turn at another speed: stop it")

@@ -74,13 +74,13 @@ class Ram(MicrostepRam, DriverChainRam):
             register for index in range(len(wanted)) if (register := self._link.table.at(first + index)) is not None
         ]
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            before = [await words.read(register) & RAM_MASK for register in rows]
+            io = self._link.io(turn)
+            before = [await io.read(register) & RAM_MASK for register in rows]
             for register, word in zip(rows, wanted, strict=True):
-                await words.write(register, word)
+                await io.write(register, word)
             for register, word, old in zip(rows, wanted, before, strict=True):
-                back = await words.read(register) & RAM_MASK
+                back = await io.read(register) & RAM_MASK
                 if back != word:
                     raise WriteRefused(register.name, word, back, "write the table again")
                 if word != old:
-                    self._session.tell(register_changed(register, old, word, words.time_s, part_of=table))
+                    self._session.tell(register_changed(register, old, word, io.time_s, part_of=table))

@@ -43,7 +43,7 @@ class RawDatagrams32(RawFrames):
                     register_changed(register, old, request.data, self._session.port.last_exchange_s, BY_HAND)
                 )
                 async with self._link.turn() as turn:
-                    await self._writes.settle(self._link.words(turn), register, read_back=False)
+                    await self._writes.settle(self._link.io(turn), register, read_back=False)
         shown = data if request.read else request.data
         return RawExchange(
             reply,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...calc.ramps.ticked import RampParameters
 from ...errors import CannotMove, OutOfRange
 from ...registers.model import Register, to_signed
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from .axis_rows import HOLD_MODE, VELOCITY_MODE, AxisRows
 
 MODE_NAMES = ("ramp", "soft", "velocity", "hold")
@@ -59,8 +59,8 @@ class Setting:
         )
 
     @classmethod
-    async def read(cls, words: Words, rows: AxisRows) -> Setting:
-        return cls.of(rows, {register.address: await words.read(register) for register in cls.rows(rows)})
+    async def read(cls, io: RegisterIO, rows: AxisRows) -> Setting:
+        return cls.of(rows, {register.address: await io.read(register) for register in cls.rows(rows)})
 
     @property
     def p(self) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
 from ...links.queue import Priority
 from ..core.capabilities import PositionSetting
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
 from .axis_rows import HOLD_MODE, VELOCITY_MODE
@@ -35,52 +35,52 @@ class RampStops(PositionSetting):
         outcomes: list[StopOutcome] = []
         lost: BenchError | None = None
         async with self._session.queue.turn(Priority.STOP) as turn:
-            words = Words(turn)
+            io = RegisterIO(turn)
             sent: dict[int, bool | BenchError] = {}
             for axis in axes:  # all motors first, all checks afterwards
-                how = lost if lost is not None else await self._stop(words, axis, mode)
+                how = lost if lost is not None else await self._stop(io, axis, mode)
                 sent[axis] = how
                 if isinstance(how, LinkDown):
                     lost = how  # the next axis would only wait for the same dead link
             for axis, how in sent.items():
-                problem = how if isinstance(how, BenchError) else await self._check_stop(words, axis, how)
+                problem = how if isinstance(how, BenchError) else await self._check_stop(io, axis, how)
                 took_ms = (time.perf_counter() - began) * 1e3
                 outcomes.append(StopOutcome(self._session.id, axis, problem is None, took_ms, problem))
         return outcomes
 
-    async def _stop(self, words: Words, axis: int, mode: StopMode) -> bool | BenchError:
+    async def _stop(self, io: RegisterIO, axis: int, mode: StopMode) -> bool | BenchError:
         """Send one axis its stop: whether at once (True) or by the ramp (False), or what went wrong."""
         rows = self._memory.rows[axis]
         for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                reference = await words.read(rows.reference)
-                at_once = mode == "immediate" or await words.value(rows.a_max) == 0  # else it would never slow down
+                reference = await io.read(rows.reference)
+                at_once = mode == "immediate" or await io.value(rows.a_max) == 0  # else it would never slow down
                 if at_once:
-                    await words.write(rows.reference, rows.with_mode(reference, HOLD_MODE))
-                    await words.put(rows.v_actual, 0)
+                    await io.write(rows.reference, rows.with_mode(reference, HOLD_MODE))
+                    await io.put(rows.v_actual, 0)
                 else:
-                    await words.write(rows.reference, rows.with_mode(reference, VELOCITY_MODE))
-                    await words.put(rows.v_target, 0)
+                    await io.write(rows.reference, rows.with_mode(reference, VELOCITY_MODE))
+                    await io.put(rows.v_target, 0)
             except LinkTimeout as error:
                 if attempt == 2:
                     return error
             except BenchError as error:
                 return error
             else:
-                self._books[axis].end(words.time_s, "stop")
+                self._books[axis].end(io.time_s, "stop")
                 return at_once
         raise AssertionError("unreachable")
 
-    async def _check_stop(self, words: Words, axis: int, at_once: bool) -> BenchError | None:
+    async def _check_stop(self, io: RegisterIO, axis: int, at_once: bool) -> BenchError | None:
         rows = self._memory.rows[axis]
         wanted_mode, register = (HOLD_MODE, rows.v_actual) if at_once else (VELOCITY_MODE, rows.v_target)
         try:
-            reference = await words.read(rows.reference)
+            reference = await io.read(rows.reference)
             self._memory.saw(rows.reference, reference)
             if rows.mode.unpack(reference) != wanted_mode:
                 sent = rows.with_mode(reference, wanted_mode)
                 return WriteRefused(rows.reference.name, sent, reference, "stop again, or cut the power")
-            value = await words.value(register)
+            value = await io.value(register)
             if value != 0:
                 return WriteRefused(register.name, 0, value, "stop again, or cut the power")
         except BenchError as error:
@@ -104,21 +104,21 @@ class RampStops(PositionSetting):
             self._session.limiter.require_target(axis, position)
         # No guard: a stop that comes between must not leave v_max at 0, and nothing here sets the motor in motion.
         async with self._session.queue.turn(Priority.COMMAND) as turn:
-            words = Words(turn)
-            if await words.value(rows.v_actual) != 0:
+            io = RegisterIO(turn)
+            if await io.value(rows.v_actual) != 0:
                 raise WrongState(f"axis {axis} moves", "stop it first")
-            v_max = await words.read(rows.v_max)
+            v_max = await io.read(rows.v_max)
             if self._session.limiter is not None:  # else it would not come back
                 self._session.limiter.check_writes([(rows.v_max.address, 0), (rows.v_max.address, v_max)])
-            await words.write(rows.v_max, 0)
+            await io.write(rows.v_max, 0)
             self._session.commanded(axis, "set_position", position=position)
-            before = await words.value(rows.x_actual)
-            await words.put(rows.x_target, position)
-            await words.put(rows.x_actual, position)
-            x_actual, x_target = await words.value(rows.x_actual), await words.value(rows.x_target)
-            await words.write(rows.v_max, v_max)
-            back = await words.read(rows.v_max)
-            self._books[axis].end(words.time_s, "the position was set")
+            before = await io.value(rows.x_actual)
+            await io.put(rows.x_target, position)
+            await io.put(rows.x_actual, position)
+            x_actual, x_target = await io.value(rows.x_actual), await io.value(rows.x_target)
+            await io.write(rows.v_max, v_max)
+            back = await io.read(rows.v_max)
+            self._books[axis].end(io.time_s, "the position was set")
         if x_actual != position or x_target != position:
             raise WriteRefused(rows.x_actual.name, position, x_actual, f"{rows.x_target.name} is {x_target}")
         if back != v_max:

@@ -9,7 +9,7 @@ from ...errors import WriteRefused, WrongState
 from ...links.queue import Priority
 from ..core.capabilities import VelocitySteps, VelocityStream
 from ..core.events import MotionStarted
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .axis_rows import HOLD_MODE
 from .memory import RampMemory
@@ -29,9 +29,9 @@ class RampStream(VelocityStream):
         rows = self._memory.rows[self._session.axis(axis).index]
         self._session.require_connected()
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            self._memory.saw(rows.dividers, await words.read(rows.dividers))
-            position = await words.value(rows.x_actual)
+            io = self._link.io(turn)
+            self._memory.saw(rows.dividers, await io.read(rows.dividers))
+            position = await io.value(rows.x_actual)
         pulse_div = self._session.axes[axis].pulse_div
         assert pulse_div is not None  # it was seen just now
         return pulse_rate_hz(1, pulse_div, self._session.clock_hz), position
@@ -41,20 +41,20 @@ class RampStream(VelocityStream):
         self._session.require_connected()
         guard = self._session.stop_guard([axis])
         async with self._session.queue.turn(Priority.COMMAND, guard) as turn:
-            words = Words(turn)
-            setting = await self._memory.read_setting(words, axis)
-            if await words.value(rows.v_actual) != 0:
+            io = RegisterIO(turn)
+            setting = await self._memory.read_setting(io, axis)
+            if await io.value(rows.v_actual) != 0:
                 raise WrongState(f"axis {axis} moves", "stop it first")
-            position = await words.value(rows.x_actual)
+            position = await io.value(rows.x_actual)
             self._session.commanded(axis, "stream")
             reference = rows.with_mode(setting.reference, HOLD_MODE)
-            await words.write(rows.reference, reference)
-            back = await words.read(rows.reference)
+            await io.write(rows.reference, reference)
+            back = await io.read(rows.reference)
             self._memory.saw(rows.reference, back)
             if rows.mode.unpack(back) != HOLD_MODE:
                 raise WriteRefused(rows.reference.name, HOLD_MODE, back, f"axis {axis} did not take HOLD_MODE")
-            self._books[axis].end(words.time_s, "its velocity comes from elsewhere")
-            started_at_s = words.time_s
+            self._books[axis].end(io.time_s, "its velocity comes from elsewhere")
+            started_at_s = io.time_s
         self._session.tell(MotionStarted(axis, started_at_s))
         unit_pps = pulse_rate_hz(1, setting.pulse_div, self._session.clock_hz)
         return _Steps(self._link, self._memory, axis, unit_pps, position)
@@ -73,15 +73,15 @@ class _Steps(VelocitySteps):
     async def set(self, counts: int) -> None:
         counts = max(-MAX_VELOCITY, min(MAX_VELOCITY, counts))
         async with self._session.queue.turn(Priority.COMMAND, self._guard) as turn:
-            await Words(turn).put(self._rows.v_actual, counts)
+            await RegisterIO(turn).put(self._rows.v_actual, counts)
 
     async def close(self) -> int:
         rows = self._rows
         async with self._session.queue.turn(Priority.COMMAND, self._guard) as turn:
-            words = Words(turn)
-            await words.put(rows.v_actual, 0)
-            back = await words.value(rows.v_actual)
-            position = await words.value(rows.x_actual)
+            io = RegisterIO(turn)
+            await io.put(rows.v_actual, 0)
+            back = await io.value(rows.v_actual)
+            position = await io.value(rows.x_actual)
         if back != 0:
             raise WriteRefused(rows.v_actual.name, 0, back, "stop the axis, or cut the power")
         return position

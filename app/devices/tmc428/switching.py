@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
 
@@ -16,7 +16,7 @@ class Switching(ABC):
     """Names of the status bits of each reply, bit 0 first, "" where unused."""
 
     @abstractmethod
-    async def read(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
+    async def read(self, io: RegisterIO, axis: int) -> tuple[bool | None, bool | None]:
         """Left and right switch; None where there is none."""
 
     @abstractmethod
@@ -39,7 +39,7 @@ class Switching(ABC):
         """How old the switch states of a chip at rest may be, device time [s]."""
         return 0.0
 
-    async def motion_warnings(self, words: Words) -> list[str]:
+    async def motion_warnings(self, io: RegisterIO) -> list[str]:
         """Why steps may not get to the motor although the ramp generator runs."""
-        del words
+        del io
         return []

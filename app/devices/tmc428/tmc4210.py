@@ -8,7 +8,7 @@ from ...errors import WrongState
 from ...registers.model import RegisterTable
 from ...registers.tmc428.status import STATUS_TMC4210
 from ...registers.tmc428.tmc4210 import TYPE_VERSION
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
@@ -61,8 +61,8 @@ class Tmc4210Switching(Switching):
         self._interface = link.table.get("IF_CONFIGURATION_4210")
         self._inputs = link.table.get("REFERENCE_SWITCHES")
 
-    async def motion_warnings(self, words: Words) -> list[str]:
-        enabled = self._interface.unpack(await words.read(self._interface))["en_sd"]
+    async def motion_warnings(self, io: RegisterIO) -> list[str]:
+        enabled = self._interface.unpack(await io.read(self._interface))["en_sd"]
         return [] if enabled else ["en_sd is off: no step reaches the driver (DS-TMC4210 1.4)"]
 
     def _right_wired(self) -> bool:
@@ -70,9 +70,9 @@ class Tmc4210Switching(Switching):
         5.2.2.2)."""
         return bool(self._global.unpack(self._memory.word(self._global))["mot1r"])
 
-    async def read(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
-        self._memory.saw(self._global, await words.read(self._global))
-        inputs = self._inputs.unpack(await words.read(self._inputs))
+    async def read(self, io: RegisterIO, axis: int) -> tuple[bool | None, bool | None]:
+        self._memory.saw(self._global, await io.read(self._global))
+        inputs = self._inputs.unpack(await io.read(self._inputs))
         return bool(inputs["r_l"]), bool(inputs["r_r"]) if self._right_wired() else None
 
     def reached(self, status: int, axis: int) -> bool:

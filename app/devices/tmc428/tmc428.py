@@ -10,7 +10,7 @@ from ...errors import OtherModel, WrongState
 from ...registers.model import Field, Register, RegisterTable
 from ...registers.tmc428.status import STATUS_TMC428
 from ...registers.tmc428.tmc4210 import TYPE_VERSION
-from ..core.register_io import Words, read_once_more
+from ..core.register_io import RegisterIO, read_once_more
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
@@ -52,9 +52,9 @@ class Tmc428Identity(RampIdentity):
             found = ("tmc429", "tmc4210") if second >> PMUL_MSB & 1 else ("tmc4210", "tmc429")
             raise OtherModel("a TMC429 or TMC4210 answers here, not a TMC428", session.model, found)
         async with session.queue.turn() as turn:
-            words = self.link.words(turn)
-            settings = await words.read(self.link.table.get(GLOBAL))
-        return f"a TMC428 answers; global parameters {settings:#08x}, status {words.status:#04x}"
+            io = self.link.io(turn)
+            settings = await io.read(self.link.table.get(GLOBAL))
+        return f"a TMC428 answers; global parameters {settings:#08x}, status {io.status:#04x}"
 
 
 class Tmc428Switching(Switching):
@@ -82,9 +82,9 @@ class Tmc428Switching(Switching):
     def _bit(self, side: str, axis: int) -> Field:
         return field_of(self._inputs, f"{side}{axis + 1}")
 
-    async def read(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
-        self._memory.saw(self._global, await words.read(self._global))
-        word = await words.read(self._inputs)
+    async def read(self, io: RegisterIO, axis: int) -> tuple[bool | None, bool | None]:
+        self._memory.saw(self._global, await io.read(self._global))
+        word = await io.read(self._inputs)
         left, right = self._wired(axis)
         return (
             bool(self._bit("l", axis).unpack(word)) if left else None,
@@ -136,12 +136,12 @@ class Tmc428Writes(RampWrites):
         self._cover_datagram = link.table.get("cover_datagram")
         self._cover_pos = field_of(self._cover, "cover_pos")
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
         if register is self._cover_datagram:
-            await words.read(self._cover)
-            if words.status >> STATUS_TMC428.index("CDGW") & 1:
+            await io.read(self._cover)
+            if io.status >> STATUS_TMC428.index("CDGW") & 1:
                 raise WrongState("a cover datagram still waits to be sent (CDGW)", "try again when CDGW is 0")
-        return await super().before_write(words, register, word)
+        return await super().before_write(io, register, word)
 
     def expected_back(self, register: Register, word: int) -> int:
         # The chip stores cover_pos + 1 (DS-TMC428 9.2).
@@ -155,9 +155,9 @@ class Tmc428Writes(RampWrites):
         position = (part.unpack(word) + by) % (1 << part.width)
         return part.pack(position, over=word)
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         if register is self._cover:
             return None  # only cw changes by itself, and that one is read only
         if register.name.startswith("datagram_"):
             return "re-armed: it takes the next answer of the driver chain; the value itself cannot be written"
-        return await super().explain(words, register, word, back)
+        return await super().explain(io, register, word, back)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...errors import OtherModel
 from ...registers.tmc428.tmc4210 import TYPE_VERSION
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .identity import RampIdentity
 from .memory import RampMemory
@@ -45,9 +45,9 @@ class Tmc429Switching(Tmc428Switching):
     def _wired(self, axis: int) -> tuple[bool, bool]:
         return (True, True) if self._own_pins else super()._wired(axis)
 
-    async def read(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
-        self._memory.saw(self._interface, await words.read(self._interface))
-        return await super().read(words, axis)
+    async def read(self, io: RegisterIO, axis: int) -> tuple[bool | None, bool | None]:
+        self._memory.saw(self._interface, await io.read(self._interface))
+        return await super().read(io, axis)
 
     def problem(self) -> tuple[str, str] | None:
         if self._own_pins:

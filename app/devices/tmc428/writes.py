@@ -8,7 +8,7 @@ from ...errors import BenchError, WriteRefused
 from ...registers.model import Register
 from ..core.events import MotionStarted
 from ..core.register_file import RegisterRules, changes_by_itself
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
 from .memory import RampMemory
@@ -54,39 +54,39 @@ class RampWrites(RegisterRules):
             self._before[axis] = (x_actual, v_actual, self._session.port.last_exchange_s)
             self._session.commanded(axis, register.name)
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
         axis = self._motion.get(register.address)
         if axis is None:
             return []
         rows = self._memory.rows[axis]
-        x_actual, v_actual = await words.value(rows.x_actual), await words.value(rows.v_actual)
-        self._before[axis] = (x_actual, v_actual, words.time_s)
+        x_actual, v_actual = await io.value(rows.x_actual), await io.value(rows.v_actual)
+        self._before[axis] = (x_actual, v_actual, io.time_s)
         notes: list[str] = []
         if register is rows.v_actual:
-            mode = rows.mode.unpack(await words.read(rows.reference))
+            mode = rows.mode.unpack(await io.read(rows.reference))
             if mode != HOLD_MODE:
                 raise WriteRefused(register.name, word, register.encode(v_actual), "writable in HOLD_MODE only")
         elif register is rows.x_actual:
-            mode = rows.mode.unpack(await words.read(rows.reference))
-            if mode in POSITIONING_MODES and await words.value(rows.x_target) != register.decode(word):
+            mode = rows.mode.unpack(await io.read(rows.reference))
+            if mode in POSITIONING_MODES and await io.value(rows.x_target) != register.decode(word):
                 notes.append(f"in {rows.mode.values[mode]} the motor now drives to {rows.x_target.name}")
         elif register is rows.dividers:
-            notes += await self._divider_notes(words, axis, word)
+            notes += await self._divider_notes(io, axis, word)
         elif register is rows.a_max and register.decode(word) == 0 and v_actual:
             notes.append("the motor turns and cannot change its speed any more; only an immediate stop ends it")
         return notes
 
-    async def _divider_notes(self, words: Words, axis: int, word: int) -> list[str]:
+    async def _divider_notes(self, io: RegisterIO, axis: int, word: int) -> list[str]:
         rows = self._memory.rows[axis]
-        held = await words.read(rows.dividers)
+        held = await io.read(rows.dividers)
         if rows.pulse_div.unpack(held) == rows.pulse_div.unpack(word):
             return []
-        mode = rows.mode.unpack(await words.read(rows.reference))
+        mode = rows.mode.unpack(await io.read(rows.reference))
         if mode == RAMP_MODE:
             return []
         return [f"pulse_div changed in {rows.mode.values[mode]}: it may have forced a microstep (DS-TMC428 8.14)"]
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         axis = register.axis
         if axis is None:
             return changes_by_itself(register, back)
@@ -94,14 +94,14 @@ class RampWrites(RegisterRules):
         if register is rows.x_latched:
             return "the latch is armed and waits for the reference switch; the value itself cannot be written"
         if register is rows.v_target:
-            mode = rows.mode.unpack(await words.read(rows.reference))
+            mode = rows.mode.unpack(await io.read(rows.reference))
             if mode == VELOCITY_MODE:
                 return None  # there it has to stay as written
             return f"in {rows.mode.values[mode]} the ramp generator sets {register.name}; it is yours in VELOCITY_MODE"
         if register is rows.x_actual:
-            if self._moving_now(await self._memory.read_setting(words, axis), axis, await words.value(rows.v_actual)):
+            if self._moving_now(await self._memory.read_setting(io, axis), axis, await io.value(rows.v_actual)):
                 return f"the motor moves: it is at {register.decode(back)} now"
-            x_target = await words.value(rows.x_target)
+            x_target = await io.value(rows.x_target)
             return f"the motor drove on to {x_target}" if register.decode(back) == x_target else None
         if register is rows.v_actual:
             return None  # in HOLD_MODE nobody else sets it
@@ -112,32 +112,32 @@ class RampWrites(RegisterRules):
         del axis
         return bool(v_actual) or (setting.mode in POSITIONING_MODES and bool(setting.v_max and setting.a_max))
 
-    async def settle(self, words: Words, register: Register, *, read_back: bool) -> None:
+    async def settle(self, io: RegisterIO, register: Register, *, read_back: bool) -> None:
         axis = self._motion.get(register.address)
         if axis is not None:
             try:
-                await self._predict(words, axis, register if read_back else None)
+                await self._predict(io, axis, register if read_back else None)
             except BenchError:
                 # The write itself is done and verified; that the next read failed is not its failure.
                 self._books[axis].end(self._session.port.last_exchange_s, f"{register.name} was written")
 
-    async def _predict(self, words: Words, axis: int, written: Register | None) -> None:
+    async def _predict(self, io: RegisterIO, axis: int, written: Register | None) -> None:
         """Begin the prediction for whatever the axis does now; `written` was read back in this turn."""
         rows = self._memory.rows[axis]
         x_before, v_before, sent_s = self._before.pop(axis, (0, 1, 0.0))
-        setting = await self._memory.read_setting(words, axis, () if written is None else (written,))
+        setting = await self._memory.read_setting(io, axis, () if written is None else (written,))
 
         async def value(register: Register) -> int:
             if register is written and self._memory.remembers(register):
                 return register.decode(self._memory.word(register))
-            return await words.value(register)
+            return await io.value(register)
 
         x_target, v_target = await value(rows.x_target), await value(rows.v_target)
         if v_before == 0 and written not in (None, rows.x_actual, rows.v_actual):
             # From rest the start is known exactly: it was where the axis stood, when the datagram went out.
-            v_actual, x_actual, time_s = 0, x_before, sent_s or words.time_s
+            v_actual, x_actual, time_s = 0, x_before, sent_s or io.time_s
         else:
-            v_actual, x_actual, time_s = await value(rows.v_actual), await value(rows.x_actual), words.time_s
+            v_actual, x_actual, time_s = await value(rows.v_actual), await value(rows.x_actual), io.time_s
             if v_before == 0 and x_actual == x_before:
                 v_actual, time_s = 0, min(time_s, sent_s) or time_s
         book = self._books[axis]

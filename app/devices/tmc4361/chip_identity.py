@@ -24,7 +24,7 @@ class ChipIdentity(Identity):
     async def probe(self) -> str:
         where = await on_board(self._link)
         async with self._link.turn() as turn:
-            version, clock_hz = await self._link.words(turn).read_many((rows.VERSION, rows.CLK_FREQ))
+            version, clock_hz = await self._link.io(turn).read_many((rows.VERSION, rows.CLK_FREQ))
         if is_one(version, clock_hz):
             return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
         found = await self._session.models_found(self._link.access)
@@ -41,7 +41,7 @@ class ChipIdentity(Identity):
 
     async def refresh(self) -> None:
         async with self._link.turn() as turn:
-            await self._memory.refresh(self._link.words(turn))
+            await self._memory.refresh(self._link.io(turn))
 
     def only_reads(self, frame: bytes) -> bool:
         return self._link.access.is_read(frame)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..core.capabilities import PositionCounter
 from ..core.counter import CounterLook
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from . import rows
@@ -16,7 +16,7 @@ COUNTER_WRITES = frozenset({"set_position", rows.XACTUAL.name, "X_RANGE"})
 """Commands after which the counter shows another number for the same place."""
 
 
-def tell_position(session: Session, held: Held, asked_at_s: float) -> None:
+def tell_position(session: Session, held: Snapshot, asked_at_s: float) -> None:
     """Tell who follows the position counter; the encoder's along, where it was read and counts."""
     has_encoder = rows.ENC_POS.address in held.words and held.words.get(rows.ENC_CONST.address)
     encoder = held.value(rows.ENC_POS) if has_encoder else None
@@ -44,7 +44,7 @@ class Counter(PositionCounter):
         self._session.require_connected()
         async with self._link.turn() as turn:
             asked_at_s = self._session.device_time_s()
-            held = await self._events.take(self._link.words(turn), LOOK)
+            held = await self._events.take(self._link.io(turn), LOOK)
         tell_position(self._session, held, asked_at_s)
         before, self._resets_told = self._resets_told, self._events.resets
         return CounterLook(held.value(rows.XACTUAL), asked_at_s, self._events.resets > before)

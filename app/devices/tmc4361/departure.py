@@ -13,7 +13,7 @@ from ...calc.positions.extended import Counter
 from ...errors import LinkError, WriteRefused, WrongState
 from ...registers.model import Register, to_raw
 from ..core.motion_watch import Kind
-from ..core.register_io import Held, Words, Write
+from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from . import rows
 from .cruise import Cruise
@@ -70,10 +70,10 @@ class Departure:
         self._events = events
         self._expected = expected
 
-    async def prepare(self, words: Words) -> Before:
+    async def prepare(self, io: RegisterIO) -> Before:
         """Read what decides, and refuse what cannot go well. Nothing moves."""
         registers = (*rows.RAMP, rows.REFERENCE_CONF, rows.XTARGET, *STATE)
-        held = await self._events.peek(words, registers)
+        held = await self._events.peek(io, registers)
         if self._events.has("FROZEN"):
             raise WrongState(
                 "the chip is frozen (NFREEZE went low): nothing but a reset ends that",
@@ -101,19 +101,19 @@ class Departure:
         if gated:
             before.warnings.append(f"{' and '.join(gated)} waits for a start signal (START_CONF)")
 
-    async def release(self, words: Words, before: Before) -> None:
+    async def release(self, io: RegisterIO, before: Before) -> None:
         """Clear events of stops whose cause is gone: a direction stays closed until then (DS-TMC4361 9)."""
         gone = rows.event(*(name for name, flag in HOLDS.items() if self._events.has(name) and not before.flags[flag]))
         if not gone:
             return
         if before.stands and before.setting.positioning and before.target != before.position:
             # Else it would set off to its old target as soon as the way is free.
-            await words.write_many(((rows.XTARGET, to_raw(before.position, 32)),))
-        await self._events.clear(words, gone)
+            await io.write_many(((rows.XTARGET, to_raw(before.position, 32)),))
+        await self._events.clear(io, gone)
 
     async def set_off(
-        self, words: Words, writes: Sequence[Write], kind: Kind, target: int | None, speed: int = 0
-    ) -> Held:
+        self, io: RegisterIO, writes: Sequence[Write], kind: Kind, target: int | None, speed: int = 0
+    ) -> Snapshot:
         """Send what sets the axis in motion, once; XTARGET, VMAX and RAMPMODE as they are then."""
         self._link.allow(writes)
         checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
@@ -127,16 +127,16 @@ class Departure:
             elif write.register is rows.RAMPMODE:
                 self._cruise.overwrite_mode(write.word)
         try:
-            back = Held(checked, (await words.chain(*writes, checked))[0])
+            back = Snapshot(checked, (await io.chain(*writes, checked))[0])
         except LinkError as error:
             self._expected.uncertain(str(error))
             raise
-        self._expected.watch.began(kind, words.time_s, target)
+        self._expected.watch.began(kind, io.time_s, target)
         self._memory.saw_all(back)
         return back
 
     @staticmethod
-    def check_back(back: Held, wanted: Sequence[tuple[Register, int]]) -> None:
+    def check_back(back: Snapshot, wanted: Sequence[tuple[Register, int]]) -> None:
         """Raises WriteRefused where the chip does not hold what was sent."""
         for register, value in wanted:
             if back.value(register) != value:

@@ -17,7 +17,7 @@ from ...errors import BenchError
 from ...registers.model import Register
 from ...registers.tmc4361.bits import EVENT_MASK, event_names, selected_events
 from ..core.capabilities import EventLog, LatchedFlags
-from ..core.register_io import Held, Words, Write
+from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import ChipEvents, DeviceState, EventPage
 from ..core.timeline import Timeline
@@ -65,61 +65,61 @@ class Events(EventLog, LatchedFlags):
 
     # --- reading without losing one -------------------------------------------------------------
 
-    async def peek(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+    async def peek(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
         """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared."""
-        kept = await self._user_keeps(words)
+        kept = await self._user_keeps(io)
         asked = (*registers, rows.EVENTS)
         if kept == ALL:
-            steps = [await words.read_many(asked)]
+            steps = [await io.read_many(asked)]
         else:
-            steps = await self._read_keeping(words, ALL, asked, kept)
+            steps = await self._read_keeping(io, ALL, asked, kept)
         *others, events = steps[0]
-        self._saw_events(events, events, words.time_s)
-        held = Held(registers, others)
+        self._saw_events(events, events, io.time_s)
+        held = Snapshot(registers, others)
         self._memory.saw_all(held)
         return held
 
-    async def clear(self, words: Words, bits: int) -> None:
+    async def clear(self, io: RegisterIO, bits: int) -> None:
         """Clear these bits of EVENTS; what came meanwhile is told, and stays."""
         if not bits:
             return
-        kept = await self._user_keeps(words)
-        steps = await self._read_keeping(words, ALL & ~bits, (rows.EVENTS,), kept)
+        kept = await self._user_keeps(io)
+        steps = await self._read_keeping(io, ALL & ~bits, (rows.EVENTS,), kept)
         events = steps[0][0]
-        self._saw_events(events, events & ~bits, words.time_s)
+        self._saw_events(events, events & ~bits, io.time_s)
 
-    async def take(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+    async def take(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
         """`peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
-        held = await self.peek(words, registers)
+        held = await self.peek(io, registers)
         interrupts = self._memory.known(rows.INTR_CONF) or 0
-        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(words)) | interrupts)
-        await self.clear(words, self.present & free & EVENT_MASK)
+        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(io)) | interrupts)
+        await self.clear(io, self.present & free & EVENT_MASK)
         return held
 
     async def read_by_name(self) -> int:
         """EVENTS for somebody who wants to read it, and so to clear it. Never asked twice: the answer may be all that
         was lost."""
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            kept = await self._user_keeps(words)
+            io = self._link.io(turn)
+            kept = await self._user_keeps(io)
             replies = await turn.exchange_many(self._link.access.read_frames((rows.EVENTS.address,)))
             word = self._link.access.words(replies)[0]
-            self._saw_events(word, word & kept, words.time_s)
+            self._saw_events(word, word & kept, io.time_s)
         return word
 
     async def _read_keeping(
-        self, words: Words, meanwhile: int, registers: Sequence[Register], kept: int
+        self, io: RegisterIO, meanwhile: int, registers: Sequence[Register], kept: int
     ) -> list[list[int]]:
         """Read while EVENT_CLEAR_CONF is `meanwhile`; afterwards it is `kept` again."""
         self._owed = (meanwhile, kept)
         before, after = Write(rows.EVENT_CLEAR_CONF, meanwhile), Write(rows.EVENT_CLEAR_CONF, kept)
-        steps = await words.chain(before, registers, after, again=True)
+        steps = await io.chain(before, registers, after, again=True)
         self._owed = None
         return steps
 
-    async def _user_keeps(self, words: Words) -> int:
+    async def _user_keeps(self, io: RegisterIO) -> int:
         if self._kept is None:
-            kept = await words.read(rows.EVENT_CLEAR_CONF)
+            kept = await io.read(rows.EVENT_CLEAR_CONF)
             if self._owed is not None and kept == self._owed[0]:
                 kept = self._owed[1]  # the link failed before this was put back
             self._kept = kept

@@ -177,11 +177,11 @@ class SRampRules(ChipRules):
 
     async def look(self, axis: int) -> Look:
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            mode, target, acceleration, velocity, position = await words.values(
+            io = self._link.io(turn)
+            mode, target, acceleration, velocity, position = await io.values(
                 (rows.RAMPMODE, rows.XTARGET, rows.AACTUAL, rows.VACTUAL, rows.XACTUAL)
             )
-            asked_s = words.asked_s
+            asked_s = io.asked_s
         self._link.session.saw_position(axis, position, asked_s)
         faster = self._told(self._memory.remembered_word)
         going_to = target if mode & rows.POSITIONING_BIT else None

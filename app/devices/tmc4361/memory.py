@@ -8,7 +8,7 @@ from ...calc.units.mechanics import Mechanics
 from ...errors import BenchError
 from ...registers.model import Register, to_raw
 from ...registers.tmc4361.general import RESET_CODE
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
 from . import rows
@@ -57,7 +57,7 @@ class ChipMemory:
         elif register is rows.STEP_CONF:
             self._session.axes[0].microsteps_per_full_step = _microsteps(word)
 
-    def saw_all(self, held: Held) -> None:
+    def saw_all(self, held: Snapshot) -> None:
         """The chip was seen to hold these."""
         for register in held.registers:
             self.saw(register, held.word(register))
@@ -70,9 +70,9 @@ class ChipMemory:
         if register is rows.RESET and rows.part(rows.RESET, "RESET_REG").unpack(word) == RESET_CODE:
             self.forget_at_reset()
 
-    async def refresh(self, words: Words, registers: Sequence[Register] = rows.REMEMBERED) -> None:
+    async def refresh(self, io: RegisterIO, registers: Sequence[Register] = rows.REMEMBERED) -> None:
         """Read these again."""
-        self.saw_all(Held(registers, await words.read_many(registers)))
+        self.saw_all(Snapshot(registers, await io.read_many(registers)))
 
     # --- what is true no more -------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import AxisMonitor
 from ..core.motion_watch import Look, UnderWay
 from ..core.polling import Looking
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
 from ..core.signs import Signs
@@ -89,7 +89,7 @@ class Monitor(AxisMonitor):
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn(priority) as turn:
-            words, asked_at_s = self._link.words(turn), self._session.device_time_s()
+            words, asked_at_s = self._link.io(turn), self._session.device_time_s()
             held = await self._events.peek(words, STATE)
             time_s = words.time_s
         tell_position(self._session, held, asked_at_s)
@@ -136,7 +136,7 @@ class Monitor(AxisMonitor):
             self._memory, self._cruise, self._events, self._session.axis(axis).index, state, stalled=self.stalled
         )
 
-    def _encoder(self, held: Held) -> Encoder:
+    def _encoder(self, held: Snapshot) -> Encoder:
         """What the encoder tells; nothing while ENC_IN_RES is not set and so none of its counts counts."""
         if not held.word(rows.ENC_CONST):
             return {}
@@ -195,7 +195,7 @@ class Monitor(AxisMonitor):
 
     async def _poll(self) -> None:
         async with self._link.turn(Priority.SAMPLE) as turn:
-            words, asked_at_s = self._link.words(turn), self._session.device_time_s()
+            words, asked_at_s = self._link.io(turn), self._session.device_time_s()
             held = await self._events.take(words, LOOK)
             time_s = words.time_s
         tell_position(self._session, held, asked_at_s)
@@ -205,13 +205,13 @@ class Monitor(AxisMonitor):
         if rests is not None:
             self._expected.watch.end(*self._why(*rests, held))
 
-    def _look(self, time_s: float, held: Held, moving: bool) -> None:
+    def _look(self, time_s: float, held: Snapshot, moving: bool) -> None:
         """Tell the watch what was seen."""
         velocity = held.value(rows.VACTUAL) or int(moving)
         reached = bool(held.fields(rows.STATUS)["TARGET_REACHED_F"])
         self._expected.watch.look(Look(time_s, held.value(rows.XACTUAL), velocity, reached))
 
-    def _why(self, motion: UnderWay, rest: Look, held: Held) -> tuple[StopReason, str]:
+    def _why(self, motion: UnderWay, rest: Look, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""
         flags = held.fields(rows.STATUS)
         if motion.stopped_s is not None:

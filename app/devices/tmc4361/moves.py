@@ -12,7 +12,7 @@ from ...number_text import plain
 from ..core.axis_units import to_position
 from ..core.capabilities import VelocityJumps
 from ..core.events import MotionStarted
-from ..core.register_io import Held, Write
+from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted
 from . import prediction, rows
@@ -60,8 +60,8 @@ class Moves(VelocityJumps):
         axis = self._session.axis(axis).index
         self._session.require_connected()
         async with self._link.command(axis) as turn:
-            words = self._link.words(turn)
-            before = await self._departure.prepare(words)
+            io = self._link.io(turn)
+            before = await self._departure.prepare(io)
             if not before.stands:
                 raise WrongState(f"axis {axis} moves", "stop it first")
             self._session.commanded(axis, "stand_ready")
@@ -69,15 +69,15 @@ class Moves(VelocityJumps):
             here, hold = put(rows.XTARGET, before.position), Write(rows.RAMPMODE, rows.POSITIONING_BIT)
             writes = (here, hold, put(rows.VMAX, self._cruise.speed), Write(rows.RAMPMODE, mode))
             checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
-            self._memory.saw_all(Held(checked, (await words.chain(*writes, checked))[0]))
+            self._memory.saw_all(Snapshot(checked, (await io.chain(*writes, checked))[0]))
 
     async def go(self, move: AxisMove, shape: int | None = None, speed: int | None = None) -> MoveStarted:
         """A move on ramps of `shape` at `speed` [1/256 pps]; None for the user's."""
         axis = self._session.axis(move.axis).index
         self._session.require_connected()
         async with self._link.command(axis) as turn:
-            words = self._link.words(turn)
-            before = await self._departure.prepare(words)
+            io = self._link.io(turn)
+            before = await self._departure.prepare(io)
             shape = self._cruise.shape if shape is None else shape
             speed = self._cruise.speed if speed is None else speed
             before.setting.require_motion(shape)
@@ -90,13 +90,13 @@ class Moves(VelocityJumps):
             mode = rows.POSITIONING_BIT | shape
             writes = self._writes_of_move(before, target, mode, speed)
             self._link.allow(writes)
-            await self._departure.release(words, before)
+            await self._departure.release(io, before)
             waits = before.setting.gates()[0]
-            back = await self._departure.set_off(words, writes, "position", target)
+            back = await self._departure.set_off(io, writes, "position", target)
             if not waits:
                 self._departure.check_back(back, ((rows.XTARGET, target), (rows.RAMPMODE, mode)))
             plan = None if waits else self._plan_to(before, target, shape, speed)
-            started_s = words.time_s
+            started_s = io.time_s
             self._expected.expect(started_s, before.position, plan)
         self._session.tell(MotionStarted(axis, started_s))
         duration_s = plan.duration_s if plan is not None else None

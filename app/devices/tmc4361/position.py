@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...errors import OutOfRange, WriteRefused, WrongState
 from ...registers.model import to_raw
 from ..core.capabilities import PositionFromEncoder, PositionSetting, Registers
-from ..core.register_io import Held, Write
+from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from . import rows
 from .cruise import Cruise
@@ -56,7 +56,7 @@ class Position(PositionSetting, PositionFromEncoder):
             self._session.limiter.require_target(axis, position)
         # No guard: a stop that comes between changes nothing here, and nothing here sets the motor in motion.
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
+            io = self._link.io(turn)
             asked = (
                 rows.XACTUAL,
                 rows.VACTUAL,
@@ -67,7 +67,7 @@ class Position(PositionSetting, PositionFromEncoder):
                 rows.GENERAL_CONF,
                 rows.RAMPMODE,
             )
-            read = Held(asked, await words.read_many(asked))
+            read = Snapshot(asked, await io.read_many(asked))
             if read.word(rows.VACTUAL) or read.word(rows.AACTUAL):
                 raise WrongState(f"axis {axis} moves", "stop it first")
             before = read.value(rows.XACTUAL)
@@ -96,9 +96,9 @@ class Position(PositionSetting, PositionFromEncoder):
                 *([Write(rows.ENC_IN_CONF, enc_in_conf)] if regulated else []),
             ]
             checked = (rows.XACTUAL, rows.XTARGET, rows.RAMPMODE, rows.VMAX)
-            back = Held(checked, (await words.chain(*steps, checked))[0])
+            back = Snapshot(checked, (await io.chain(*steps, checked))[0])
             self._memory.saw_all(back)
-            self._expected.book.end(words.time_s, "the position was set")
+            self._expected.book.end(io.time_s, "the position was set")
         for register in (rows.XACTUAL, rows.XTARGET):
             if back.value(register) != position:
                 raise WriteRefused(

@@ -38,8 +38,8 @@ class Rotation:
         axis = self._session.axis(axis).index
         self._session.require_connected()
         async with self._link.command(axis) as turn:
-            words = self._link.words(turn)
-            before = await self._departure.prepare(words)
+            io = self._link.io(turn)
+            before = await self._departure.prepare(io)
             before.setting.require_motion(self._cruise.shape)
             vmax = self._speed(axis, velocity, unit, before)
             writes = self._writes_of_rotation(before, vmax)
@@ -50,12 +50,12 @@ class Rotation:
                 switch = before.blocked(1 if vmax > 0 else -1)
                 if switch:
                     before.warnings.append(f"the {switch} is active and stops motion that way")
-                await self._departure.release(words, before)
+                await self._departure.release(io, before)
             self._departure.warn_of_gates(before, ("VMAX", "RAMPMODE"))
-            back = await self._departure.set_off(words, writes, "velocity", None, vmax)
+            back = await self._departure.set_off(io, writes, "velocity", None, vmax)
             if not any(before.setting.gates()[1:]):
                 self._departure.check_back(back, ((rows.VMAX, vmax), (rows.RAMPMODE, self._cruise.shape)))
-            started_s = words.time_s
+            started_s = io.time_s
             if vmax == 0:
                 self._expected.watch.stop_commanded(started_s)
             plan = prediction.to_velocity(

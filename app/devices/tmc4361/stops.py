@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 from ...errors import BenchError, LinkDown, LinkTimeout, WriteRefused
 from ...links.queue import Priority
-from ..core.register_io import Held, Words, Write
+from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import StopMode, StopOutcome
 from ..core.stop_each import stop_each
@@ -46,16 +46,16 @@ class Stops:
         async def stop(axis: int) -> BenchError | None:
             del axis  # it has one
             async with self._link.turn(Priority.STOP) as turn:
-                return await self._stop(self._link.words(turn), mode)
+                return await self._stop(self._link.io(turn), mode)
 
         return await stop_each(self._session, axes, mode, stop)
 
-    async def _stop(self, words: Words, mode: StopMode) -> BenchError | None:
+    async def _stop(self, io: RegisterIO, mode: StopMode) -> BenchError | None:
         problem: BenchError | None = None
         for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                stands = attempt == 1 and await self._look_before_stop(words)
-                return await self._send_stop(words, mode, stands=stands)
+                stands = attempt == 1 and await self._look_before_stop(io)
+                return await self._send_stop(io, mode, stands=stands)
             except LinkDown as error:
                 return error
             except (LinkTimeout, BenchError) as error:
@@ -64,14 +64,14 @@ class Stops:
         self._expected.uncertain(str(problem))
         return problem
 
-    async def _look_before_stop(self, words: Words) -> bool:
+    async def _look_before_stop(self, io: RegisterIO) -> bool:
         """Whether the axis stands; the ramp is read along."""
         asked = (*STATE, *rows.RAMP)
-        held = Held(asked, await words.read_many(asked))
+        held = Snapshot(asked, await io.read_many(asked))
         self._memory.saw_all(held)
         return held.word(rows.VACTUAL) == held.word(rows.AACTUAL) == 0
 
-    async def _send_stop(self, words: Words, mode: StopMode, *, stands: bool) -> BenchError | None:
+    async def _send_stop(self, io: RegisterIO, mode: StopMode, *, stands: bool) -> BenchError | None:
         setting = self._memory.setting()
         at_once = mode == "immediate" or (setting is not None and setting.never_slows())
         shape = rows.HOLD if at_once else self._cruise.shape
@@ -82,19 +82,19 @@ class Stops:
         self._cruise.overwrite_vmax(0)
         checked = (rows.RAMPMODE, rows.VMAX, *STATE)
         order = (to_zero, to_mode) if stands else (slow, to_mode, to_zero)
-        held = Held(checked, (await words.chain(*ungate, *order, checked))[0])
-        self._expected.watch.stop_commanded(words.time_s)
+        held = Snapshot(checked, (await io.chain(*ungate, *order, checked))[0])
+        self._expected.watch.stop_commanded(io.time_s)
         if held.value(rows.RAMPMODE) != shape or held.value(rows.VMAX) != 0:
             # One flipped bit on the way back looks like a refused write; a stop may be sent twice.
-            held = Held(checked, (await words.chain(*ungate, *order, checked, again=True))[0])
+            held = Snapshot(checked, (await io.chain(*ungate, *order, checked, again=True))[0])
         self._memory.saw_all(held)
         for register, wanted in ((rows.RAMPMODE, shape), (rows.VMAX, 0)):
             if held.value(register) != wanted:
                 return WriteRefused(register.name, wanted, held.word(register), "stop again, or cut the power")
-        self._expect_stop(words.time_s, setting, shape, held)
+        self._expect_stop(io.time_s, setting, shape, held)
         return None
 
-    def _expect_stop(self, time_s: float, setting: Setting | None, shape: int, held: Held) -> None:
+    def _expect_stop(self, time_s: float, setting: Setting | None, shape: int, held: Snapshot) -> None:
         plan = None
         velocity = held.value(rows.VACTUAL)
         if setting is not None and velocity:

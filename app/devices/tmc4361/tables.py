@@ -30,7 +30,7 @@ class MicrostepTable(MslutTable):
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn() as turn:
-            mscnt, currents = await self._link.words(turn).read_many((rows.MSCNT, rows.CURRENTS))
+            mscnt, currents = await self._link.io(turn).read_many((rows.MSCNT, rows.CURRENTS))
         shown = rows.CURRENTS.unpack(currents)
         return HeldMslut(
             self._table(),
@@ -51,6 +51,6 @@ class MicrostepTable(MslutTable):
         with_offset = registers.with_dac_offset(rows.DAC_OFFSET.unpack(self._table().start))
         written = tuple(zip(TABLE, (*with_offset.words, with_offset.select, with_offset.start), strict=True))
         async with self._link.turn() as turn:
-            arrived = await self._link.words(turn).write_many(written)
+            arrived = await self._link.io(turn).write_many(written)
             tell_table(self._link, self._rules, written, arrived)
         return await self.read_mslut()

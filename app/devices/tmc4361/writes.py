@@ -8,7 +8,7 @@ from ...errors import BenchError, LinkError
 from ...registers.model import Register
 from ..core.events import MotionStarted
 from ..core.register_file import RegisterRules, changes_by_itself
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import RegisterWritten
 from ..core.unread_registers import arrived_unread
@@ -69,12 +69,12 @@ class Writes(RegisterRules):
 
     # --- side effects ---------------------------------------------------------------------------
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
         if register.address not in rows.MOVING:
             return []
-        read = await words.values((*ELSEWHERE, rows.RAMPMODE, rows.XTARGET))
+        read = await io.values((*ELSEWHERE, rows.RAMPMODE, rows.XTARGET))
         position, velocity, mode, target = read
-        self._before = (position, velocity, words.time_s)
+        self._before = (position, velocity, io.time_s)
         positioning = bool(mode & rows.POSITIONING_BIT)
         notes = []
         if register is rows.VMAX and word == 0 and positioning and mode & 3 == rows.S_SHAPED and velocity:
@@ -87,16 +87,16 @@ class Writes(RegisterRules):
             notes.append("changed while positioning: XTARGET may be overshot, and is come back to (DS-TMC4361 8.2.2)")
         return notes
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         if register is rows.XACTUAL:
-            velocity = await words.value(rows.VACTUAL)
+            velocity = await io.value(rows.VACTUAL)
             return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
         if register is rows.CL_OFFSET and not rows.part(rows.ENC_IN_CONF, "cl_calibration_en").unpack(
-            await words.read(rows.ENC_IN_CONF)
+            await io.read(rows.ENC_IN_CONF)
         ):
             return None
         if register in (rows.XTARGET, rows.VMAX, rows.RAMPMODE):
-            gates = await words.read(rows.START_CONF)
+            gates = await io.read(rows.START_CONF)
             return "it waits for a start signal (START_CONF)" if GATES[register.name].unpack(gates) else None
         if register in (rows.REFERENCE_CONF, rows.ENC_IN_CONF):
             by_itself = BY_ITSELF[register.name]
@@ -119,9 +119,9 @@ class Writes(RegisterRules):
         before_position, before_velocity, sent_s = self._before
         asked = (*rows.RAMP, *STATE)
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            held = Held(asked, await words.read_many(asked))
-            time_s = words.time_s
+            io = self._link.io(turn)
+            held = Snapshot(asked, await io.read_many(asked))
+            time_s = io.time_s
         self._memory.saw_all(held)
         setting = Setting(held.words)
         position, velocity, acceleration, target = (held.value(register) for register in STATE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...errors import OtherModel, WrongState
 from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from ..core.unread_registers import NOTHING, on_board
@@ -30,7 +30,7 @@ class ChipIdentity(Identity):
         where = await on_board(self._link)
         inputs, gconf_row = self._memory.chip.inputs, self._memory.chip.gconf
         async with self._link.turn() as turn:
-            word, gconf = await self._link.words(turn).read_many((inputs, gconf_row))
+            word, gconf = await self._link.io(turn).read_many((inputs, gconf_row))
         title, model = self._session.family.title, self._session.model
         if word == gconf and word in NOTHING:
             raise WrongState(
@@ -55,9 +55,9 @@ class ChipIdentity(Identity):
     async def refresh(self) -> None:
         remembered = (*self._memory.chip.remembered, *self._memory.chip.settings)
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            self._memory.saw(Held(remembered, await words.read_many(remembered)))
-            await self._reader.poll(words, [axis.index for axis in self._session.axes], remembered)
+            io = self._link.io(turn)
+            self._memory.saw(Snapshot(remembered, await io.read_many(remembered)))
+            await self._reader.poll(io, [axis.index for axis in self._session.axes], remembered)
 
     def only_reads(self, frame: bytes) -> bool:
         return self._link.access.is_read(frame)

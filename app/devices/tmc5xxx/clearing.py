@@ -31,9 +31,9 @@ class FlagClearing(LatchedFlags):
         rows = self.memory.rows(self.session.axis(axis).index)
         self.session.require_connected()
         async with self.session.queue.turn() as turn:
-            words = self.link.words(turn)
+            io = self.link.io(turn)
             if self.log.stalled(axis) or not self.reader.may_read_stat(axis):
-                await self.standstill.keep(words, axis)
+                await self.standstill.keep(io, axis)
         for row, where in ((rows.ramp_stat, axis), (self.memory.chip.gstat, None)):
             if row.read_clears:
                 await self.registers.read(row.name, where)

@@ -37,9 +37,9 @@ class Counter(PositionCounter):
         self.session.require_connected()
         asked = (rows.xactual, *(() if rows.x_enc is None else (rows.x_enc,)), rows.vactual)
         async with self.session.queue.turn() as turn:
-            words = self.link.words(turn)
-            held = await self.reader.poll(words, [axis], asked)
-            asked_at_s = words.asked_s
+            io = self.link.io(turn)
+            held = await self.reader.poll(io, [axis], asked)
+            asked_at_s = io.asked_s
         before, self._seen_at_reset[axis] = self._seen_at_reset[axis], self.log.resets
         return CounterLook(held.value(rows.xactual), asked_at_s, self.log.resets > before)
 

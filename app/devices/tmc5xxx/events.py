@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from ...errors import BenchError
 from ...registers.model import Register
 from ..core.capabilities import EventLog
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.results import DeviceState, EventPage
 from ..core.session import Session
 from ..core.timeline import Timeline
@@ -81,7 +81,7 @@ class Events(EventLog):
 
     # --- telling --------------------------------------------------------------------------------
 
-    def saw(self, held: Held, time_s: float) -> None:
+    def saw(self, held: Snapshot, time_s: float) -> None:
         """GSTAT, and RAMP_STAT of some axes, were read at `time_s` [s]."""
         clears = self._chip.clears_on_read
         gstat = held.word(self._chip.gstat) & self._chip.gstat.mask
@@ -140,7 +140,7 @@ class Events(EventLog):
     def read_by_hand(self, register: Register, word: int, time_s: float) -> None:
         """Somebody has read a register that reading clears: the events are told all the same."""
         if register is self._chip.gstat:
-            self.saw(Held((register,), (word,)), time_s)
+            self.saw(Snapshot((register,), (word,)), time_s)
         for axis, rows in enumerate(self._chip.axes):
             if register is rows.ramp_stat:
                 flags = self._flags[axis]

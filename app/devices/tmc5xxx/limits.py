@@ -134,11 +134,11 @@ class SixPointRules(ChipRules):
     async def look(self, axis: int) -> Look:
         link, rows = self._registers.link, self._memory.rows(axis)
         async with link.turn() as turn:
-            words = link.words(turn)
-            mode, target, velocity, position = await words.values(
+            io = link.io(turn)
+            mode, target, velocity, position = await io.values(
                 (rows.rampmode, rows.xtarget, rows.vactual, rows.xactual)
             )
-            asked_s = words.asked_s
+            asked_s = io.asked_s
         link.session.saw_position(axis, position, asked_s)
         unit = velocity_unit_pps(self.clock_hz)
         return Look(position, velocity * unit, target=target if mode == r.POSITION else None)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...errors import BenchError
 from ...registers.model import Register
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
 from .rows import AxisRows, ChipRows
@@ -50,7 +50,7 @@ class ChipMemory:
         """Whether it is known by what was read there last."""
         return register.access.readable and register.address not in self._kept
 
-    def saw(self, held: Held) -> None:
+    def saw(self, held: Snapshot) -> None:
         """The chip was seen to hold these."""
         for register in held.registers:
             self.saw_word(register, held.word(register))

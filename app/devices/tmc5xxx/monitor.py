@@ -12,7 +12,7 @@ from ...links.queue import Priority
 from ...registers.model import Register
 from ..core.capabilities import AxisMonitor
 from ..core.motion_watch import Look, UnderWay
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState, MotionEnd, StopReason, Switches
 from ..core.session import Session
@@ -84,9 +84,9 @@ class Monitor(AxisMonitor):
         rows = self.memory.rows(self.session.axis(axis).index)
         self.session.require_connected()
         async with self.session.queue.turn(priority) as turn:
-            words = self.link.words(turn)
-            held = await self.reader.poll(words, [axis], self._asked(axis))
-            time_s, asked_at_s = words.time_s, words.asked_s
+            io = self.link.io(turn)
+            held = await self.reader.poll(io, [axis], self._asked(axis))
+            time_s, asked_at_s = io.time_s, io.asked_s
         self._apart_s[axis] = (time_s - asked_at_s) / len(held.registers)
         position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
         mode = held.value(rows.rampmode)
@@ -119,7 +119,7 @@ class Monitor(AxisMonitor):
         axis = self.session.axis(axis).index
         return signs(self.memory, self.session.clock_hz, self.log.resets, axis, state, self._apart_s[axis])
 
-    def _encoder(self, axis: int, held: Held) -> EncoderState:
+    def _encoder(self, axis: int, held: Snapshot) -> EncoderState:
         """What the encoder tells; nothing while nobody has set how its counts count."""
         rows = self.memory.rows(axis)
         if rows.x_enc is None or not self.setting.counts_encoder(axis):
@@ -127,7 +127,7 @@ class Monitor(AxisMonitor):
         encoder = held.value(rows.x_enc)
         return {"encoder_position": encoder, "deviation": float(encoder - held.value(rows.xactual))}
 
-    def _moves(self, axis: int, held: Held) -> bool:
+    def _moves(self, axis: int, held: Snapshot) -> bool:
         """Whether the axis moves, or is about to. One that stands is held where RAMP_STAT, which would tell by what,
         must not be read."""
         rows = self.memory.rows(axis)
@@ -142,7 +142,7 @@ class Monitor(AxisMonitor):
             return False
         return not self._held_by(axis, held, way)
 
-    def _held_by(self, axis: int, held: Held, way: int) -> str:
+    def _held_by(self, axis: int, held: Snapshot, way: int) -> str:
         """What keeps the axis from going `way`, by RAMP_STAT; "" where nothing does."""
         rows = self.memory.rows(axis)
         stat, switches = held.fields(rows.ramp_stat), held.fields(rows.sw_mode)
@@ -151,7 +151,7 @@ class Monitor(AxisMonitor):
             return name
         return "stall" if self.log.stalled(axis) and switches["sg_stop"] else ""
 
-    def _flags(self, axis: int, held: Held) -> dict[str, bool]:
+    def _flags(self, axis: int, held: Snapshot) -> dict[str, bool]:
         """RAMP_STAT, GSTAT and the flags of DRV_STATUS; what was seen and not read by its name counts."""
         rows = self.memory.rows(axis)
         told: dict[str, bool] = {}
@@ -177,9 +177,9 @@ class Monitor(AxisMonitor):
             for row in (rows.xactual, rows.vactual, rows.xtarget, rows.rampmode, rows.sw_mode)
         ]
         async with self.session.queue.turn(Priority.SAMPLE) as turn:
-            words = self.link.words(turn)
-            held = await self.reader.poll(words, axes, asked)
-            time_s = words.time_s
+            io = self.link.io(turn)
+            held = await self.reader.poll(io, axes, asked)
+            time_s = io.time_s
         for axis in axes:
             self._tell(axis, time_s, held)
             rests = self.motions.of(axis).at_rest(self.session.device_time_s())
@@ -187,16 +187,16 @@ class Monitor(AxisMonitor):
                 held = await self._seen_through(axis, held, asked)
                 self.motions.of(axis).end(*self._why(axis, *rests, held))
 
-    async def _seen_through(self, axis: int, held: Held, asked: list[Register]) -> Held:
+    async def _seen_through(self, axis: int, held: Snapshot, asked: list[Register]) -> Snapshot:
         """`held` with RAMP_STAT: an axis that rests somewhere else than it should is kept there first."""
         if self.memory.rows(axis).ramp_stat.address in held.words:
             return held
         async with self.session.queue.turn() as turn:
-            words = self.link.words(turn)
-            await self.standstill.keep(words, axis)
-            return await self.reader.peek(words, [axis], asked)
+            io = self.link.io(turn)
+            await self.standstill.keep(io, axis)
+            return await self.reader.peek(io, [axis], asked)
 
-    def _tell(self, axis: int, time_s: float, held: Held) -> None:
+    def _tell(self, axis: int, time_s: float, held: Snapshot) -> None:
         """Tell the watch what was seen."""
         rows = self.memory.rows(axis)
         position, target = held.value(rows.xactual), held.value(rows.xtarget)
@@ -206,7 +206,7 @@ class Monitor(AxisMonitor):
         reached = held.value(rows.rampmode) == r.POSITION and position == target
         watch.look(Look(time_s, position, moving, reached))
 
-    def _why(self, axis: int, motion: UnderWay, rest: Look, held: Held) -> tuple[StopReason, str]:
+    def _why(self, axis: int, motion: UnderWay, rest: Look, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""
         rows, flags = self.memory.rows(axis), self.log.flags(axis)
         if motion.stopped_s is not None:

@@ -22,7 +22,7 @@ from ..core.capabilities import Motion
 from ..core.events import MotionStarted
 from ..core.motion_watch import Kind
 from ..core.prediction import Prediction
-from ..core.register_io import Held, Words, Write
+from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
@@ -74,8 +74,8 @@ class SixPointMotion(Motion):
             raise UsageError("an axis is in one move together only once")
         self.session.require_connected()
         async with self.session.queue.turn(guard=self.session.stop_guard(axes)) as turn:
-            words = self.link.words(turn)
-            befores = await self.preparation.prepare(words, axes)
+            io = self.link.io(turn)
+            befores = await self.preparation.prepare(io, axes)
             targets = []
             for move, before in zip(moves, befores, strict=True):
                 before.ramp.require_move(before.axis)
@@ -91,11 +91,11 @@ class SixPointMotion(Motion):
                 ready += first
                 go += last
             checked = [row for rows in map(self.memory.rows, axes) for row in (rows.xtarget, rows.rampmode)]
-            back = await self._set_off(words, [*ready, *go], checked, "position", dict(zip(axes, targets, strict=True)))
+            back = await self._set_off(io, [*ready, *go], checked, "position", dict(zip(axes, targets, strict=True)))
             for axis, target in zip(axes, targets, strict=True):
                 rows = self.memory.rows(axis)
                 self._check_back(back, ((rows.xtarget, target), (rows.rampmode, r.POSITION)))
-            started_s = words.time_s
+            started_s = io.time_s
             plans = [self._plan_to(before, target) for before, target in zip(befores, targets, strict=True)]
             for before, plan in zip(befores, plans, strict=True):
                 self.predictions.expect(before.axis, started_s, before.position, plan)
@@ -169,8 +169,8 @@ class SixPointMotion(Motion):
         self.session.require_connected()
         rows = self.memory.rows(axis)
         async with self.link.command(axis) as turn:
-            words = self.link.words(turn)
-            before = (await self.preparation.prepare(words, [axis]))[0]
+            io = self.link.io(turn)
+            before = (await self.preparation.prepare(io, [axis]))[0]
             before.ramp.require_acceleration(axis)
             self._require_acceleration_known(axis)
             speed = self._speed(axis, velocity, unit, before)
@@ -189,9 +189,9 @@ class SixPointMotion(Motion):
             ]
             if before.positioning and before.stands:
                 writes.insert(0, _put(rows.xtarget, before.position))  # else VMAX alone might set it off
-            back = await self._set_off(words, writes, (rows.rampmode,), "velocity", {axis: None}, speed)
+            back = await self._set_off(io, writes, (rows.rampmode,), "velocity", {axis: None}, speed)
             self._check_back(back, ((rows.rampmode, mode),))
-            started_s = words.time_s
+            started_s = io.time_s
             if speed == 0:
                 self.motions.of(axis).stop_commanded(started_s)
             plan = turn_plan(
@@ -228,13 +228,13 @@ class SixPointMotion(Motion):
 
     async def _set_off(
         self,
-        words: Words,
+        io: RegisterIO,
         writes: Sequence[Write],
         checked: Sequence[Register],
         kind: Kind,
         targets: dict[int, int | None],
         speed: int = 0,
-    ) -> Held:
+    ) -> Snapshot:
         """Send what sets axes in motion, once; `checked` as they are then. `speed` is that of a rotation, signed."""
         self.link.allow(writes)
         for axis, target in targets.items():
@@ -246,19 +246,19 @@ class SixPointMotion(Motion):
             if not write.register.access.readable:
                 self.memory.overwrite(write.register, write.word)
         try:
-            back = Held(checked, (await words.chain(*writes, checked))[0])
+            back = Snapshot(checked, (await io.chain(*writes, checked))[0])
         except LinkError as error:
             for axis in targets:
                 self.motions.uncertain(axis, str(error))
             raise
         for axis, target in targets.items():
-            self.motions.of(axis).began(kind, words.time_s, target)
+            self.motions.of(axis).began(kind, io.time_s, target)
         self.memory.saw(back)
-        if not words.arrived:
+        if not io.arrived:
             raise BadReply(self.session.port.name, f"what was sent may have arrived otherwise; {ARRIVAL_UNKNOWN}", b"")
         return back
 
-    def _check_back(self, back: Held, wanted: Sequence[tuple[Register, int]]) -> None:
+    def _check_back(self, back: Snapshot, wanted: Sequence[tuple[Register, int]]) -> None:
         for register, value in wanted:
             if back.value(register) != value:
                 raise WriteRefused(register.name, to_raw(value, 32), back.word(register), ARRIVAL_UNKNOWN)

@@ -33,7 +33,7 @@ class MicrostepTables(MslutTable):
         rows = self.memory.rows(self.session.axis(axis).index)
         self.session.require_connected()
         async with self.link.turn() as turn:
-            mscnt, currents = await self.link.words(turn).read_many((rows.mscnt, rows.mscuract))
+            mscnt, currents = await self.link.io(turn).read_many((rows.mscnt, rows.mscuract))
         shown = rows.mscuract.unpack(currents)
         written = [self.memory.written(row) for row in rows.mslut]
         words = [(row.reset or 0) if word is None else word for row, word in zip(rows.mslut, written, strict=True)]
@@ -53,6 +53,6 @@ class MicrostepTables(MslutTable):
         words = (*registers.words, registers.select, registers.start)
         written = {row.address: (row, word) for rows in axes for row, word in zip(rows.mslut, words, strict=True)}
         async with self.link.turn() as turn:
-            arrived = await self.link.words(turn).write_many(list(written.values()))
+            arrived = await self.link.io(turn).write_many(list(written.values()))
             tell_table(self.link, self.rules, written.values(), arrived)
         return await self.read_mslut(axis or 0)

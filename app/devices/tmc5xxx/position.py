@@ -8,7 +8,7 @@ from ...errors import OutOfRange, WriteRefused, WrongState
 from ...links.queue import Priority
 from ...registers.model import Register, to_raw
 from ..core.capabilities import PositionFromEncoder, PositionSetting, Registers
-from ..core.register_io import Held, Write
+from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from .memory import ChipMemory
@@ -49,10 +49,10 @@ class PositionCalls(PositionSetting, PositionFromEncoder):
             self.session.limiter.require_target(axis, position)
         # No guard: a stop that comes between changes nothing here, and nothing here sets the motor in motion.
         async with self.session.queue.turn(Priority.COMMAND) as turn:
-            words = self.link.words(turn)
+            io = self.link.io(turn)
             encoder = rows.x_enc if self.setting.counts_encoder(axis) else None
             asked = (rows.xactual, rows.vactual, *(() if encoder is None else (encoder,)))
-            read = Held(asked, await words.read_many(asked))
+            read = Snapshot(asked, await io.read_many(asked))
             if read.word(rows.vactual):
                 raise WrongState(f"axis {axis} moves", "stop it first")
             before = read.value(rows.xactual)
@@ -66,15 +66,15 @@ class PositionCalls(PositionSetting, PositionFromEncoder):
             if encoder is not None and with_encoder:
                 steps.append((encoder, to_raw(read.value(encoder) - shift, 32)))
             checked = (rows.xactual, rows.xtarget, rows.rampmode)
-            back = Held(checked, (await words.chain(*(Write(*step) for step in steps), checked))[0])
+            back = Snapshot(checked, (await io.chain(*(Write(*step) for step in steps), checked))[0])
             self.memory.saw(back)
-            self.predictions.end(axis, words.time_s, "the position was set")
+            self.predictions.end(axis, io.time_s, "the position was set")
         for register in (rows.xactual, rows.xtarget):
             if back.value(register) != position:
                 raise WriteRefused(
                     register.name, to_raw(position, 32), back.word(register), f"{rows.xactual.name} was {before}"
                 )
-        self.session.saw_position(axis, position, words.asked_s)
+        self.session.saw_position(axis, position, io.asked_s)
         return shift
 
     async def position_from_encoder(self, axis: int) -> int:

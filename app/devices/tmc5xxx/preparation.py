@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from . import rows as r
 from .events import Events
 from .memory import ChipMemory
@@ -57,18 +57,18 @@ class Preparation:
     reader: ChipReader
     standstill: Standstill
 
-    async def prepare(self, words: Words, axes: Sequence[int]) -> list[Before]:
+    async def prepare(self, io: RegisterIO, axes: Sequence[int]) -> list[Before]:
         """Read what decides, and see to it that nothing of the past holds the motor."""
         asked = [self.memory.chip.gconf]
         for axis in axes:
             rows = self.memory.rows(axis)
             asked += [rows.rampmode, rows.xactual, rows.vactual, rows.xtarget, rows.chopconf]
-        held = await self.reader.peek(words, axes, asked)
-        if any([await self._release(words, axis, held) for axis in axes]):
-            held = await self.reader.peek(words, axes, asked)
+        held = await self.reader.peek(io, axes, asked)
+        if any([await self._release(io, axis, held) for axis in axes]):
+            held = await self.reader.peek(io, axes, asked)
         return [self._before(axis, held) for axis in axes]
 
-    def _before(self, axis: int, held: Held) -> Before:
+    def _before(self, axis: int, held: Snapshot) -> Before:
         rows = self.memory.rows(axis)
         switches = held.fields(rows.sw_mode)
         if rows.ramp_stat.address in held.words:
@@ -100,7 +100,7 @@ class Preparation:
             told.append("the chip was reset (GSTAT): what was set before that is lost")
         return told
 
-    async def _release(self, words: Words, axis: int, held: Held) -> bool:
+    async def _release(self, io: RegisterIO, axis: int, held: Snapshot) -> bool:
         """End a stop by StallGuard, which would hold the axis; it goes nowhere until it is told to.
 
         Where RAMP_STAT may not be read, an axis that stands may be held by one.
@@ -109,7 +109,7 @@ class Preparation:
         unread = rows.ramp_stat.address not in held.words
         if held.word(rows.vactual) or not (unread or self.log.stalled(axis)):
             return False
-        await self.standstill.keep(words, axis)
+        await self.standstill.keep(io, axis)
         if not self.memory.chip.clears_on_read:
-            await self.reader.clear(words, [axis], stall=True)
+            await self.reader.clear(io, [axis], stall=True)
         return True

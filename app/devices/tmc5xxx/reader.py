@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...registers.model import Register
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from . import rows as r
 from .events import Events
@@ -29,7 +29,7 @@ class ChipReader:
         self._setting = setting
         self._log = log
 
-    async def peek(self, words: Words, axes: Sequence[int], registers: Sequence[Register] = ()) -> Held:
+    async def peek(self, io: RegisterIO, axes: Sequence[int], registers: Sequence[Register] = ()) -> Snapshot:
         """`registers`, SW_MODE and GSTAT, and RAMP_STAT of these axes where it may be read; what is new is told.
 
         The flags are asked last: none that came with a change of the others can be missing.
@@ -43,28 +43,28 @@ class ChipReader:
             else:
                 self._log.left_out(axis)
         asked += [*stats, gstat]
-        held = Held(asked, await words.read_many(asked))
-        asked_at_s, time_s = words.asked_s, words.time_s
-        if self._tells_reset(held) and words.first_status is not None and await self._was_noise(words):
+        held = Snapshot(asked, await io.read_many(asked))
+        asked_at_s, time_s = io.asked_s, io.time_s
+        if self._tells_reset(held) and io.first_status is not None and await self._was_noise(io):
             held.words[gstat.address] &= ~r.part(gstat, "reset").mask
         self._log.saw(held, time_s)  # first: a reset makes forget what was seen before
         memory.saw(held)
         self._setting.tell_positions(held, asked_at_s)
         return held
 
-    async def poll(self, words: Words, axes: Sequence[int], registers: Sequence[Register] = ()) -> Held:
+    async def poll(self, io: RegisterIO, axes: Sequence[int], registers: Sequence[Register] = ()) -> Snapshot:
         """`peek`, and clear what was told and may be cleared, where that takes a write."""
-        held = await self.peek(words, axes, registers)
+        held = await self.peek(io, axes, registers)
         if not self._memory.chip.clears_on_read:
-            await self.clear(words, axes, stall=False)
+            await self.clear(io, axes, stall=False)
         return held
 
-    async def clear(self, words: Words, axes: Sequence[int], *, stall: bool) -> None:
+    async def clear(self, io: RegisterIO, axes: Sequence[int], *, stall: bool) -> None:
         """Write 1 to the flags that were seen, that of a stall's stop only with `stall`."""
         writes = self._log.to_clear(axes, stall=stall)
         if not writes:
             return
-        await words.write_many(writes)
+        await io.write_many(writes)
         for register, bits in writes:
             self._log.cleared(register, bits)
 
@@ -89,17 +89,17 @@ class ChipReader:
             self._log.read_by_hand(register, word, turn.last_exchange_s)
         return word
 
-    def _tells_reset(self, held: Held) -> bool:
+    def _tells_reset(self, held: Snapshot) -> bool:
         """Whether GSTAT tells of a reset of a chip that we know."""
         gstat = self._memory.chip.gstat
         return self._log.acquainted and bool(gstat.unpack(held.word(gstat))["reset"])
 
-    async def _was_noise(self, words: Words) -> bool:
+    async def _was_noise(self, io: RegisterIO) -> bool:
         """Whether a reset in GSTAT was a bit flipped on the way, for SPI has no CRC: the status byte at the beginning
         of the chain knew of none, and the chip holds what it would not after one."""
         memory = self._memory
         known = [row for row in memory.chip.remembered if memory.known(row) not in (None, row.reset)]
-        if (words.first_status or 0) & STATUS_RESET or not known:
+        if (io.first_status or 0) & STATUS_RESET or not known:
             return False
-        again = await words.read_many(known)
+        again = await io.read_many(known)
         return any(word & row.mask == memory.known(row) for row, word in zip(known, again, strict=True))

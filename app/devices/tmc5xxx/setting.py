@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...calc.units.mechanics import Mechanics
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.session import Session
 from . import rows as r
 from .memory import ChipMemory
@@ -56,7 +56,7 @@ class ChipSetting:
 
     # --- positions ------------------------------------------------------------------------------
 
-    def tell_positions(self, held: Held, asked_at_s: float) -> None:
+    def tell_positions(self, held: Snapshot, asked_at_s: float) -> None:
         """Tell of the position counters that were among what was read, with the encoders that count."""
         for rows in self._memory.chip.axes:
             if rows.xactual.address in held.words:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...errors import BadReply
 from ...registers.model import Register
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.session import Session
 from . import rows as r
 from .memory import ChipMemory
@@ -17,9 +17,9 @@ class Standstill:
         self._session = session
         self._memory = memory
 
-    async def keep(self, words: Words, axis: int) -> None:
+    async def keep(self, io: RegisterIO, axis: int) -> None:
         """Keep an axis that stands where it is. Raises BadReply where that may not have arrived."""
-        if not await words.write_many(self.writes(axis)):
+        if not await io.write_many(self.writes(axis)):
             raise BadReply(
                 self._session.port.name, "what was to keep the axis where it is may have arrived otherwise", b""
             )

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from ...errors import BadReply, BenchError, LinkDown, WriteRefused
 from ...links.queue import Priority
-from ..core.register_io import Held, Words, Write
+from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
@@ -46,15 +46,15 @@ class Stops:
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         async def stop(axis: int) -> BenchError | None:
             async with self.session.queue.turn(Priority.STOP) as turn:
-                return await self._stop(self.link.words(turn), axis, mode)
+                return await self._stop(self.link.io(turn), axis, mode)
 
         return await stop_each(self.session, axes, mode, stop)
 
-    async def _stop(self, words: Words, axis: int, mode: StopMode) -> BenchError | None:
+    async def _stop(self, io: RegisterIO, axis: int, mode: StopMode) -> BenchError | None:
         problem: BenchError | None = None
         for _ in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                problem = await self._send_stop(words, axis, mode)
+                problem = await self._send_stop(io, axis, mode)
             except LinkDown as error:
                 return error
             except BenchError as error:
@@ -64,7 +64,7 @@ class Stops:
         self.motions.uncertain(axis, str(problem))
         return problem
 
-    async def _send_stop(self, words: Words, axis: int, mode: StopMode) -> BenchError | None:
+    async def _send_stop(self, io: RegisterIO, axis: int, mode: StopMode) -> BenchError | None:
         rows = self.memory.rows(axis)
         amax = self.memory.wanted(rows.amax)
         if mode == "immediate" or amax == 0:
@@ -75,16 +75,16 @@ class Stops:
         for write in writes[:-1]:
             self.memory.overwrite(write.register, write.word)
         checked = (rows.rampmode, rows.xactual, rows.vactual)
-        back = Held(checked, (await words.chain(*writes, checked))[0])
-        self.motions.of(axis).stop_commanded(words.time_s)
+        back = Snapshot(checked, (await io.chain(*writes, checked))[0])
+        self.motions.of(axis).stop_commanded(io.time_s)
         self.memory.saw(back)
-        self.setting.tell_positions(back, words.asked_s)
-        if not words.arrived:
+        self.setting.tell_positions(back, io.asked_s)
+        if not io.arrived:
             return BadReply(self.session.port.name, "the stop may have arrived otherwise", b"")
         if back.value(rows.rampmode) != r.FORWARD:
             return WriteRefused(rows.rampmode.name, r.FORWARD, back.word(rows.rampmode), "stop again, or cut the power")
         ramp = self.setting.ramp(axis)
         v_pps = back.value(rows.vactual) * ramp.velocity_unit_pps
         plan = turn_plan(ramp.sixpoint(vmax=1, amax=amax), 0.0, v_pps) if v_pps else None
-        self.predictions.expect(axis, words.time_s, back.value(rows.xactual), plan)
+        self.predictions.expect(axis, io.time_s, back.value(rows.xactual), plan)
         return None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ...registers.model import Register
 from ..core.register_file import RegisterRules, changes_by_itself
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.results import RegisterWritten
 from ..core.session import Session
 from ..core.unread_registers import arrived_unread
@@ -61,19 +61,19 @@ class Writes(RegisterRules):
         self._guessed = register if held is None else None
         return (register.reset or 0) if held is None else held
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
         guessed, self._guessed = self._guessed, None
         notes = self._notes(register, word)
         rows = self._memory.chip.moved_by(register)
         if rows is not None:
-            held = await self._motion.look_before(words, rows)
+            held = await self._motion.look_before(io, rows)
             position, target = held.value(rows.xactual), held.value(rows.xtarget)
             positioning = held.value(rows.rampmode) == r.POSITION
             if register is rows.xactual and positioning and register.decode(word) != target:
                 notes.append("while positioning the motor now drives to XTARGET")
             elif register is rows.rampmode and word == r.POSITION and not positioning and target != position:
                 notes.append(f"the motor now drives to XTARGET, {target}")
-        elif register is self._memory.chip.gconf and await self._turns_round(words, word):
+        elif register is self._memory.chip.gconf and await self._turns_round(io, word):
             notes.append("a motor that moves now turns the other way at once")
         if guessed is register:
             notes.append("its other fields were not known: they are as after a reset now")
@@ -88,10 +88,10 @@ class Writes(RegisterRules):
         if self._memory.chip.moved_by(register) is not None:
             self._motion.sent()
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         for rows in self._memory.chip.axes:
             if register is rows.xactual:
-                velocity = await words.value(rows.vactual)
+                velocity = await io.value(rows.vactual)
                 return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
         encoder = register.name == "ENCMODE" and r.part(register, "clr_once", "clr_cont").mask
         if encoder and not (word ^ back) & register.mask & ~encoder:
@@ -118,8 +118,8 @@ class Writes(RegisterRules):
                     return [f"positioning must not have {rate} 0, even with {corner} 0"]
         return []
 
-    async def _turns_round(self, words: Words, word: int) -> bool:
+    async def _turns_round(self, io: RegisterIO, word: int) -> bool:
         """Whether GCONF `word` has another shaft direction than the chip's."""
-        held = await words.read(self._memory.chip.gconf)
+        held = await io.read(self._memory.chip.gconf)
         shafts = sum(part.mask for part in self._memory.chip.gconf.fields if part.name.startswith("shaft"))
         return bool((held ^ word) & shafts)

@@ -6,7 +6,7 @@ from ...errors import BenchError, LinkError
 from ...links.queue import Priority
 from ...registers.model import Register
 from ..core.events import MotionStarted
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
@@ -39,13 +39,13 @@ class WrittenMotion:
         self._before: tuple[int, int, float] = (0, 1, 0.0)
         """XACTUAL and VACTUAL right before a write, and when the write went out."""
 
-    async def look_before(self, words: Words, rows: AxisRows) -> Held:
+    async def look_before(self, io: RegisterIO, rows: AxisRows) -> Snapshot:
         """XACTUAL, VACTUAL, RAMPMODE and XTARGET right before a write that may move the axis."""
         asked = (rows.xactual, rows.vactual, rows.rampmode, rows.xtarget)
-        held = Held(asked, await words.read_many(asked))
+        held = Snapshot(asked, await io.read_many(asked))
         self.memory.saw(held)
-        self.setting.tell_positions(held, words.asked_s)
-        self._before = (held.value(rows.xactual), held.word(rows.vactual), words.time_s)
+        self.setting.tell_positions(held, io.asked_s)
+        self._before = (held.value(rows.xactual), held.word(rows.vactual), io.time_s)
         return held
 
     def sent(self) -> None:
@@ -75,11 +75,11 @@ class WrittenMotion:
         before_position, before_velocity, sent_s = self._before
         asked = (rows.rampmode, rows.sw_mode, rows.xactual, rows.vactual, rows.xtarget)
         async with self.session.queue.turn(Priority.COMMAND) as turn:
-            words = self.link.words(turn)
-            held = Held(asked, await words.read_many(asked))
-            time_s = words.time_s
+            io = self.link.io(turn)
+            held = Snapshot(asked, await io.read_many(asked))
+            time_s = io.time_s
         self.memory.saw(held)
-        self.setting.tell_positions(held, words.asked_s)
+        self.setting.tell_positions(held, io.asked_s)
         position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
         if before_velocity == 0 and position == before_position:
             # From rest the start is known exactly: it was when the datagram went out.

@@ -23,7 +23,7 @@ class DriverIdentity(Identity):
     async def probe(self) -> str:
         rows = self._looking.memory.rows
         async with self._link.turn() as turn:
-            word, gconf = await self._link.words(turn).read_many((rows.inputs, rows.gconf))
+            word, gconf = await self._link.io(turn).read_many((rows.inputs, rows.gconf))
         title, model = self._session.family.title, self._session.model
         if word == gconf and word in NOTHING:
             raise WrongState(f"no {title} answers here: all bits read {word & 1}", "check power, wiring and address")

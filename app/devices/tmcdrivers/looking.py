@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...links.queue import Priority
 from ...registers.model import Register
-from ..core.register_io import Held, Words
+from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from .memory import DriverMemory
 from .resets import Resets
@@ -18,7 +18,7 @@ from .rows import FINEST, STANDS
 class Looked:
     """What was read, and when, device time [s]."""
 
-    held: Held
+    held: Snapshot
     asked_s: float
     time_s: float
 
@@ -37,19 +37,19 @@ class Looking:
         load, _ = rows.load
         asked = (*rows.remembered, rows.mscnt, rows.tstep, rows.drv_status, load, rows.inputs)
         async with self.link.turn(priority) as turn:
-            return await self.read(self.link.words(turn), asked)
+            return await self.read(self.link.io(turn), asked)
 
-    async def read(self, words: Words, asked: Sequence[Register]) -> Looked:
+    async def read(self, io: RegisterIO, asked: Sequence[Register]) -> Looked:
         """These registers and GSTAT, which comes last: no reset that changed the others can be missing."""
         gstat = self.memory.rows.gstat
         unique = tuple({row.address: row for row in (*asked, gstat)}.values())
-        held = Held(unique, await words.read_many(unique))
-        looked = Looked(held, words.asked_s, words.time_s)
-        await self.resets.look(words, held.word(gstat))  # first: a reset makes forget what was seen before
+        held = Snapshot(unique, await io.read_many(unique))
+        looked = Looked(held, io.asked_s, io.time_s)
+        await self.resets.look(io, held.word(gstat))  # first: a reset makes forget what was seen before
         self.memory.saw(held)
         return looked
 
-    def speed_pps(self, held: Held) -> float:
+    def speed_pps(self, held: Snapshot) -> float:
         """How fast the motor is stepped, by TSTEP, with its direction [microsteps/s].
 
         The direction is that of VACTUAL, else of DIR; which of its levels is which way is inferred.

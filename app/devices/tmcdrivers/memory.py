@@ -10,7 +10,7 @@ from ...calc.units.mechanics import Mechanics
 from ...calc.units.tmc5xxx import velocity_unit_pps
 from ...errors import BenchError
 from ...registers.model import Register
-from ..core.register_io import Held
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
 from .rows import FINEST, DriverRows
@@ -34,7 +34,7 @@ class DriverMemory:
         """Whether `saw_word` keeps what it hears of this register."""
         return register.access.readable and register.access.writable and not register.volatile
 
-    def saw(self, held: Held) -> None:
+    def saw(self, held: Snapshot) -> None:
         """The chip was seen to hold these."""
         for register in held.registers:
             self.saw_word(register, held.word(register))

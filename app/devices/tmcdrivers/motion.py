@@ -16,7 +16,7 @@ from ..core.axis_units import velocity_unit_in
 from ..core.capabilities import Motion
 from ..core.events import MotionStarted
 from ..core.prediction import Prediction
-from ..core.register_io import Words, Write
+from ..core.register_io import RegisterIO, Write
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
@@ -51,8 +51,8 @@ class DriverMotion(Motion):
         row = self._velocity_row()
         self.session.require_connected()
         async with self.link.command(axis) as turn:
-            words = self.link.words(turn)
-            await self.looking.read(words, (*self.memory.rows.remembered, self.memory.rows.inputs))
+            io = self.link.io(turn)
+            await self.looking.read(io, (*self.memory.rows.remembered, self.memory.rows.inputs))
             chopconf = self.memory.word(self.memory.rows.chopconf)
             if chopconf is not None and not part(self.memory.rows.chopconf, "toff").unpack(chopconf):
                 raise CannotMove("the driver is off: CHOPCONF.toff is 0", "start it up, or write toff", axis)
@@ -62,9 +62,9 @@ class DriverMotion(Motion):
             self.link.allow((write,))
             self.session.commanded(axis, "rotate", velocity=speed)
             self.memory.sent(row, write.word)
-            if not await words.write(row, write.word):
+            if not await io.write(row, write.word):
                 raise BadReply(self.session.port.name, "the velocity may have arrived otherwise: stop the axis", b"")
-            started_s = words.time_s
+            started_s = io.time_s
         self.session.tell(MotionStarted(axis, started_s))
         if speed:
             warnings.append("the velocity jumps: a driver has no ramp, and a motor loses steps where it cannot follow")
@@ -105,15 +105,15 @@ class DriverMotion(Motion):
         async def stop(axis: int) -> BenchError | None:
             del axis  # there is one
             async with self.session.queue.turn(Priority.STOP) as turn:
-                return await self._stop(self.link.words(turn))
+                return await self._stop(self.link.io(turn))
 
         return await stop_each(self.session, axes, mode, stop)
 
-    async def _stop(self, words: Words) -> BenchError | None:
+    async def _stop(self, io: RegisterIO) -> BenchError | None:
         problem: BenchError | None = None
         for _ in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                problem = await self._send_stop(words)
+                problem = await self._send_stop(io)
             except LinkDown as error:
                 return error
             except BenchError as error:
@@ -122,15 +122,15 @@ class DriverMotion(Motion):
                 return problem
         return problem
 
-    async def _send_stop(self, words: Words) -> BenchError | None:
+    async def _send_stop(self, io: RegisterIO) -> BenchError | None:
         row = self.memory.rows.vactual
         stood = self.memory.velocity == 0
         if row is not None:
             self.memory.sent(row, 0)
-            if not await words.write(row, 0):
+            if not await io.write(row, 0):
                 return BadReply(self.session.port.name, "the stop may have arrived otherwise", b"")
         if stood:  # then what it does now nothing here has told it
-            looked = await self.looking.read(words, (self.memory.rows.tstep, self.memory.rows.inputs))
+            looked = await self.looking.read(io, (self.memory.rows.tstep, self.memory.rows.inputs))
             if self.looking.speed_pps(looked.held):
                 return WrongState(STEPPED, HOW_TO_STOP)
         return None

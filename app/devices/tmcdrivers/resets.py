@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...registers.model import Register
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from .memory import DriverMemory
 from .rows import part
 
@@ -20,13 +20,13 @@ class Resets:
         self._owed = 0
         """What the driver has cleared and its user has not."""
 
-    async def look(self, words: Words, gstat: int) -> None:
+    async def look(self, io: RegisterIO, gstat: int) -> None:
         """GSTAT was read: take notice of a reset. Raises LinkError."""
         if gstat & self._bit:
             self.seen += 1
             self._memory.was_reset()
             self._owed |= self._bit
-            await words.write(self._row, self._bit)
+            await io.write(self._row, self._bit)
 
     def shown(self, register: Register, word: int) -> int:
         """`word` with what the driver has cleared of it."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...registers.model import Register
 from ..core.raw_datagrams import RawRules
 from ..core.register_file import RegisterRules
-from ..core.register_io import Words
+from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.results import RegisterWritten
 from ..core.unread_registers import arrived_unread
@@ -44,8 +44,8 @@ class Writes(RegisterRules):
         held = self.memory.word(register)
         return (register.reset or 0) if held is None else held
 
-    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
-        del words
+    async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
+        del io
         rows = self.memory.rows
         notes = []
         if register is rows.vactual and register.decode(word):

@@ -63,14 +63,14 @@ async def test_peeking_at_events_clears_none_and_clearing_tells_first() -> None:
     link = a_link()
     events = Events(link, ChipMemory(link, Cruise()))
     async with link.turn() as turn:
-        words = link.words(turn)
-        await events.peek(words)
+        io = link.io(turn)
+        await events.peek(io)
         seen = events.present
         assert events.has("RST_EV")
-        await events.peek(words)
+        await events.peek(io)
         assert events.present == seen
-        await events.clear(words, rows.event("RST_EV"))
-        await events.peek(words)
+        await events.clear(io, rows.event("RST_EV"))
+        await events.peek(io)
     assert not events.has("RST_EV")
     assert events._owed is None
     assert [name for entry in events.events(0).events for name in entry.names].count("RST_EV") == 1

@@ -9,7 +9,7 @@ import pytest
 from app.calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX
 from app.clock import VirtualClock
 from app.devices.core.config import DeviceConfig
-from app.devices.core.register_io import Held
+from app.devices.core.register_io import Snapshot
 from app.devices.core.register_link import RegisterLink
 from app.devices.core.results import MotionEnd
 from app.devices.core.session import Session
@@ -93,13 +93,13 @@ def test_a_flag_that_the_driver_took_is_owed_until_its_user_has_it(model: str) -
     log = Events(link.session, chip, (lambda: resets.append("first"), lambda: resets.append("second")))
     reset, stat = part(chip.gstat, "reset").mask, chip.axes[0].ramp_stat
     arrived = part(stat, "event_pos_reached").mask
-    log.saw(Held((stat, chip.gstat), (arrived, reset)), 1.0)
+    log.saw(Snapshot((stat, chip.gstat), (arrived, reset)), 1.0)
     assert resets == ["first", "second"]
     assert (log.resets, log.lost) == (1, False)  # that of its power-on
     for register, bits in log.to_clear([0], stall=False):
         log.cleared(register, bits)
     assert (log.shown(stat, 0), log.shown(chip.gstat, 0)) == (arrived, reset)
-    log.saw(Held((stat, chip.gstat), (arrived, 0)), 2.0)
+    log.saw(Snapshot((stat, chip.gstat), (arrived, 0)), 2.0)
     names = [name for entry in log.events(0).events for name in entry.names]
     assert names.count("event_pos_reached") == 2  # once cleared, it has come again
     if chip.clears_on_read:
@@ -118,15 +118,15 @@ async def test_ramp_stat_is_left_alone_while_a_stall_may_hold_an_axis_that_would
     rows = memory.rows(0)
     assert not reader.may_read_stat(0)  # nobody knows SW_MODE yet
     async with link.turn() as turn:
-        words = link.words(turn)
-        await reader.peek(words, [0])
-        assert rows.ramp_stat.address in (await reader.peek(words, [0])).words
-        await words.write(rows.sw_mode, part(rows.sw_mode, "sg_stop").mask)
-        await reader.peek(words, [0])
-        assert rows.ramp_stat.address not in (await reader.peek(words, [0])).words
+        io = link.io(turn)
+        await reader.peek(io, [0])
+        assert rows.ramp_stat.address in (await reader.peek(io, [0])).words
+        await io.write(rows.sw_mode, part(rows.sw_mode, "sg_stop").mask)
+        await reader.peek(io, [0])
+        assert rows.ramp_stat.address not in (await reader.peek(io, [0])).words
         assert log.polled_stat(0) is None
-        await Standstill(link.session, memory).keep(words, 0)
-        assert rows.ramp_stat.address in (await reader.peek(words, [0])).words
+        await Standstill(link.session, memory).keep(io, 0)
+        assert rows.ramp_stat.address in (await reader.peek(io, [0])).words
 
 
 def test_a_motion_wakes_the_poller_and_ends_with_the_link() -> None:

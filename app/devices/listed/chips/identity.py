@@ -40,7 +40,7 @@ class ListedChipIdentity(Identity):
         if not asked:
             return f"a {title} may be there{where}: it has nothing that could be read without clearing it"
         async with self._link.turn() as turn:
-            words = await self._link.words(turn).read_many(asked)
+            words = await self._link.io(turn).read_many(asked)
         if len(words) > 1 and len(set(words)) == 1 and words[0] == NOTHING[1]:
             raise WrongState(f"no {title} answers here: all bits read 1", "check power, wiring and chip select")
         told = "" if version is None else f", {_told(version, words[0])}"

@@ -83,7 +83,7 @@ class ListedChipRules(ChipRules):
     async def look(self, axis: int) -> Look:
         link = self._registers.link
         async with link.turn() as turn:
-            look = await self._motions.look(link.words(turn), self._state.ramps[axis])
+            look = await self._motions.look(link.io(turn), self._state.ramps[axis])
         return Look(look.position, float(look.speed), target=look.target if look.mode == POSITION else None)
 
     def braking(self, axis: int, look: Look, view: View) -> float | None:

@@ -30,7 +30,7 @@ class ChipMonitor(AxisMonitor):
         ramp = self._state.ramps[self._session.axis(axis).index]
         self._session.require_connected()
         async with self._session.queue.turn(priority) as turn:
-            look = await self._motions.look(self._link.words(turn), ramp)
+            look = await self._motions.look(self._link.io(turn), ramp)
         speed = self._state.word(ramp.max_speed)
         way = {FORWARD: 1, BACKWARD: -1}.get(look.mode)
         return AxisState(
@@ -75,8 +75,8 @@ class ChipCounter(PositionCounter):
         ramp = self._state.ramps[self._session.axis(axis).index]
         self._session.require_connected()
         async with self._link.turn() as turn:
-            words = self._link.words(turn)
-            count, asked_at_s = await words.value(ramp.position), words.asked_s
+            io = self._link.io(turn)
+            count, asked_at_s = await io.value(ramp.position), io.asked_s
         self._session.saw_position(axis, count, asked_at_s)
         return CounterLook(count, asked_at_s, None)
 

@@ -17,7 +17,7 @@ from ...core.axis_units import CHIP, to_position
 from ...core.capabilities import Motion
 from ...core.events import MotionStarted
 from ...core.prediction import Prediction
-from ...core.register_io import Held, Words, Write
+from ...core.register_io import RegisterIO, Snapshot, Write
 from ...core.register_link import RegisterLink
 from ...core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ...core.session import Session
@@ -53,8 +53,8 @@ class ChipMotion(Motion):
     async def _move(self, move: AxisMove) -> MoveStarted:
         ramp, warnings = self.state.ramps[move.axis], list[str]()
         async with self.link.command(move.axis) as turn:
-            words = self.link.words(turn)
-            look = await self.motions.look(words, ramp)
+            io = self.link.io(turn)
+            look = await self.motions.look(io, ramp)
             target = self._target(move, ramp, look.position, warnings)
             settings = [self._setting(ramp, row) for row in (ramp.acceleration, ramp.max_speed)]
             if self.session.limiter is not None:
@@ -65,14 +65,14 @@ class ChipMotion(Motion):
             else:  # until the last word the target is where the axis stands, and nothing moves
                 writes = [_put(ramp.target, look.position), to_mode, *settings, to_target]
             self.session.commanded(move.axis, "move", target=target)
-            back = await self._set_off(words, ramp, writes)
-            self.motions.watches[move.axis].began("position", words.time_s, target)
+            back = await self._set_off(io, ramp, writes)
+            self.motions.watches[move.axis].began("position", io.time_s, target)
             self._require_back(ramp, back, POSITION)
             if back.value(ramp.target) != target:
                 held = back.word(ramp.target)
                 raise WriteRefused(ramp.target.name, to_raw(target, ramp.target.width), held, UNDER_WAY)
-        self.session.tell(MotionStarted(move.axis, words.time_s))
-        return MoveStarted(move.axis, look.position, target, words.time_s, None, warnings)
+        self.session.tell(MotionStarted(move.axis, io.time_s))
+        return MoveStarted(move.axis, look.position, target, io.time_s, None, warnings)
 
     def _target(self, move: AxisMove, ramp: Ramp, position: int, warnings: list[str]) -> int:
         wanted = to_position(self.state.mechanics(move.axis), move.target, move.unit)
@@ -114,8 +114,8 @@ class ChipMotion(Motion):
             raise OutOfRange("velocity", velocity, 1, most, "less than one is a standstill")
         self.session.require_connected()
         async with self.link.command(axis) as turn:
-            words = self.link.words(turn)
-            look = await self.motions.look(words, ramp)
+            io = self.link.io(turn)
+            look = await self.motions.look(io, ramp)
             acceleration = [self._setting(ramp, ramp.acceleration)] if speed else []
             if self.session.limiter is not None:
                 self.session.limiter.require_velocity(axis, speed)
@@ -125,12 +125,12 @@ class ChipMotion(Motion):
             if look.mode in (FORWARD, BACKWARD) and look.mode != mode:
                 writes = [*acceleration, self._mode(ramp, mode), Write(ramp.max_speed, abs(speed))]
             self.session.commanded(axis, "rotate", velocity=speed)
-            back = await self._set_off(words, ramp, writes)
-            self.motions.watches[axis].began("velocity", words.time_s)
+            back = await self._set_off(io, ramp, writes)
+            self.motions.watches[axis].began("velocity", io.time_s)
             if speed == 0:
-                self.motions.watches[axis].stop_commanded(words.time_s)
+                self.motions.watches[axis].stop_commanded(io.time_s)
             self._require_back(ramp, back, mode)
-        self.session.tell(MotionStarted(axis, words.time_s))
+        self.session.tell(MotionStarted(axis, io.time_s))
         return Rotating(axis, speed, float(speed), [OWN_UNIT] if unit == PPS else [])
 
     # --- stops ----------------------------------------------------------------------------------
@@ -140,15 +140,15 @@ class ChipMotion(Motion):
 
         async def stop(axis: int) -> BenchError | None:
             async with self.session.queue.turn(Priority.STOP) as turn:
-                return await self._stop(self.link.words(turn), self.state.ramps[axis], mode)
+                return await self._stop(self.link.io(turn), self.state.ramps[axis], mode)
 
         return await stop_each(self.session, axes, mode, stop)
 
-    async def _stop(self, words: Words, ramp: Ramp, mode: StopMode) -> BenchError | None:
+    async def _stop(self, io: RegisterIO, ramp: Ramp, mode: StopMode) -> BenchError | None:
         problem: BenchError | None = None
         for _ in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                problem = await self._send_stop(words, ramp, mode)
+                problem = await self._send_stop(io, ramp, mode)
             except LinkDown as error:
                 problem = error
                 break
@@ -159,7 +159,7 @@ class ChipMotion(Motion):
         self.motions.mark_unknown(ramp.axis)
         return problem
 
-    async def _send_stop(self, words: Words, ramp: Ramp, mode: StopMode) -> BenchError | None:
+    async def _send_stop(self, io: RegisterIO, ramp: Ramp, mode: StopMode) -> BenchError | None:
         writes = [Write(ramp.max_speed, 0)]
         if mode == "immediate" or self.state.wanted(ramp.acceleration) == 0:
             writes.append(Write(ramp.acceleration, ramp.acceleration.maximum))
@@ -167,15 +167,15 @@ class ChipMotion(Motion):
             self.state.overwrite(write.register, write.word)
         # The mode may stand in one word with those of other axes, which has to be read; VMAX 0 brakes meanwhile.
         register = ramp.mode.register
-        ((held,),) = await words.chain(*writes, (register,))
-        arrived = words.arrived
+        ((held,),) = await io.chain(*writes, (register,))
+        arrived = io.arrived
         checked = (register, ramp.position, ramp.speed)
-        back = Held(checked, (await words.chain(Write(register, ramp.mode.pack(FORWARD, held)), checked))[0])
-        self.motions.watches[ramp.axis].stop_commanded(words.time_s)
+        back = Snapshot(checked, (await io.chain(Write(register, ramp.mode.pack(FORWARD, held)), checked))[0])
+        self.motions.watches[ramp.axis].stop_commanded(io.time_s)
         for row in checked:
             self.state.saw(row, back.word(row))
-        self.session.saw_position(ramp.axis, back.value(ramp.position), words.asked_s)
-        if not (arrived and words.arrived):
+        self.session.saw_position(ramp.axis, back.value(ramp.position), io.asked_s)
+        if not (arrived and io.arrived):
             return BadReply(self.session.port.name, "the stop may have arrived otherwise", b"")
         if ramp.mode.unpack(back.word(register)) != FORWARD:
             return WriteRefused(register.name, FORWARD, back.word(register), "stop again, or cut the power")
@@ -195,7 +195,7 @@ class ChipMotion(Motion):
         """Right after a look, which has read the word."""
         return Write(ramp.mode.register, ramp.mode.pack(mode, self.state.word(ramp.mode.register) or 0))
 
-    async def _set_off(self, words: Words, ramp: Ramp, writes: Sequence[Write]) -> Held:
+    async def _set_off(self, io: RegisterIO, ramp: Ramp, writes: Sequence[Write]) -> Snapshot:
         """Send what sets an axis in motion, once; mode, target and position as they are then."""
         self.link.allow(writes)
         for write in writes:
@@ -203,7 +203,7 @@ class ChipMotion(Motion):
                 self.state.overwrite(write.register, write.word)
         checked = (ramp.mode.register, ramp.target, ramp.position)
         try:
-            back = Held(checked, (await words.chain(*writes, checked))[0])
+            back = Snapshot(checked, (await io.chain(*writes, checked))[0])
         except LinkError:
             self.motions.mark_unknown(ramp.axis)
             raise
@@ -211,7 +211,7 @@ class ChipMotion(Motion):
             self.state.saw(row, back.word(row))
         return back
 
-    def _require_back(self, ramp: Ramp, back: Held, mode: int) -> None:
+    def _require_back(self, ramp: Ramp, back: Snapshot, mode: int) -> None:
         register = ramp.mode.register
         if ramp.mode.unpack(back.word(register)) != mode:
             raise WriteRefused(register.name, mode, back.word(register), UNDER_WAY)

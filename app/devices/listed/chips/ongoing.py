@@ -11,7 +11,7 @@ from ....registers.model import Register
 from ...core.background_tasks import BackgroundTasks
 from ...core.motion_watch import Look, MotionWatch
 from ...core.polling import Looking
-from ...core.register_io import Held, Words
+from ...core.register_io import RegisterIO, Snapshot
 from ...core.register_link import RegisterLink
 from ...core.results import DeviceState
 from ...core.session import Session
@@ -69,21 +69,21 @@ class ChipMotions:
                 if watch.under_way is not None:
                     watch.end("lost_link", f"the link failed while it moved; what it did then is not known: {problem}")
 
-    async def look(self, words: Words, ramp: Ramp) -> AxisLook:
+    async def look(self, io: RegisterIO, ramp: Ramp) -> AxisLook:
         """Read what tells how an axis is, in one turn, and heed it. Raises LinkError."""
         state = self._state
         asked = [ramp.mode.register, ramp.target, ramp.max_speed, ramp.acceleration, ramp.speed, ramp.position]
         asked = [row for row in asked if row.access.readable]
-        held = Held(asked, await words.read_many(asked))
+        held = Snapshot(asked, await io.read_many(asked))
         for row in asked:
             state.saw(row, held.word(row))
-        self._session.saw_position(ramp.axis, held.value(ramp.position), words.asked_s)
-        look = self._told(held, ramp, words.time_s)
+        self._session.saw_position(ramp.axis, held.value(ramp.position), io.asked_s)
+        look = self._told(held, ramp, io.time_s)
         seen = Look(look.time_s, look.position, look.speed or int(look.moves), look.reached)
-        self.watches[ramp.axis].look(seen, words.time_s - words.asked_s)
+        self.watches[ramp.axis].look(seen, io.time_s - io.asked_s)
         return look
 
-    def _told(self, held: Held, ramp: Ramp, time_s: float) -> AxisLook:
+    def _told(self, held: Snapshot, ramp: Ramp, time_s: float) -> AxisLook:
         mode = ramp.mode.unpack(held.word(ramp.mode.register))
         position, speed, target = (held.value(row) for row in (ramp.position, ramp.speed, ramp.target))
         able = all(self._state.word(row) != 0 for row in (ramp.max_speed, ramp.acceleration))
@@ -99,6 +99,6 @@ class ChipMotions:
         for ramp in self._state.ramps:
             watch = self.watches[ramp.axis]
             async with self._session.queue.turn(Priority.SAMPLE) as turn:
-                await self.look(self._link.words(turn), ramp)
+                await self.look(self._link.io(turn), ramp)
             if watch.at_rest(self._session.device_time_s()) is not None:
                 watch.end("unknown", "the axis rests, and nothing that its registers tell by standard names says why")

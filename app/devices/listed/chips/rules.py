@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from ....registers.model import Access, Register
 from ...core.raw_datagrams import RawRules
 from ...core.register_file import RegisterRules, changes_by_itself
-from ...core.register_io import Words
+from ...core.register_io import RegisterIO
 from ...core.register_link import RegisterLink
 from ...core.results import RegisterWritten
 from ...core.session import Session
@@ -63,7 +63,7 @@ class ChipRegisters(RegisterRules, RawRules):
         if ramp is not None:
             self._session.commanded(ramp.axis, register.name)
 
-    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
         if register.volatile:
             return changes_by_itself(register, back)
         if register.access is not Access.UNKNOWN:
@@ -79,10 +79,10 @@ class ChipRegisters(RegisterRules, RawRules):
             notes = [*notes, "not read back: reading it may clear it"]
         return arrived_unread(register, word, notes)
 
-    async def settle(self, words: Words, register: Register, *, read_back: bool) -> None:
+    async def settle(self, io: RegisterIO, register: Register, *, read_back: bool) -> None:
         ramp = self._state.ramp_of(register)
         if ramp is not None:
-            self._motions.written(ramp, register, words.time_s)
+            self._motions.written(ramp, register, io.time_s)
 
     async def after_write(self, register: Register) -> None:
         """Nothing is left to be done."""
