@@ -14,8 +14,9 @@ from app.devices.manager import DeviceManager
 from app.devices.tmc428.memory import RampMemory
 from app.devices.tmc428.start_up import AxisStart, start_up
 from app.emulators.build import build_emulator
+from app.emulators.drive.bench import ChipFaultsChange
 from app.emulators.tmc428.device import EmulatedDevice
-from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch, FaultsChange
+from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link, tcp_factory
@@ -62,7 +63,7 @@ class Bench:
         return emulator_of(self.device)
 
     def fault(self, *, silence: bool | None = None, unplugged: bool | None = None, errors: float | None = None) -> None:
-        change = FaultsChange(silence=silence, unplugged=unplugged, bit_error_rate=errors)
+        change = ChipFaultsChange(silence=silence, unplugged=unplugged, bit_error_rate=errors)
         self.wire.patch(EmulatorPatch(faults=change))
 
     async def at_rest(self, axis: int = 0, within_s: float = 60.0) -> int:

@@ -9,7 +9,8 @@ import pytest
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.registers.catalog import CHIPS_32
@@ -142,7 +143,7 @@ async def test_everything_stops_though_one_device_is_dead() -> None:
         for axis in range(3):
             await b.device.motion.rotate(axis, 5000)
         await b.clock.advance(0.5)
-        emulator_of(second).patch(EmulatorPatch(faults=FaultsChange(unplugged=True)))
+        emulator_of(second).patch(EmulatorPatch(faults=ChipFaultsChange(unplugged=True)))
         outcomes = await b.manager.stop_all()
         by_axis = {(outcome.device, outcome.axis): outcome for outcome in outcomes}
         assert [by_axis["bench", axis].ok for axis in range(3)] == [True] * 3

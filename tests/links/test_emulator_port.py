@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from app.clock import VirtualClock
+from app.emulators.drive.bench import ChipFaultsChange
 from app.emulators.tmc428.device import EmulatedDevice
 from app.emulators.tmc428.family import FAMILY
-from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkTimeout
 from app.links import datagram32
 from app.links.emulator import CATCH_UP_S, EmulatorPort
@@ -121,16 +122,16 @@ async def test_silence_and_a_pulled_cable_are_link_errors_and_lose_samples() -> 
     rig.port.start_sampling([X_ACTUAL], 0.001, rig.sink)
     rig.clock.set(0.0045)
     rig.port.run_due_samples()
-    rig.wire.patch(EmulatorPatch(faults=FaultsChange(unplugged=True)))
+    rig.wire.patch(EmulatorPatch(faults=ChipFaultsChange(unplugged=True)))
     rig.clock.set(0.0065)
     with pytest.raises(LinkDown):
         rig.port.run_due_samples()
     with pytest.raises(LinkDown):
         await rig.port.exchange(X_ACTUAL)
-    rig.wire.patch(EmulatorPatch(faults=FaultsChange(unplugged=False, silence=True)))
+    rig.wire.patch(EmulatorPatch(faults=ChipFaultsChange(unplugged=False, silence=True)))
     with pytest.raises(LinkTimeout):
         await rig.port.exchange(X_ACTUAL)
-    rig.wire.patch(EmulatorPatch(faults=FaultsChange(silence=False)))
+    rig.wire.patch(EmulatorPatch(faults=ChipFaultsChange(silence=False)))
     rig.clock.set(0.0085)
     rig.port.run_due_samples()
     assert [time_s for time_s, _ in rig.samples] == pytest.approx([0, 0.001, 0.002, 0.003, 0.004, 0.007, 0.008])

@@ -9,7 +9,8 @@ import pytest
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkError, LinkTimeout, WrongState
 from app.links import datagram32
 from app.links.emulator import EmulatorPort
@@ -211,12 +212,12 @@ async def test_failures_are_counted_and_told_once_each_way() -> None:
     wire = build_emulator("tmc428", VirtualClock())
     told: list[LinkError | None] = []
     queue = LinkQueue(EmulatorPort(wire), on_result=told.append)
-    wire.patch(EmulatorPatch(faults=FaultsChange(silence=True)))
+    wire.patch(EmulatorPatch(faults=ChipFaultsChange(silence=True)))
     for _ in range(2):
         with pytest.raises(LinkTimeout):
             await queue.exchange(A)
     assert queue.error is not None
-    wire.patch(EmulatorPatch(faults=FaultsChange(silence=False)))
+    wire.patch(EmulatorPatch(faults=ChipFaultsChange(silence=False)))
     for _ in range(2):
         await queue.exchange(A)
     assert [type(error) for error in told] == [LinkTimeout, type(None)]

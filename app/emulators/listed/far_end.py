@@ -10,8 +10,9 @@ from ...clock import Clock
 from ...registers.entry import Model
 from ..core.base import ChipFaults, FarEnd
 from ..core.ground_truth import GroundTruth
+from ..wire_documents import WireFaultsState
 from .axis import Axis
-from .options import ListedAxisState, ListedFaultsState, ListedOptions, ListedPatch, ListedState
+from .options import ListedAxisState, ListedOptions, ListedPatch, ListedState
 
 SPEED, ACCELERATION = 2000, 2000
 """After power-on [counts/s, counts/s^2]: no package tells any, and with 0 nothing would move."""
@@ -63,7 +64,7 @@ class PlainFarEnd(FarEnd[ListedPatch, ListedState]):
             depth=depth,
             address=address,
             plain_axes=[ListedAxisState(position=axis.position, velocity=axis.speed) for axis in self._axes],
-            faults=ListedFaultsState(**asdict(self.faults)),
+            faults=WireFaultsState(**asdict(self.faults)),
         )
 
     def _run(self, until_s: float) -> None:

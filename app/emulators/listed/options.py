@@ -8,7 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ...form_hints import REST_ONLY, form, rest_only, shown
 from ..core.base import EmulatedState
-from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
+from ..drive.bench import Closed, Flag, Seed, TimeScale
+from ..wire_documents import WireFaultsChange, WireFaultsState
 
 PLAIN = (
     "plain: parameters hold what was written, and axes move by their own speed and acceleration; no motor, no driver"
@@ -37,32 +38,12 @@ class ListedOptions(Closed):
     seed: Seed = rest_only(1241, "of the noise that faults on the wire make")
 
 
-class ListedFaultsChange(Closed):
-    """Faults on the wire."""
-
-    silence: Flag | None = Field(default=None, description="commands are obeyed, answers are lost")
-    late_reply_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
-        default=None, description="answers come this much later [s]; without a real line they count as lost"
-    )
-    bit_error_rate: Rate | None = Field(default=None, description="probability that a bit of an answer is flipped")
-    half_frame_rate: Rate | None = Field(default=None, description="probability that an answer breaks off half way")
-    unplugged: Flag | None = Field(default=None, description="the line is gone: nothing is heard, nothing answered")
-
-
 class ListedPatch(Closed):
     """A change to a plain emulated chip or module; what is left out stays. A power cycle comes first."""
 
     time_scale: TimeScale | None = None
-    faults: ListedFaultsChange = Field(default_factory=ListedFaultsChange)
+    faults: WireFaultsChange = Field(default_factory=WireFaultsChange)
     power_cycle: Flag = Field(default=False, description="off and on again; what was stored comes back")
-
-
-class ListedFaultsState(BaseModel):
-    silence: bool
-    late_reply_s: float
-    bit_error_rate: float
-    half_frame_rate: float
-    unplugged: bool
 
 
 class ListedAxisState(BaseModel):
@@ -76,4 +57,4 @@ class ListedState(EmulatedState):
     depth: str = Field(description="what is emulated, and what is not")
     address: int = Field(description="of a chip its node")
     plain_axes: list[ListedAxisState]
-    faults: ListedFaultsState
+    faults: WireFaultsState

@@ -11,9 +11,10 @@ from ...errors import OutOfRange
 from ...links.datagram32 import FRAME_BYTES
 from ..core.base import ChipFaults, FarEnd
 from ..core.ground_truth import GroundTruth
+from ..drive.bench import ChipFaultsState
 from . import stage
 from .options import EmulatorOptions, EmulatorPatch
-from .state import EmulatorState, Faults, Inputs
+from .state import EmulatorState, Inputs
 from .step_dir import StepDirChip
 from .tmc428 import Tmc428
 from .tmc429 import Tmc429
@@ -103,7 +104,7 @@ class EmulatedDevice(FarEnd[EmulatorPatch, EmulatorState]):
             v_actual_writable=self._options.v_actual_writable,
             axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
             inputs=Inputs(gp_in=chip.general_input),
-            faults=Faults(**asdict(self.faults)),
+            faults=ChipFaultsState(**asdict(self.faults)),
             powered_down=chip.powered_down,
             driver_chain=chip.describe_chain() if isinstance(chip, Tmc428) else None,
             step_dir=step_dir[0] if step_dir else None,

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only, shown
+from ..drive.bench import ChipFaultsChange, Closed, Forced
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
 VActualWritable = Literal["hold-mode", "velocity-mode"]
 FullSteps = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
 AxisIndex = Annotated[int, Field(strict=True, ge=0, le=2)]
-Forced = Annotated[bool, Field(strict=True)] | Literal["auto"]
 
 
-class _Closed(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class StageOptions(_Closed):
+class StageOptions(Closed):
     """A linear stage with three switches. Positions in full steps of the motor.
 
     The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle, the
@@ -59,7 +55,7 @@ class StageOptions(_Closed):
         return self
 
 
-class EmulatorOptions(_Closed):
+class EmulatorOptions(Closed):
     """How an emulated chip and what hangs on it are made: the `link` of an emulated device."""
 
     model_config = ConfigDict(json_schema_extra=form(fold="time, seed, wiring, writes of V_ACTUAL, stages"))
@@ -105,7 +101,7 @@ class EmulatorOptions(_Closed):
     )
 
 
-class SwitchChange(_Closed):
+class SwitchChange(Closed):
     """Forces switches of one axis, or gives them back to the stage with "auto"."""
 
     axis: AxisIndex
@@ -114,7 +110,7 @@ class SwitchChange(_Closed):
     reference: Forced | None = None
 
 
-class StageChange(_Closed):
+class StageChange(Closed):
     """Moves switches of one stage, or the carriage itself as by hand. Full steps."""
 
     axis: AxisIndex
@@ -125,23 +121,13 @@ class StageChange(_Closed):
     position_fullsteps: FullSteps | None = Field(default=None, description="puts the carriage there")
 
 
-class InputsChange(_Closed):
+class InputsChange(Closed):
     gp_in: Annotated[bool, Field(strict=True)] | None = Field(
         default=None, description="TMC4210: level of the general purpose input"
     )
 
 
-class FaultsChange(_Closed):
-    """Faults between the chip and us."""
-
-    silence: Annotated[bool, Field(strict=True)] | None = Field(default=None, description="frames get no answer")
-    unplugged: Annotated[bool, Field(strict=True)] | None = Field(default=None, description="the link is gone")
-    bit_error_rate: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] | None = Field(
-        default=None, description="probability that a bit of a reply is flipped"
-    )
-
-
-class DriverChange(_Closed):
+class DriverChange(Closed):
     """TMC428: the 12 status bits that one driver of the chain reports."""
 
     axis: AxisIndex
@@ -150,14 +136,14 @@ class DriverChange(_Closed):
     )
 
 
-class EmulatorPatch(_Closed):
+class EmulatorPatch(Closed):
     """A change to a running emulator; what is left out stays. A power cycle comes first."""
 
     time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] | None = None
     switches: Annotated[list[SwitchChange], Field(max_length=3)] = Field(default_factory=list)
     stages: Annotated[list[StageChange], Field(max_length=3)] = Field(default_factory=list)
     inputs: InputsChange = Field(default_factory=InputsChange)
-    faults: FaultsChange = Field(default_factory=FaultsChange)
+    faults: ChipFaultsChange = Field(default_factory=ChipFaultsChange)
     drivers: Annotated[list[DriverChange], Field(max_length=3)] = Field(default_factory=list)
     power_cycle: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="resets the chip; the carriages stay where they are"

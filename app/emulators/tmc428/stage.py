@@ -7,9 +7,10 @@ for a TMC4210.
 from __future__ import annotations
 
 from ...errors import OutOfRange
+from ..drive.bench import Forced
 from . import kernel
 from .kernel import Cells
-from .options import Forced, StageChange, StageOptions, SwitchChange
+from .options import StageChange, StageOptions, SwitchChange
 from .state import AxisState, StageState, Switches, SwitchState
 
 _EDGES = {

@@ -6,6 +6,7 @@ from pydantic import BaseModel, Field
 
 from ...registers.names import PmulName
 from ..core.base import EmulatedState
+from ..drive.bench import ChipFaultsState
 from .options import VActualWritable
 
 
@@ -38,12 +39,6 @@ class AxisState(BaseModel):
 
 class Inputs(BaseModel):
     gp_in: bool = Field(description="TMC4210: general purpose input")
-
-
-class Faults(BaseModel):
-    silence: bool
-    unplugged: bool
-    bit_error_rate: float
 
 
 class ChainBit(BaseModel):
@@ -97,7 +92,7 @@ class EmulatorState(EmulatedState):
     v_actual_writable: VActualWritable = Field(description="where a write to V_ACTUAL counts: see the link's option")
     axes: list[AxisState]
     inputs: Inputs
-    faults: Faults
+    faults: ChipFaultsState
     powered_down: bool
     driver_chain: ChainState | None
     step_dir: StepDirState | None = Field(description="of motor 1; null: the chip has no such output")

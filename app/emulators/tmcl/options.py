@@ -11,13 +11,13 @@ from ..drive.bench import (
     Closed,
     Flag,
     Forced,
-    Rate,
     StageChange,
     Supply,
     TimeScale,
 )
 from ..drive.options import DriveOptions, EncoderOptions, FullSteps, StageSwitches
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
+from ..wire_documents import WireFaultsChange
 
 Level = Flag | Literal["open"]
 
@@ -102,16 +102,9 @@ class StepDirChange(Closed):
     )
 
 
-class FaultsChange(Closed):
+class FaultsChange(WireFaultsChange):
     """Faults on the wire and of the supply."""
 
-    silence: Flag | None = Field(default=None, description="commands are obeyed, answers are lost")
-    late_reply_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
-        default=None, description="answers come this much later [s]; without a real line they count as lost"
-    )
-    bit_error_rate: Rate | None = Field(default=None, description="probability that a bit of an answer is flipped")
-    half_frame_rate: Rate | None = Field(default=None, description="probability that an answer breaks off half way")
-    unplugged: Flag | None = Field(default=None, description="the line is gone: nothing is heard, nothing answered")
     undervoltage: Flag | None = Field(
         default=None, description="motor supply below what the driver needs: bridges off, motor free"
     )

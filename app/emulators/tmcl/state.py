@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 from ...registers.names import ModuleName
 from ..core.base import EmulatedState
 from ..drive.bench import MotorState, StageState, TruthState
+from ..wire_documents import WireFaultsState
 
 
 class SwitchState(BaseModel):
@@ -40,12 +41,7 @@ class InputsState(BaseModel):
     outputs: list[int] = Field(description="what SIO has set")
 
 
-class FaultsState(BaseModel):
-    silence: bool
-    late_reply_s: float
-    bit_error_rate: float
-    half_frame_rate: float
-    unplugged: bool
+class FaultsState(WireFaultsState):
     undervoltage: bool
 
 

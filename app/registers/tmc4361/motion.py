@@ -43,32 +43,14 @@ def _bow(number: int, meaning: str) -> Register:
     )
 
 
-def _position(
-    name: str,
-    address: int,
-    meaning: str,
-    source: str,
-    access: Access = RW,
-    volatile: bool = False,
-    group: str = "reference",
-) -> Register:
-    row = Rows(group, source)
-    return row(address, name, 32, access, meaning, signed=True, unit=MICROSTEPS, volatile=volatile)
-
-
 RAMP_ROWS = (
     _ramp(0x20, "RAMPMODE", 3, RW, "velocity or positioning, and the shape of ramps").having(
         choice(0, "RAMP_PROFILE", 2, "shape of ramps", RAMP_PROFILES, range=(0, 2)),
         choice(2, "OPERATION_MODE", 1, "what VMAX is", {0: "velocity mode", 1: "positioning mode"}),
         source=f"DS-TMC4361 8, 8.2; {TOM_TBONE_STEPPYR}",
     ),
-    _position(
-        "XACTUAL",
-        0x21,
-        "where the ramp generator is",
-        f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}",
-        volatile=True,
-        group="ramp",
+    _ramp(0x21, "XACTUAL", 32, RW, "where the ramp generator is").having(
+        signed=True, unit=MICROSTEPS, volatile=True, source=f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}"
     ),
     _ramp(0x22, "VACTUAL", 32, R, "velocity now, without fractions").having(
         signed=True,
@@ -117,12 +99,8 @@ RAMP_ROWS = (
     _bow(2, "jerk of bow B2: acceleration ends"),
     _bow(3, "jerk of bow B3: deceleration begins"),
     _bow(4, "jerk of bow B4: deceleration ends"),
-    _position(
-        "XTARGET",
-        0x37,
-        "where positioning goes",
-        f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}",
-        group="ramp",
+    _ramp(0x37, "XTARGET", 32, RW, "where positioning goes").having(
+        signed=True, unit=MICROSTEPS, source=f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}"
     ),
     _ramp(0x7B, "TZEROWAIT", 32, W, "standstill before the next ramp after the velocity came to 0").having(
         unit="tCLK", source=f"{HEADERS} (unit inferred)"
@@ -201,22 +179,22 @@ REFERENCE_ROWS = (
         0x1E, "HOME_SAFETY_MARGIN", 16, RW, "around X_HOME the home switch is not judged, so far to each side"
     ).having(unit=MICROSTEPS, source=f"DS-TMC4361 9; {TOM}"),
     _acceleration("DSTOP", 0x2C, "deceleration of soft stops by switches and virtual stops", TOM, "reference"),
-    _position("POS_COMP", 0x32, "position to compare with", f"DS-TMC4361 9; {TOM_TBONE}"),
-    _position("VIRT_STOP_LEFT", 0x33, "stops the motor at and left of here", f"DS-TMC4361 9; {TOM_TBONE_STEPPYR}"),
-    _position(
-        "VIRT_STOP_RIGHT",
-        0x34,
-        "stops the motor at and right of here",
-        f"DS-TMC4361 9 (called left there, with the right comparison); {TOM_TBONE_STEPPYR}",
+    _reference(0x32, "POS_COMP", 32, RW, "position to compare with").having(
+        signed=True, unit=MICROSTEPS, source=f"DS-TMC4361 9; {TOM_TBONE}"
     ),
-    _position("X_HOME", 0x35, "position of home", f"DS-TMC4361 9; {TOM}", volatile=True),
-    _position(
-        "X_LATCH",
-        0x36,
-        "XACTUAL at the latest edge that was to be latched",
-        f"DS-TMC4361 9 (RW there; a write is X_RANGE); {TOM_TBONE}",
-        access=R,
-        volatile=True,
+    _reference(0x33, "VIRT_STOP_LEFT", 32, RW, "stops the motor at and left of here").having(
+        signed=True, unit=MICROSTEPS, source=f"DS-TMC4361 9; {TOM_TBONE_STEPPYR}"
+    ),
+    _reference(0x34, "VIRT_STOP_RIGHT", 32, RW, "stops the motor at and right of here").having(
+        signed=True,
+        unit=MICROSTEPS,
+        source=f"DS-TMC4361 9 (called left there, with the right comparison); {TOM_TBONE_STEPPYR}",
+    ),
+    _reference(0x35, "X_HOME", 32, RW, "position of home").having(
+        signed=True, unit=MICROSTEPS, volatile=True, source=f"DS-TMC4361 9; {TOM}"
+    ),
+    _reference(0x36, "X_LATCH", 32, R, "XACTUAL at the latest edge that was to be latched").having(
+        signed=True, unit=MICROSTEPS, volatile=True, source=f"DS-TMC4361 9 (RW there; a write is X_RANGE); {TOM_TBONE}"
     ),
     _reference(0x36, "REV_CNT", 32, R, "how often the position wrapped").having(
         signed=True, unit="revolutions", volatile=True, when="circular_cnt_as_xlatch is on"

@@ -87,15 +87,7 @@ _GSTAT_ONE = (
 
 
 def _gstat(width: int, *fields: Field, write_clears: bool = False) -> Register:
-    return clearing(
-        "GSTAT",
-        width,
-        "what has happened to the chip",
-        0x01,
-        GROUP,
-        write_clears,
-        fields,
-    )
+    return clearing(GROUP, 0x01, "GSTAT", width, "what has happened to the chip", write_clears).having(*fields)
 
 
 GSTAT_5130 = _gstat(3, *_GSTAT_ONE)

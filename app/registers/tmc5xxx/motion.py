@@ -116,30 +116,23 @@ def _now(lsb: int, name: str, help_: str) -> Field:
 
 def ramp_stat(write_clears: bool) -> Register:
     """RAMP_STAT. write_clears: writing 1 clears the flags that stay (TMC5160); else reading does."""
-    return clearing(
-        "RAMP_STAT",
-        14,
-        "where the ramp is and what has happened",
-        0x35,
-        "ramp",
-        write_clears,
-        (
-            _now(0, "status_stop_l", "the left switch is active"),
-            _now(1, "status_stop_r", "the right switch is active"),
-            state(2, "status_latch_l", "the left switch has latched a position"),
-            state(3, "status_latch_r", "the right switch has latched a position"),
-            _now(4, "event_stop_l", "the left switch holds the motor; ends with the switch or the other way"),
-            _now(5, "event_stop_r", "the right switch holds the motor; ends with the switch or the other way"),
-            state(6, "event_stop_sg", "StallGuard has stopped the motor; cleared, it may go on"),
-            state(7, "event_pos_reached", "the target was reached"),
-            _now(8, "velocity_reached", "VACTUAL is VMAX"),
-            _now(9, "position_reached", "XACTUAL is XTARGET"),
-            _now(10, "vzero", "the velocity is 0"),
-            _now(11, "t_zerowait_active", "the motor rests for TZEROWAIT"),
-            state(12, "second_move", "the motor had to come back to its target"),
-            _now(13, "status_sg", "StallGuard sees a stall"),
-        ),
-        what="the latches' flags, event_stop_sg, event_pos_reached and second_move",
+    cleared = "the latches' flags, event_stop_sg, event_pos_reached and second_move"
+    help_ = "where the ramp is and what has happened"
+    return clearing("ramp", 0x35, "RAMP_STAT", 14, help_, write_clears, cleared).having(
+        _now(0, "status_stop_l", "the left switch is active"),
+        _now(1, "status_stop_r", "the right switch is active"),
+        state(2, "status_latch_l", "the left switch has latched a position"),
+        state(3, "status_latch_r", "the right switch has latched a position"),
+        _now(4, "event_stop_l", "the left switch holds the motor; ends with the switch or the other way"),
+        _now(5, "event_stop_r", "the right switch holds the motor; ends with the switch or the other way"),
+        state(6, "event_stop_sg", "StallGuard has stopped the motor; cleared, it may go on"),
+        state(7, "event_pos_reached", "the target was reached"),
+        _now(8, "velocity_reached", "VACTUAL is VMAX"),
+        _now(9, "position_reached", "XACTUAL is XTARGET"),
+        _now(10, "vzero", "the velocity is 0"),
+        _now(11, "t_zerowait_active", "the motor rests for TZEROWAIT"),
+        state(12, "second_move", "the motor had to come back to its target"),
+        _now(13, "status_sg", "StallGuard sees a stall"),
     )
 
 
@@ -231,15 +224,7 @@ def _enc_status(write_clears: bool) -> Register:
     events: tuple[Field, ...] = (state(0, "n_event", "the index channel had an event"),)
     if write_clears:
         events += (state(1, "deviation_warn", "X_ENC was farther from XACTUAL than ENC_DEVIATION"),)
-    return clearing(
-        "ENC_STATUS",
-        len(events),
-        "what the encoder saw",
-        0x3B,
-        "encoder",
-        write_clears,
-        events,
-    )
+    return clearing("encoder", 0x3B, "ENC_STATUS", len(events), "what the encoder saw", write_clears).having(*events)
 
 
 def _encoder_rows(encmode: Register, const_reset: int, write_clears: bool) -> tuple[Register, ...]:

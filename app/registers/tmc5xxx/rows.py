@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..build import Rows
-from ..model import Access, Field, Register
+from ..model import Access, Register
 
 MICROSTEPS = "microsteps"
 CLOCKS = "tCLK"
@@ -35,18 +35,11 @@ MODE_STEP_DIR = "driver by step and direction (SD_MODE high)"
 
 
 def clearing(
-    name: str,
-    width: int,
-    help_: str,
-    address: int,
-    group: str,
-    write_clears: bool,
-    fields: tuple[Field, ...],
-    what: str = "it",
+    group: str, address: int, name: str, width: int, help_: str, write_clears: bool, what: str = "it"
 ) -> Register:
     """Flags that stay until somebody clears them (`what` of them), by writing 1 or else by reading."""
     how = "writing 1" if write_clears else "reading"
-    row = Rows(group, VENDOR).reading(address, name, width, f"{help_}; {how} clears {what}").having(*fields)
+    row = Rows(group, VENDOR).reading(address, name, width, f"{help_}; {how} clears {what}")
     return replace(row, access=Access.R_W1C) if write_clears else replace(row, read_clears=True)
 
 

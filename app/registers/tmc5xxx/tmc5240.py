@@ -71,18 +71,10 @@ CHIP = (
         reset=0x8,
         source=f"{VENDOR}; {VENDOR_RESET}",
     ),
-    clearing(
-        "GSTAT",
-        5,
-        "what has happened to the chip",
-        0x01,
-        general.GROUP,
-        True,
-        (
-            *general.GSTAT_5160.fields,
-            state(3, "register_reset", "all registers are as after power-on"),
-            state(4, "vm_uvlo", "the motor supply was too low"),
-        ),
+    clearing(general.GROUP, 0x01, "GSTAT", 5, "what has happened to the chip", write_clears=True).having(
+        *general.GSTAT_5160.fields,
+        state(3, "register_reset", "all registers are as after power-on"),
+        state(4, "vm_uvlo", "the motor supply was too low"),
     ),
     general.IFCNT,
     *_readable(general.nodeconf(f"{VENDOR}; the levels of SCK and SDI add 0 to 3")),

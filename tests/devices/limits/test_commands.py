@@ -11,7 +11,8 @@ from app.devices.core.device import Device
 from app.devices.core.limit_rules.frames import decoder_of, refuse_board
 from app.devices.core.tmcl_frames import request_of
 from app.devices.limits.apply import limiter_of
-from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkError, OutOfRange, SoftLimit, UsageError, WrongState
 from app.links import datagram32
 from app.links.datagram_uart import UartForm
@@ -116,11 +117,11 @@ async def test_a_word_that_may_have_arrived_is_not_relied_on() -> None:
         await set_up(made.device)
         await made.limit(AxisLimits(velocity_max_pps=20_000.0))
         wire = emulator_of(made.device)
-        wire.patch(EmulatorPatch(faults=FaultsChange(silence=True)))
+        wire.patch(EmulatorPatch(faults=ChipFaultsChange(silence=True)))
         queue = made.device.session.queue
         with pytest.raises(LinkError):
             await queue.exchange(datagram32.write(0x0C, 0x7600))  # pulse_div 7
-        wire.patch(EmulatorPatch(faults=FaultsChange(silence=False)))
+        wire.patch(EmulatorPatch(faults=ChipFaultsChange(silence=False)))
         with pytest.raises(SoftLimit):
             await queue.exchange(datagram32.write(0x03, 1311))  # slow enough with a pulse_div of 5 and more
         await made.device.registers.write("pulse_div", 0, 7)

@@ -4799,7 +4799,7 @@ export interface components {
             /** Stages */
             stages?: components["schemas"]["Tmc428StageChange"][];
             inputs?: components["schemas"]["Tmc428InputsChange"];
-            faults?: components["schemas"]["Tmc428FaultsChange"];
+            faults?: components["schemas"]["ChipFaultsChange"];
             /** Drivers */
             drivers?: components["schemas"]["DriverChange"][];
             /**
@@ -4838,7 +4838,7 @@ export interface components {
             /** Axes */
             axes: components["schemas"]["Tmc428AxisState"][];
             inputs: components["schemas"]["Inputs"];
-            faults: components["schemas"]["Faults"];
+            faults: components["schemas"]["ChipFaultsState"];
             /** Powered Down */
             powered_down: boolean;
             driver_chain: components["schemas"]["ChainState"] | null;
@@ -5202,27 +5202,54 @@ export interface components {
              */
             compare?: (number | string) | null;
         };
-        /** Faults */
-        Faults: {
-            /** Silence */
-            silence: boolean;
-            /** Unplugged */
-            unplugged: boolean;
-            /** Bit Error Rate */
-            bit_error_rate: number;
+        /**
+         * FaultsChange
+         * @description Faults on the wire and of the supply.
+         */
+        FaultsChange: {
+            /**
+             * Silence
+             * @description commands are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Late Reply S
+             * @description answers come this much later [s]; without a real line they count as lost
+             */
+            late_reply_s?: number | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of an answer is flipped
+             */
+            bit_error_rate?: number | null;
+            /**
+             * Half Frame Rate
+             * @description probability that an answer breaks off half way
+             */
+            half_frame_rate?: number | null;
+            /**
+             * Unplugged
+             * @description the line is gone: nothing is heard, nothing answered
+             */
+            unplugged?: boolean | null;
+            /**
+             * Undervoltage
+             * @description motor supply below what the driver needs: bridges off, motor free
+             */
+            undervoltage?: boolean | null;
         };
         /** FaultsState */
         FaultsState: {
             /** Silence */
             silence: boolean;
-            /** Late Reply S */
-            late_reply_s: number;
-            /** Bit Error Rate */
-            bit_error_rate: number;
-            /** Half Frame Rate */
-            half_frame_rate: number;
             /** Unplugged */
             unplugged: boolean;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
             /** Undervoltage */
             undervoltage: boolean;
         };
@@ -6371,57 +6398,13 @@ export interface components {
             kind: "emulator";
         };
         /**
-         * ListedFaultsChange
-         * @description Faults on the wire.
-         */
-        ListedFaultsChange: {
-            /**
-             * Silence
-             * @description commands are obeyed, answers are lost
-             */
-            silence?: boolean | null;
-            /**
-             * Late Reply S
-             * @description answers come this much later [s]; without a real line they count as lost
-             */
-            late_reply_s?: number | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of an answer is flipped
-             */
-            bit_error_rate?: number | null;
-            /**
-             * Half Frame Rate
-             * @description probability that an answer breaks off half way
-             */
-            half_frame_rate?: number | null;
-            /**
-             * Unplugged
-             * @description the line is gone: nothing is heard, nothing answered
-             */
-            unplugged?: boolean | null;
-        };
-        /** ListedFaultsState */
-        ListedFaultsState: {
-            /** Silence */
-            silence: boolean;
-            /** Late Reply S */
-            late_reply_s: number;
-            /** Bit Error Rate */
-            bit_error_rate: number;
-            /** Half Frame Rate */
-            half_frame_rate: number;
-            /** Unplugged */
-            unplugged: boolean;
-        };
-        /**
          * ListedPatch
          * @description A change to a plain emulated chip or module; what is left out stays. A power cycle comes first.
          */
         ListedPatch: {
             /** Time Scale */
             time_scale?: number | null;
-            faults?: components["schemas"]["ListedFaultsChange"];
+            faults?: components["schemas"]["WireFaultsChange"];
             /**
              * Power Cycle
              * @description off and on again; what was stored comes back
@@ -6457,7 +6440,7 @@ export interface components {
             address: number;
             /** Plain Axes */
             plain_axes: components["schemas"]["ListedAxisState"][];
-            faults: components["schemas"]["ListedFaultsState"];
+            faults: components["schemas"]["WireFaultsState"];
         };
         /**
          * ListedTrial
@@ -11362,7 +11345,7 @@ export interface components {
             encoder?: components["schemas"]["TmclEncoderChange"];
             inputs?: components["schemas"]["TmclInputsChange"];
             step_dir?: components["schemas"]["TmclStepDirChange"] | null;
-            faults?: components["schemas"]["TmclFaultsChange"];
+            faults?: components["schemas"]["FaultsChange"];
             /**
              * Power Cycle
              * @description off and on again; motor and stage stay where they are
@@ -12139,6 +12122,53 @@ export interface components {
             step_pps: number;
         };
         /**
+         * WireFaultsChange
+         * @description Faults on the wire.
+         */
+        WireFaultsChange: {
+            /**
+             * Silence
+             * @description commands are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Late Reply S
+             * @description answers come this much later [s]; without a real line they count as lost
+             */
+            late_reply_s?: number | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of an answer is flipped
+             */
+            bit_error_rate?: number | null;
+            /**
+             * Half Frame Rate
+             * @description probability that an answer breaks off half way
+             */
+            half_frame_rate?: number | null;
+            /**
+             * Unplugged
+             * @description the line is gone: nothing is heard, nothing answered
+             */
+            unplugged?: boolean | null;
+        };
+        /**
+         * WireFaultsState
+         * @description What is wrong on the wire at present.
+         */
+        WireFaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
+        };
+        /**
          * WireHealth
          * @description What went over a device's link since it was made.
          */
@@ -12250,27 +12280,6 @@ export interface components {
              * @description where the carriage really is
              */
             position_fullsteps: number;
-        };
-        /**
-         * FaultsChange
-         * @description Faults between the chip and us.
-         */
-        Tmc428FaultsChange: {
-            /**
-             * Silence
-             * @description frames get no answer
-             */
-            silence?: boolean | null;
-            /**
-             * Unplugged
-             * @description the link is gone
-             */
-            unplugged?: boolean | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of a reply is flipped
-             */
-            bit_error_rate?: number | null;
         };
         /** InputsChange */
         Tmc428InputsChange: {
@@ -12625,42 +12634,6 @@ export interface components {
              * @description once-a-turn error of the built-in encoder [deg of the shaft]
              */
             eccentricity_deg?: number | null;
-        };
-        /**
-         * FaultsChange
-         * @description Faults on the wire and of the supply.
-         */
-        TmclFaultsChange: {
-            /**
-             * Silence
-             * @description commands are obeyed, answers are lost
-             */
-            silence?: boolean | null;
-            /**
-             * Late Reply S
-             * @description answers come this much later [s]; without a real line they count as lost
-             */
-            late_reply_s?: number | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of an answer is flipped
-             */
-            bit_error_rate?: number | null;
-            /**
-             * Half Frame Rate
-             * @description probability that an answer breaks off half way
-             */
-            half_frame_rate?: number | null;
-            /**
-             * Unplugged
-             * @description the line is gone: nothing is heard, nothing answered
-             */
-            unplugged?: boolean | null;
-            /**
-             * Undervoltage
-             * @description motor supply below what the driver needs: bridges off, motor free
-             */
-            undervoltage?: boolean | null;
         };
         /** InputsChange */
         TmclInputsChange: {
