@@ -18,3 +18,8 @@ export function choicesOf(devices: readonly Device[]) {
     })),
   }));
 }
+
+/** Values with what to call them, as a Select or SegmentedControl takes them, in this order. */
+export function optionsOf<Value extends string>(labels: Readonly<Record<Value, string>>) {
+  return (Object.entries(labels) as [Value, string][]).map(([value, label]) => ({ value, label }));
+}

@@ -1,6 +1,7 @@
 import { SegmentedControl } from "@mantine/core";
 import { useMemo } from "react";
 import type { Overlay } from "../../plots/types";
+import { optionsOf } from "../choices";
 import { withUnit } from "../format";
 import { colorOf } from "../palette";
 import { usePhone } from "../usePhone";
@@ -148,10 +149,7 @@ export function DesignPlots<P extends string>(props: Props<P>) {
           aria-label="Ramp mode"
           value={props.mode}
           onChange={(mode) => props.onMode(mode === "velocity" ? "velocity" : "position")}
-          data={[
-            { value: "position", label: "positioning" },
-            { value: "velocity", label: "velocity" },
-          ]}
+          data={optionsOf({ position: "positioning", velocity: "velocity" })}
         />
       }
       keys={ghosts.map(({ line, text }) => ({ line, text }))}

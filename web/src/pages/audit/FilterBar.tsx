@@ -2,18 +2,19 @@ import { Button, NativeSelect, TextInput } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { IconDownload, IconSearch } from "@tabler/icons-react";
 import { useRef } from "react";
+import { optionsOf } from "../../lib/choices";
 import classes from "./audit.module.css";
 import { csvHref, EVERYTHING, type Filters, isFiltered, type Query, type Span } from "./filters";
 import { useAuditFilters } from "./useAudit";
 
-const SPANS: { value: Span; label: string }[] = [
-  { value: "any", label: "any time" },
-  { value: "15 min", label: "last 15 min" },
-  { value: "hour", label: "last hour" },
-  { value: "day", label: "last 24 hours" },
-  { value: "week", label: "last 7 days" },
-  { value: "between", label: "between…" },
-];
+const SPANS: { value: Span; label: string }[] = optionsOf({
+  any: "any time",
+  "15 min": "last 15 min",
+  hour: "last hour",
+  day: "last 24 hours",
+  week: "last 7 days",
+  between: "between…",
+});
 
 interface Props {
   filters: Filters;

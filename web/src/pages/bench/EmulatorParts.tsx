@@ -1,6 +1,7 @@
 import { Button, Divider, Group, SegmentedControl, Slider, Switch, Text } from "@mantine/core";
 import { IconPower } from "@tabler/icons-react";
 import type { ReactNode } from "react";
+import { optionsOf } from "../../lib/choices";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { useHeld } from "../../lib/useHeld";
@@ -22,11 +23,7 @@ export function SwitchRow({ label, of, forced, onChange }: SwitchProps) {
       <Text size="xs">{label}</Text>
       <SegmentedControl
         aria-label={`${label} switch of ${of}`}
-        data={[
-          { value: "auto", label: "stage" },
-          { value: "on", label: "on" },
-          { value: "off", label: "off" },
-        ]}
+        data={optionsOf({ auto: "stage", on: "on", off: "off" })}
         value={forced === null ? "auto" : forced ? "on" : "off"}
         onChange={(value) => onChange(value === "auto" ? "auto" : value === "on")}
       />

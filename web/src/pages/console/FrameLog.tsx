@@ -5,6 +5,7 @@ import { IconListDetails, IconPlayerPause, IconPlayerPlay, IconSearch } from "@t
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
 import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -108,11 +109,7 @@ export function FrameLog({ device }: { device: Device }) {
         />
         <SegmentedControl
           aria-label="Which frames"
-          data={[
-            { value: "all", label: "All" },
-            { value: "commands", label: "Commands" },
-            { value: "samples", label: "Telemetry" },
-          ]}
+          data={optionsOf({ all: "All", commands: "Commands", samples: "Telemetry" })}
           value={filter.show}
           onChange={(show) => setFilter({ ...filter, show: show as Show })}
         />

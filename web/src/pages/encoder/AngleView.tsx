@@ -1,6 +1,7 @@
 import { Button, Group, SegmentedControl, Text } from "@mantine/core";
 import { useRef, useState } from "react";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { fixed } from "../../lib/format";
 import { LiveText } from "../../live/LiveText";
 import { Plot } from "../../plots/Plot";
@@ -43,21 +44,13 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
         <>
           <SegmentedControl
             aria-label="Direction"
-            data={[
-              { value: "both", label: "Both ways" },
-              { value: "forward", label: "Forward" },
-              { value: "backward", label: "Back" },
-            ]}
+            data={optionsOf({ both: "Both ways", forward: "Forward", backward: "Back" })}
             value={direction}
             onChange={(value) => onDirection(value as Direction)}
           />
           <SegmentedControl
             aria-label="View"
-            data={[
-              { value: "polar", label: "Polar" },
-              { value: "turn", label: "Unrolled" },
-              { value: "steps", label: "Full steps" },
-            ]}
+            data={optionsOf({ polar: "Polar", turn: "Unrolled", steps: "Full steps" })}
             value={view}
             onChange={(value) => setView(value as View)}
           />

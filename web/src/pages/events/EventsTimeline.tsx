@@ -2,6 +2,7 @@ import { Loader, SegmentedControl, Text } from "@mantine/core";
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import type { Device } from "../../api/queries";
 import { familyOf } from "../../families/families";
+import { optionsOf } from "../../lib/choices";
 import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { usePhone } from "../../lib/usePhone";
@@ -51,10 +52,7 @@ export function EventsTimeline({ device, axis, name, source, connected, window }
         {!phone && (
           <SegmentedControl
             aria-label="Events as"
-            data={[
-              { value: "timeline", label: "Timeline" },
-              { value: "list", label: "List" },
-            ]}
+            data={optionsOf({ timeline: "Timeline", list: "List" })}
             value={view}
             onChange={(value) => setView(value as "timeline" | "list")}
           />

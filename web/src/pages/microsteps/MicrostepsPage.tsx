@@ -2,6 +2,7 @@ import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { IconWaveSine } from "@tabler/icons-react";
 import { can, type Device, useDevices } from "../../api/queries";
+import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
 import { useWhoCan } from "../../lib/models";
 import { Page } from "../../lib/Page";
@@ -21,10 +22,10 @@ function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format:
         aria-label="Kind of table"
         value={format}
         onChange={(next) => onFormat(next as Format)}
-        data={[
-          { value: "quarter", label: `${quarter.join(" and ")}, 64 values` },
-          { value: "mslut", label: `${mslut.join(" and ")}, 256 differences` },
-        ]}
+        data={optionsOf({
+          quarter: `${quarter.join(" and ")}, 64 values`,
+          mslut: `${mslut.join(" and ")}, 256 differences`,
+        })}
       />
     </div>
   );

@@ -3,6 +3,7 @@ import { type ReactNode, useMemo, useState } from "react";
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { fixed } from "../../lib/format";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -117,10 +118,7 @@ export function QuarterEditor({
                   aria-label="Pointer"
                   value={tool}
                   onChange={(next) => setTool(next as Tool)}
-                  data={[
-                    { value: "drag", label: "drag a point" },
-                    { value: "draw", label: "draw freely" },
-                  ]}
+                  data={optionsOf({ drag: "drag a point", draw: "draw freely" })}
                 />
                 <UndoRedo drafting={drafting} />
               </>

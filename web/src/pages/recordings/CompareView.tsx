@@ -6,6 +6,7 @@ import { useState } from "react";
 import { Link, useSearch } from "wouter";
 import { api } from "../../api/client";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
 import { compact, fixed } from "../../lib/format";
 import { Page } from "../../lib/Page";
@@ -76,11 +77,7 @@ export function CompareView() {
             </Link>
             <SegmentedControl
               aria-label="Laid on each other at"
-              data={[
-                { value: "trigger", label: "Trigger" },
-                { value: "move", label: "First move" },
-                { value: "start", label: "Start" },
-              ]}
+              data={optionsOf({ trigger: "Trigger", move: "First move", start: "Start" })}
               value={align}
               onChange={(value) => {
                 setAlign(value as Align);
@@ -89,10 +86,7 @@ export function CompareView() {
             />
             <SegmentedControl
               aria-label="Show"
-              data={[
-                { value: "overlay", label: "Overlay" },
-                { value: "difference", label: "Difference" },
-              ]}
+              data={optionsOf({ overlay: "Overlay", difference: "Difference" })}
               value={view}
               onChange={(value) => setView(value as typeof view)}
             />

@@ -4,6 +4,7 @@ import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/ic
 import { useCallback, useState } from "react";
 import { Link, useLocation } from "wouter";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { duration, fixed, sizeText } from "../../lib/format";
 import { later } from "../../lib/later";
 import { Page } from "../../lib/Page";
@@ -258,10 +259,7 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
       actions={
         <SegmentedControl
           aria-label="Figures of"
-          data={[
-            { value: "shown", label: "What is shown" },
-            { value: "all", label: "All of it" },
-          ]}
+          data={optionsOf({ shown: "What is shown", all: "All of it" })}
           value={of}
           onChange={setOf}
         />

@@ -3,6 +3,7 @@ import { useQueries } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../api/client";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { compact, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
@@ -21,17 +22,17 @@ interface Ask {
 }
 type Spectrum = Schemas["Spectrum"];
 
-const WINDOWS: { value: WindowName; label: string }[] = [
-  { value: "hann", label: "Hann" },
-  { value: "flattop", label: "Flat top: amplitudes" },
-  { value: "blackman", label: "Blackman" },
-  { value: "none", label: "none" },
-];
-const DETRENDS: { value: Detrend; label: string }[] = [
-  { value: "line", label: "without its slope" },
-  { value: "mean", label: "without its mean" },
-  { value: "none", label: "as it is" },
-];
+const WINDOWS: { value: WindowName; label: string }[] = optionsOf({
+  hann: "Hann",
+  flattop: "Flat top: amplitudes",
+  blackman: "Blackman",
+  none: "none",
+});
+const DETRENDS: { value: Detrend; label: string }[] = optionsOf({
+  line: "without its slope",
+  mean: "without its mean",
+  none: "as it is",
+});
 const POINTS = 2000;
 
 interface Props {

@@ -1,7 +1,7 @@
 import { Button, Group, MultiSelect, Select, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { type Device, useDevices } from "../../api/queries";
-import { namesOf } from "../../lib/choices";
+import { namesOf, optionsOf } from "../../lib/choices";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { symbolOf } from "../../lib/units";
@@ -154,11 +154,11 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
         <Select
           size="sm"
           label="Begins"
-          data={[
-            { value: "now", label: "at once" },
-            { value: "move", label: "when an axis is sent somewhere" },
-            { value: "level", label: "when a channel crosses a level" },
-          ]}
+          data={optionsOf({
+            now: "at once",
+            move: "when an axis is sent somewhere",
+            level: "when a channel crosses a level",
+          })}
           value={kind}
           onChange={(value) => value && setKind(value as typeof kind)}
         />
@@ -179,10 +179,7 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
               <Select
                 size="sm"
                 label="Direction"
-                data={[
-                  { value: "up", label: "upwards" },
-                  { value: "down", label: "downwards" },
-                ]}
+                data={optionsOf({ up: "upwards", down: "downwards" })}
                 value={rising}
                 onChange={(value) => value && setRising(value)}
               />

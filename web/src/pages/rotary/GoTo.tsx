@@ -1,6 +1,7 @@
 import { Button, Group, SegmentedControl, Switch } from "@mantine/core";
 import { IconArrowBackUp, IconPlayerPlayFilled, IconPlayerTrackNext, IconPlayerTrackPrev } from "@tabler/icons-react";
 import { useState } from "react";
+import { optionsOf } from "../../lib/choices";
 import { exactText } from "../../lib/format";
 import { LiveText } from "../../live/LiveText";
 import { ExactField } from "./ExactField";
@@ -26,11 +27,7 @@ interface Props {
   disabled: boolean;
 }
 
-const WAY_NAMES = [
-  { value: "shortest", label: "shortest" },
-  { value: "positive", label: "+ only" },
-  { value: "negative", label: "− only" },
-];
+const WAY_NAMES = optionsOf({ shortest: "shortest", positive: "+ only", negative: "− only" });
 const QUICK = [0, 90, 180, 270];
 /** Whole turns at once: what the server takes, too. */
 const MOST_TURNS = 1n << 53n;

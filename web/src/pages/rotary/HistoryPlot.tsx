@@ -111,10 +111,7 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
         <Group gap={6}>
           <SegmentedControl
             aria-label="Shown as"
-            data={[
-              { value: "turns", label: "turns" },
-              { value: "angle", label: "angle" },
-            ]}
+            data={["turns", "angle"]}
             value={what}
             onChange={(value) => setWhat(value as "angle" | "turns")}
           />

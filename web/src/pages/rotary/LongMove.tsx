@@ -2,6 +2,7 @@ import { Button, SegmentedControl, Select } from "@mantine/core";
 import { IconPlayerPlayFilled } from "@tabler/icons-react";
 import { useState } from "react";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { compact } from "../../lib/format";
 import { ExactField } from "./ExactField";
 import { abs, grouped, LEAST, MOST, type Ratio, ratio, rounded, times } from "./exact";
@@ -66,15 +67,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
         <Select
           label="in"
           w={96}
-          data={[
-            { value: "microsteps", label: "µsteps" },
-            ...(turn === null
-              ? []
-              : [
-                  { value: "turns", label: "turns" },
-                  { value: "degrees", label: "degrees" },
-                ]),
-          ]}
+          data={[{ value: "microsteps", label: "µsteps" }, ...(turn === null ? [] : ["turns", "degrees"])]}
           value={shown}
           disabled={disabled}
           onChange={(next) => next && setUnit(next as Unit)}
@@ -84,10 +77,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
         mt={6}
         fullWidth
         aria-label="Reference"
-        data={[
-          { value: "to", label: "to a position" },
-          { value: "by", label: "from here" },
-        ]}
+        data={optionsOf({ to: "to a position", by: "from here" })}
         value={relative}
         disabled={disabled}
         onChange={(next) => setRelative(next as "to" | "by")}

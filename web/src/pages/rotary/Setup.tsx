@@ -1,6 +1,7 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useState } from "react";
 import { Card } from "../../lib/Card";
+import { optionsOf } from "../../lib/choices";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ExactField, whole } from "./ExactField";
@@ -75,10 +76,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
       <SegmentedControl
         fullWidth
         aria-label="What a turn is given by"
-        data={[
-          { value: "direct", label: "microsteps" },
-          { value: "gear", label: "gear" },
-        ]}
+        data={optionsOf({ direct: "microsteps", gear: "gear" })}
         value={kind}
         disabled={disabled}
         onChange={(next) => setKind(next as Kind)}

@@ -117,11 +117,7 @@ export function RampPlots(props: Props) {
             aria-label="Ramp mode"
             value={mode}
             onChange={(value) => onMode(value as RampMode)}
-            data={[
-              { value: "ramp", label: "ramp" },
-              { value: "soft", label: "soft" },
-              { value: "velocity", label: "velocity" },
-            ]}
+            data={["ramp", "soft", "velocity"]}
           />
           <div className={`${classes.distance} row gap-6`}>
             <span className="hint" aria-hidden>

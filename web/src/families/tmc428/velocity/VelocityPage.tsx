@@ -6,6 +6,7 @@ import { useEffect, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
+import { optionsOf } from "../../../lib/choices";
 import { compact, fixed } from "../../../lib/format";
 import { NoDevice } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
@@ -255,10 +256,7 @@ function Lateness({ device, axis, running, sent }: { device: Device; axis: numbe
       actions={
         <SegmentedControl
           aria-label="Lateness as"
-          data={[
-            { value: "time", label: "Over time" },
-            { value: "spread", label: "Share within" },
-          ]}
+          data={optionsOf({ time: "Over time", spread: "Share within" })}
           value={over}
           onChange={(value) => setOver(value as "time" | "spread")}
         />

@@ -3,6 +3,7 @@ import { IconWaveSquare, IconX } from "@tabler/icons-react";
 import { useEffect, useMemo, useState } from "react";
 import type { AxisAddress } from "../../../api/motion";
 import { Card } from "../../../lib/Card";
+import { optionsOf } from "../../../lib/choices";
 import { EmptyState } from "../../../lib/EmptyState";
 import { compact, duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
@@ -43,10 +44,7 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
       actions={
         <SegmentedControl
           aria-label="Kind of response"
-          data={[
-            { value: "step", label: "Step" },
-            { value: "load", label: "Disturbance" },
-          ]}
+          data={optionsOf({ step: "Step", load: "Disturbance" })}
           value={kind}
           onChange={(value) => setKind(value as Kind)}
         />
@@ -107,12 +105,7 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
           <Group justify="space-between" mt={4} gap="xs">
             <SegmentedControl
               aria-label="What is drawn"
-              data={[
-                { value: "position", label: "Position" },
-                { value: "deviation", label: "Deviation" },
-                { value: "velocity", label: "Speed" },
-                { value: "angle", label: "Load angle" },
-              ]}
+              data={optionsOf({ position: "Position", deviation: "Deviation", velocity: "Speed", angle: "Load angle" })}
               value={view}
               onChange={(value) => setView(value as View)}
             />
@@ -172,10 +165,7 @@ function StepForm({
       />
       <NativeSelect
         label="Command"
-        data={[
-          { value: "step", label: "jumps" },
-          { value: "ramp", label: "goes on the ramp" },
-        ]}
+        data={optionsOf({ step: "jumps", ramp: "goes on the ramp" })}
         value={shape}
         disabled={disabled}
         onChange={(event) => setShape(event.currentTarget.value as "ramp" | "step")}

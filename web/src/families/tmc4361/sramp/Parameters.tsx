@@ -1,5 +1,6 @@
 import { SegmentedControl, Switch } from "@mantine/core";
 import { memo } from "react";
+import { optionsOf } from "../../../lib/choices";
 import type { Answer } from "../../../lib/ramp/answer";
 import type { Reach } from "../../../lib/ramp/HandleLayer";
 import { type Preset, RampRegisters } from "../../../lib/ramp/RampRegisters";
@@ -41,11 +42,11 @@ const GROUPS: readonly { title: string; parameters: readonly Parameter[] }[] = [
   { title: "Bows", parameters: ["bow1", "bow2", "bow3", "bow4"] },
   { title: "Start and stop", parameters: ["vbreak", "vstart", "astart", "vstop", "dfinal"] },
 ];
-const LOCKS: readonly { value: Lock; label: string }[] = [
-  { value: "equal", label: "all equal" },
-  { value: "mirrored", label: "up = down" },
-  { value: "free", label: "free" },
-];
+const LOCKS: readonly { value: Lock; label: string }[] = optionsOf({
+  equal: "all equal",
+  mirrored: "up = down",
+  free: "free",
+});
 
 /** The registers of the ramp in the unit of choice, and what their fixed point makes of them. */
 export const Parameters = memo(function Parameters(props: Props) {
@@ -62,11 +63,7 @@ export const Parameters = memo(function Parameters(props: Props) {
           aria-label="Shape of the ramp"
           value={options.shape}
           onChange={(shape: Shape) => onOptions({ shape })}
-          data={[
-            { value: "s", label: "S-ramp" },
-            { value: "trapezoid", label: "trapezoid" },
-            { value: "hold", label: "hold" },
-          ]}
+          data={optionsOf({ s: "S-ramp", trapezoid: "trapezoid", hold: "hold" })}
         />
       }
       locks={LOCKS}

@@ -190,10 +190,7 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
         </Text>
         <SegmentedControl
           aria-label="Currents as"
-          data={[
-            { value: "rms", label: "rms" },
-            { value: "peak", label: "peak" },
-          ]}
+          data={["rms", "peak"]}
           value={measure}
           onChange={(value) => setMeasure(value as "rms" | "peak")}
         />

@@ -1,4 +1,5 @@
 import { memo } from "react";
+import { optionsOf } from "../../../lib/choices";
 import type { Reach } from "../../../lib/ramp/HandleLayer";
 import { type Preset, RampRegisters } from "../../../lib/ramp/RampRegisters";
 import { factor, type Units } from "../../../lib/ramp/scales";
@@ -33,10 +34,7 @@ const GROUPS: readonly { title: string; parameters: readonly Parameter[] }[] = [
 ];
 /** In which the wait is typed [s]. */
 const MS = 1e-3;
-const LOCKS: readonly { value: Lock; label: string }[] = [
-  { value: "mirrored", label: "up = down" },
-  { value: "free", label: "free" },
-];
+const LOCKS: readonly { value: Lock; label: string }[] = optionsOf({ mirrored: "up = down", free: "free" });
 
 /** The registers of the ramp, in the unit of choice and in those of the chip. */
 export const Parameters = memo(function Parameters(props: Props) {

@@ -3,6 +3,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
+import { optionsOf } from "../../../lib/choices";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../bench.module.css";
 import type { Action } from "./useAction";
@@ -52,10 +53,7 @@ export function StallSection({ at, action, disabled }: Props) {
       <SegmentedControl
         fullWidth
         aria-label="End of the stage to search"
-        data={[
-          { value: "left", label: "Left end" },
-          { value: "right", label: "Right end" },
-        ]}
+        data={optionsOf({ left: "Left end", right: "Right end" })}
         value={wanted.side}
         disabled={locked}
         onChange={(side) => setWanted((now) => ({ ...now, side: side as Stall["side"] }))}

@@ -2,7 +2,7 @@ import { ActionIcon, Box, Button, Group, Popover, SegmentedControl } from "@mant
 import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { Choice } from "../../../lib/Choice";
-import { namesOf } from "../../../lib/choices";
+import { namesOf, optionsOf } from "../../../lib/choices";
 import { later } from "../../../lib/later";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
@@ -74,11 +74,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
       </Button>
       <SegmentedControl
         aria-label="Trigger"
-        data={[
-          { value: "roll", label: "Roll" },
-          { value: "auto", label: "Auto" },
-          { value: "single", label: "Single" },
-        ]}
+        data={optionsOf({ roll: "Roll", auto: "Auto", single: "Single" })}
         value={settings.trigger}
         onChange={(value) => {
           change({ trigger: value as Trigger });

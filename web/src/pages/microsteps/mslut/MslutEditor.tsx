@@ -4,6 +4,7 @@ import { type ReactNode, useCallback, useMemo, useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { type Device, useCatalog } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
+import { optionsOf } from "../../../lib/choices";
 import { fixed } from "../../../lib/format";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
@@ -39,10 +40,10 @@ type Result = Schemas["MslutResult"];
 /** The even ones are none: the wave has a negative half of its own. */
 const ODD = [3, 5, 7, 9, 11, 13, 15];
 
-const NORMS: { value: Norm; label: string }[] = [
-  { value: "least_squares", label: "least squares" },
-  { value: "minimax", label: "smallest worst distance" },
-];
+const NORMS: { value: Norm; label: string }[] = optionsOf({
+  least_squares: "least squares",
+  minimax: "smallest worst distance",
+});
 
 /** The wave of a chip with one-bit differences: designed, judged, and sent. `choice` stands where no chip decides. */
 export function MslutEditor({
@@ -145,20 +146,13 @@ export function MslutEditor({
                 aria-label="Positions shown"
                 value={view}
                 onChange={(next) => setView(next as View)}
-                data={[
-                  { value: "quarter", label: "quarter, 256" },
-                  { value: "period", label: "period, 1024" },
-                ]}
+                data={optionsOf({ quarter: "quarter, 256", period: "period, 1024" })}
               />
               <SegmentedControl
                 aria-label="Pointer"
                 value={tool}
                 onChange={(next) => setTool(next as Tool)}
-                data={[
-                  { value: "bend", label: "bend" },
-                  { value: "point", label: "one entry" },
-                  { value: "draw", label: "draw" },
-                ]}
+                data={optionsOf({ bend: "bend", point: "one entry", draw: "draw" })}
               />
               <UndoRedo drafting={drafting} />
             </>
