@@ -1,3 +1,5 @@
+import { Shared } from "./shared";
+
 /** Where the cursor of a recording's plot stands: what other views (the 3D twin) scrub to. */
 export interface RecordingCursor {
   recording: string;
@@ -5,22 +7,16 @@ export interface RecordingCursor {
   time_s: number;
 }
 
-let at: RecordingCursor | null = null;
-const listeners = new Set<() => void>();
-
 /**
  * One cursor for the whole page. Plots set it while the pointer or the arrow keys move; null where it is on no plot.
  * Past React: it changes with every pixel, and only who subscribes hears of it.
  */
+const cursor = new Shared<RecordingCursor | null>(null);
 export const recordingCursor = {
-  get: (): RecordingCursor | null => at,
+  get: cursor.get,
+  subscribe: cursor.subscribe,
   set(next: RecordingCursor | null) {
-    if (next?.recording === at?.recording && next?.time_s === at?.time_s) return;
-    at = next;
-    for (const listener of [...listeners]) listener();
-  },
-  subscribe(listener: () => void): () => void {
-    listeners.add(listener);
-    return () => listeners.delete(listener);
+    const at = cursor.get();
+    if (next?.recording !== at?.recording || next?.time_s !== at?.time_s) cursor.set(next);
   },
 };

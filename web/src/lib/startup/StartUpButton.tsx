@@ -1,5 +1,5 @@
 import { Button, type ButtonProps } from "@mantine/core";
-import { wantStartUp } from "./wanted";
+import { startUpWanted } from "./wanted";
 
 interface Props extends Pick<ButtonProps, "size" | "variant" | "disabled"> {
   device: string;
@@ -16,7 +16,7 @@ export function StartUpButton({ device, axes, axisNames = [], label = "Start up"
       size="sm"
       {...look}
       data-testid="start-up-open"
-      onClick={() => wantStartUp({ device, axes, axisNames, onDone })}
+      onClick={() => startUpWanted.set({ device, axes, axisNames, onDone })}
     >
       {label}…
     </Button>

@@ -1,13 +1,13 @@
 import { Box, Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { useSyncExternalStore } from "react";
 import { api } from "../../api/client";
 import { compact, fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { RegisterName } from "../rows/parts";
+import { useShared } from "../shared";
 import { useWork } from "../useWork";
 import { linesOf, type Report } from "./changes";
-import { onWantedStartUp, type StartUpWanted, wantedStartUp, wantStartUp } from "./wanted";
+import { type StartUpWanted, startUpWanted } from "./wanted";
 
 async function ask(device: string, axes: StartUpWanted["axes"], dryRun: boolean): Promise<Report> {
   const body = { axes: axes === null ? null : [...axes], dry_run: dryRun } as never;
@@ -16,8 +16,8 @@ async function ask(device: string, axes: StartUpWanted["axes"], dryRun: boolean)
 
 /** What a start-up would write, register by register, then all of it at once; what came of it. */
 export function StartUpDialog() {
-  const wanted = useSyncExternalStore(onWantedStartUp, wantedStartUp);
-  const close = () => wantStartUp(null);
+  const wanted = useShared(startUpWanted);
+  const close = () => startUpWanted.set(null);
   return (
     <Modal
       opened={wanted !== null}

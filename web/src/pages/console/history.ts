@@ -1,5 +1,5 @@
-import { useSyncExternalStore } from "react";
 import type { Problem, Schemas } from "../../api/client";
+import { stored, useShared } from "../../lib/shared";
 
 export interface Entry {
   id: number;
@@ -10,60 +10,34 @@ export interface Entry {
 }
 
 const KEPT = 60;
-const STORAGE = "stepscope.console";
 const NONE: readonly Entry[] = [];
 
-/** What was sent to each device, newest first; in the browser's storage, so that it outlives a reload. */
-let all: Record<string, readonly Entry[]> = load();
-const listeners = new Set<() => void>();
-
-function load(): Record<string, readonly Entry[]> {
-  try {
-    const kept: unknown = JSON.parse(localStorage.getItem(STORAGE) ?? "{}");
-    if (typeof kept !== "object" || kept === null) return {};
-    return Object.fromEntries(
-      Object.entries(kept).flatMap(([device, entries]) =>
-        Array.isArray(entries) ? [[device, entries.filter(isEntry)]] : [],
-      ),
-    );
-  } catch {
-    return {}; // storage that is forbidden or spoilt: start with nothing sent
-  }
-}
+/** What was sent to each device, newest first. */
+const all = stored<Readonly<Record<string, readonly Entry[]>>>("localStorage", "stepscope.console", (kept) =>
+  Object.fromEntries(
+    Object.entries(kept).flatMap(([device, entries]) =>
+      Array.isArray(entries) ? [[device, entries.filter(isEntry)]] : [],
+    ),
+  ),
+);
 
 function isEntry(entry: unknown): entry is Entry {
   return typeof entry === "object" && entry !== null && "line" in entry && typeof entry.line === "string";
 }
 
-function publish(): void {
-  try {
-    localStorage.setItem(STORAGE, JSON.stringify(all));
-  } catch {
-    // a full or forbidden storage costs the history only at a reload
-  }
-  for (const listener of listeners) listener();
-}
-
 export function remember(device: string, entry: Omit<Entry, "id" | "atMs">): void {
-  const before = all[device] ?? NONE;
+  const before = all.get()[device] ?? NONE;
   const id = (before[0]?.id ?? 0) + 1;
-  all = { ...all, [device]: [{ ...entry, id, atMs: Date.now() }, ...before].slice(0, KEPT) };
-  publish();
+  all.set({ ...all.get(), [device]: [{ ...entry, id, atMs: Date.now() }, ...before].slice(0, KEPT) });
 }
 
 export function forget(device: string): void {
-  all = Object.fromEntries(Object.entries(all).filter(([id]) => id !== device));
-  publish();
+  const { [device]: _, ...others } = all.get();
+  all.set(others);
 }
 
 export function useHistory(device: string): readonly Entry[] {
-  return useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener);
-      return () => listeners.delete(listener);
-    },
-    () => all[device] ?? NONE,
-  );
+  return useShared(all)[device] ?? NONE;
 }
 
 /** Lines for arrow up: newest first, each once in a row. */

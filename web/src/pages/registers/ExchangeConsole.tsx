@@ -1,10 +1,11 @@
 import { Button, Group, Text, TextInput } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { useRef, useState, useSyncExternalStore } from "react";
+import { useRef, useState } from "react";
 import { api, type Problem, problemOf } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
+import { Shared, useShared } from "../../lib/shared";
 import { timeOf } from "../../lib/time";
 import {
   decodedLines,
@@ -29,28 +30,14 @@ interface Entry {
 const KEPT = 50;
 
 /** What was exchanged with each device, until the page is reloaded. */
-let history: Record<string, readonly Entry[]> = {};
+const history = new Shared<Readonly<Record<string, readonly Entry[]>>>({});
 let count = 0;
-const listeners = new Set<() => void>();
 const NONE: readonly Entry[] = [];
 
 function remember(device: string, entry: Omit<Entry, "id" | "at">): void {
   count += 1;
-  history = {
-    ...history,
-    [device]: [{ ...entry, id: count, at: new Date() }, ...(history[device] ?? [])].slice(0, KEPT),
-  };
-  for (const listener of listeners) listener();
-}
-
-function useHistory(device: string): readonly Entry[] {
-  return useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener);
-      return () => listeners.delete(listener);
-    },
-    () => history[device] ?? NONE,
-  );
+  const before = history.get()[device] ?? NONE;
+  history.set({ ...history.get(), [device]: [{ ...entry, id: count, at: new Date() }, ...before].slice(0, KEPT) });
 }
 
 interface Props {
@@ -65,7 +52,7 @@ interface Props {
 export function ExchangeConsole({ device: { id: device, about, link }, connected, rows, selected, raw }: Props) {
   const queries = useQueryClient();
   const wire = wireOf({ about, link });
-  const entries = useHistory(device);
+  const entries = useShared(history)[device] ?? NONE;
   const [text, setText] = useState("");
   const back = useRef(-1);
   const frame = parseFrame(text, wire);

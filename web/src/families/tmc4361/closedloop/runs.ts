@@ -1,5 +1,5 @@
-import { useSyncExternalStore } from "react";
 import type { Schemas } from "../../../api/client";
+import { Shared, useShared } from "../../../lib/shared";
 
 export type ResponseState = Schemas["ResponseState"];
 export type Recording = Schemas["Recording"];
@@ -22,8 +22,7 @@ export interface Run {
 export const KEPT = 6;
 
 const none: readonly Run[] = [];
-const kept = new Map<string, readonly Run[]>();
-const listeners = new Set<() => void>();
+const kept = new Shared<ReadonlyMap<string, readonly Run[]>>(new Map());
 
 /** Another run is the newest; the oldest is forgotten. One that is known is not taken twice. */
 export function withRun(runs: readonly Run[], run: Omit<Run, "number">): readonly Run[] {
@@ -32,28 +31,21 @@ export function withRun(runs: readonly Run[], run: Omit<Run, "number">): readonl
   return [...runs, { ...run, number }].slice(-KEPT);
 }
 
+const runsOf = (key: string) => kept.get().get(key) ?? none;
+
 function change(key: string, next: readonly Run[]): void {
-  if (next === kept.get(key)) return;
-  kept.set(key, next);
-  for (const listener of listeners) listener();
+  if (next !== runsOf(key)) kept.set(new Map(kept.get()).set(key, next));
 }
 
 /** Outside of React: curves to compare with outlive a look at another page. */
 export function useRuns(key: string) {
-  const runs = useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener);
-      return () => listeners.delete(listener);
-    },
-    () => kept.get(key) ?? none,
-  );
   return {
-    runs,
-    add: (run: Omit<Run, "number">) => change(key, withRun(kept.get(key) ?? none, run)),
+    runs: useShared(kept).get(key) ?? none,
+    add: (run: Omit<Run, "number">) => change(key, withRun(runsOf(key), run)),
     forget: (id: number) =>
       change(
         key,
-        (kept.get(key) ?? none).filter((run) => run.id !== id),
+        runsOf(key).filter((run) => run.id !== id),
       ),
     clear: () => change(key, none),
   };
