@@ -1,15 +1,12 @@
 import { Select } from "@mantine/core";
-import type { ReactNode } from "react";
+import type { PropsWithChildren, ReactNode } from "react";
 import { NumberField } from "../../lib/NumberField";
 import type { Settings } from "../../lib/rows/settings";
 import classes from "./stallguard.module.css";
 
-export interface Common {
+interface RowProps {
   settings: Settings;
   disabled: boolean;
-}
-
-interface RowProps extends Common {
   name: string;
   label: string;
   /** where the device keeps it */
@@ -26,13 +23,22 @@ interface NumberRowProps extends RowProps {
   show?: (value: number) => string;
 }
 
-export function NumberRow(props: NumberRowProps) {
-  const { settings, disabled, name, label, alias, note, min, max, unit = "", step = 1, show } = props;
+function Row({ settings, name, label, alias, note, children }: PropsWithChildren<RowProps>) {
   return (
     <div className={classes.row} data-staged={settings.staged.has(name)}>
       <span className="text-12 tight">
         {label} <span className="hint nowrap">{alias}</span>
       </span>
+      {children}
+      <span className="hint tight whole">{note}</span>
+    </div>
+  );
+}
+
+export function NumberRow({ min, max, unit = "", step = 1, show, ...row }: NumberRowProps) {
+  const { settings, disabled, name, label, alias } = row;
+  return (
+    <Row {...row}>
       <NumberField
         aria-label={`${label}, ${alias}`}
         integer={show === undefined}
@@ -47,26 +53,15 @@ export function NumberRow(props: NumberRowProps) {
         onChange={(value) => settings.stage(name, value)}
         data-testid={name}
       />
-      <span className="hint tight whole">{note}</span>
-    </div>
+    </Row>
   );
 }
 
-export function ChoiceRow({
-  settings,
-  disabled,
-  name,
-  label,
-  alias,
-  note,
-  choices,
-}: RowProps & { choices: readonly string[] }) {
+export function ChoiceRow({ choices, ...row }: RowProps & { choices: readonly string[] }) {
+  const { settings, disabled, name, label, alias } = row;
   const value = settings.planned(name);
   return (
-    <div className={classes.row} data-staged={settings.staged.has(name)}>
-      <span className="text-12 tight">
-        {label} <span className="hint nowrap">{alias}</span>
-      </span>
+    <Row {...row}>
       <Select
         aria-label={`${label}, ${alias}`}
         data={choices.map((choice, index) => ({ value: String(index), label: choice }))}
@@ -76,8 +71,7 @@ export function ChoiceRow({
         onChange={(next) => next !== null && settings.stage(name, Number(next))}
         data-testid={name}
       />
-      <span className="hint tight whole">{note}</span>
-    </div>
+    </Row>
   );
 }
 

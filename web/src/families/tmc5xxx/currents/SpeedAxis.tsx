@@ -1,12 +1,15 @@
-import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react";
+import { useElementSize, useMergedRef } from "@mantine/hooks";
+import { type CSSProperties, type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react";
 import { compact } from "../../../lib/format";
 import { everyTick } from "../../../live/LiveText";
+import { widest } from "../../../plots/labels";
 import classes from "./currents.module.css";
 import type { SpeedLimit } from "./figures";
 import {
   chopperZones,
   coolZones,
   type LogAxis,
+  linesOf,
   type Modes,
   rpmOf,
   type SpeedScale,
@@ -40,6 +43,10 @@ interface Props {
 
 /** What an arrow key does: 1 %, with Shift 10 %. */
 const STEP = 1.01;
+/** Between a name and its line, and between names [px]. */
+const GAP_PX = 6;
+/** How much wider than the plots' text a bold name is. */
+const BOLD = 1.12;
 
 /** Every speed threshold on one axis of speeds, and what the driver does between them. */
 export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disabled, onMove }: Props) {
@@ -58,6 +65,32 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
       }),
     [],
   );
+
+  const size = useElementSize();
+  const boxRef = useMergedRef(box, size.ref);
+  const bounds = (name: string, pps: number, part: number) => {
+    const wide = widest([name]) * BOLD + GAP_PX;
+    const from = shareOf(pps, axis) * size.width - part * wide;
+    return { from, to: from + wide };
+  };
+  const marks = [...limits]
+    .sort((a, b) => a.pps - b.pps)
+    .map(({ name, pps }, index) => {
+      // the names of two that are close stand either side of them
+      const before = (index === 0 && limits.length > 1) || shareOf(pps, axis) > 0.85;
+      return { name, pps, before, ...bounds(name, pps, before ? 1 : 0) };
+    });
+  const known = thresholds.flatMap(({ register, name, pps, lane }) => {
+    if (pps === null) return [];
+    const edge = edgeOf(shareOf(pps, axis));
+    const part = edge === undefined ? 0.5 : edge === "left" ? 0 : 1;
+    return [{ key: register, below: lane === "cool", ...bounds(name, pps, part) }];
+  });
+  const below = [...known.filter((name) => name.below), ...marks.map((mark) => ({ key: mark.name, ...mark }))];
+  const above = known.filter((name) => !name.below);
+  const lines = new Map([below, above].flatMap((names) => linesOf(names).map((line, at) => [names[at]?.key, line])));
+  const most = (names: readonly { key: string }[]) => Math.max(0, ...names.map(({ key }) => lines.get(key) ?? 0));
+  const raised = (key: string) => ({ "--at": lines.get(key) ?? 0 });
 
   function move(register: string, event: PointerEvent) {
     const frame = box.current?.getBoundingClientRect();
@@ -82,24 +115,21 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
   }
 
   return (
-    <div className={classes.axisBox}>
-      <div className="grid gap-4 relative" ref={box}>
+    <div className={classes.axisBox} style={{ "--above": most(above), "--below": most(below) } as CSSProperties}>
+      <div className="grid gap-4 relative" ref={boxRef}>
         <Lane label="Chopper" zones={chopperZones(modes, axis)} axis={axis} scale={scale} />
         <Lane label="Load" zones={coolZones(modes, axis)} axis={axis} scale={scale} />
-        {[...limits]
-          .sort((a, b) => a.pps - b.pps)
-          .map(({ name, pps }, index) => (
-            <span
-              key={name}
-              className={classes.limit}
-              // the names of two that are close stand either side of them
-              data-side={(index === 0 && limits.length > 1) || shareOf(pps, axis) > 0.85 ? "before" : "after"}
-              style={{ left: percent(shareOf(pps, axis)) }}
-              title={`${name} at ${compact(rpmOf(pps, scale), 3)} rpm`}
-            >
-              <span className={`${classes.limitName} caution text-12 nowrap`}>{name}</span>
-            </span>
-          ))}
+        {marks.map(({ name, pps, before }) => (
+          <span
+            key={name}
+            className={classes.limit}
+            data-side={before ? "before" : "after"}
+            style={{ left: percent(shareOf(pps, axis)), ...raised(name) } as CSSProperties}
+            title={`${name} at ${compact(rpmOf(pps, scale), 3)} rpm`}
+          >
+            <span className={`${classes.limitName} caution text-12 nowrap`}>{name}</span>
+          </span>
+        ))}
         <span ref={needle} className={classes.needle} style={{ visibility: "hidden" }} title="speed now" />
         {thresholds.map((threshold) =>
           threshold.pps === null ? null : (
@@ -111,7 +141,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
               data-lane={threshold.lane}
               data-staged={threshold.staged}
               data-edge={edgeOf(shareOf(threshold.pps, axis))}
-              style={{ left: percent(shareOf(threshold.pps, axis)) }}
+              style={{ left: percent(shareOf(threshold.pps, axis)), ...raised(threshold.register) } as CSSProperties}
               aria-label={`${threshold.register} as a speed`}
               aria-valuemin={Math.round(axis.least)}
               aria-valuemax={Math.round(axis.most)}

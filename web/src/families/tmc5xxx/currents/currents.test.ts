@@ -7,6 +7,7 @@ import {
   axisFor,
   chopperZones,
   coolZones,
+  linesOf,
   type Modes,
   ppsOf,
   ppsOfTstep,
@@ -215,4 +216,14 @@ describe("what follows for a motor", () => {
   it("marks the limits that there are on the axis of speeds", () => {
     expect(speedLimits(FIGURES)).toEqual([{ name: "full current ends", pps: 500_000 }]);
   });
+});
+
+it("names that would cover each other stand on different lines", () => {
+  const names = [
+    { from: 0, to: 80 },
+    { from: 60, to: 140 },
+    { from: 150, to: 200 },
+    { from: 70, to: 160 },
+  ];
+  expect(linesOf(names)).toEqual([0, 1, 0, 2]);
 });

@@ -87,6 +87,21 @@ export function ticksOf(axis: LogAxis, scale: SpeedScale): { pps: number; rpm: n
   return ticks;
 }
 
+/** On which line each name stands, 0 next to the lanes, so that none covers another. Their ends are in pixels. */
+export function linesOf(names: readonly { from: number; to: number }[]): number[] {
+  const lines: number[] = [];
+  for (const [index, name] of names.entries()) {
+    const taken = names.slice(0, index).flatMap((other, at) => {
+      const apart = other.to <= name.from || name.to <= other.from;
+      return apart ? [] : [lines[at]];
+    });
+    let line = 0;
+    while (taken.includes(line)) line++;
+    lines.push(line);
+  }
+  return lines;
+}
+
 /** What the driver does at a speed, by its settings. */
 export interface Modes {
   /** it is switched on: en_pwm_mode, or a PWM_AMPL of a TMC5072 */

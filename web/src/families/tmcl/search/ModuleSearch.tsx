@@ -1,4 +1,4 @@
-import { Box, Button, Group, Progress, Select, Switch, Text } from "@mantine/core";
+import { Box, Button, Group, Select, Switch, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
@@ -8,6 +8,7 @@ import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../../../pages/bench/bench.module.css";
 import type { LiveAxis } from "../../../pages/bench/live";
+import { SearchProgress } from "../../../pages/bench/motion/SearchProgress";
 import { setZero } from "../../../pages/bench/motion/setZero";
 import type { Action } from "../../../pages/bench/motion/useAction";
 import { searchKey, useSearch } from "../../../pages/bench/motion/useSearch";
@@ -110,22 +111,14 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
           {openOf(choice)}
         </Text>
       )}
-      <Progress
-        value={100 * (search.data?.progress ?? 0)}
-        size={6}
-        color={search.data?.state === "failed" ? "red" : "accent"}
-        aria-label="Reference search"
+      <SearchProgress
+        search={search.data}
+        label="Reference search"
+        testId="search-state"
+        idle="The module searches by itself; it does not need this page."
+        running={({ phase }) => phase || "searching"}
+        done={({ message }) => message || "Found: the counter is zero there."}
       />
-      <Text
-        size="xs"
-        c={search.data?.state === "failed" ? "red" : "dimmed"}
-        mih={36}
-        role="status"
-        data-testid="search-state"
-        data-state={search.data?.state}
-      >
-        {outcome(search.data)}
-      </Text>
       <dl className="facts pairs m-0 text-12">
         <dt>End switches apart, AP 196</dt>
         <dd className="num" data-testid="search-distance">
@@ -163,18 +156,4 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
       </Group>
     </>
   );
-}
-
-function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
-  if (search === undefined) return "";
-  switch (search.state) {
-    case "idle":
-      return "The module searches by itself; it does not need this page.";
-    case "running":
-      return search.phase || "searching";
-    case "done":
-      return search.message || "Found: the counter is zero there.";
-    default:
-      return search.message || `The search was ${search.state}.`;
-  }
 }

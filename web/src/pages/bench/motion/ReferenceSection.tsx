@@ -1,4 +1,4 @@
-import { Button, Group, Progress, SegmentedControl, Text } from "@mantine/core";
+import { Button, Group, SegmentedControl } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
@@ -6,6 +6,7 @@ import { type AxisAddress, motion } from "../../../api/motion";
 import { can, type Device } from "../../../api/queries";
 import { withUnit } from "../../../lib/format";
 import type { LiveAxis } from "../live";
+import { SearchProgress } from "./SearchProgress";
 import { setZero } from "./setZero";
 import type { Action } from "./useAction";
 import { searchKey, useSearch } from "./useSearch";
@@ -19,20 +20,6 @@ interface Props {
 }
 
 type SearchSwitch = NonNullable<Schemas["ReferenceSearchStart"]["switch"]>;
-
-function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
-  if (search === undefined) return "";
-  switch (search.state) {
-    case "idle":
-      return "Finds both edges of a switch and puts zero in their middle.";
-    case "running":
-      return search.phase;
-    case "done":
-      return `Zero is in the middle of the edges; the count moved by ${withUnit(search.offset, "microsteps")}.`;
-    default:
-      return search.message || `The search was ${search.state}.`;
-  }
-}
 
 /** Where zero is: found at a switch, or set here. */
 export function ReferenceSection({ at, device, live, action, disabled }: Props) {
@@ -58,15 +45,14 @@ export function ReferenceSection({ at, device, live, action, disabled }: Props) 
         disabled={disabled || running}
         onChange={(value) => setTarget(value as SearchSwitch)}
       />
-      <Progress
-        value={100 * (search.data?.progress ?? 0)}
-        size={6}
-        color={search.data?.state === "failed" ? "red" : "accent"}
-        aria-label="Reference search"
+      <SearchProgress
+        search={search.data}
+        label="Reference search"
+        idle="Finds both edges of a switch and puts zero in their middle."
+        done={({ offset }) =>
+          `Zero is in the middle of the edges; the count moved by ${withUnit(offset, "microsteps")}.`
+        }
       />
-      <Text size="xs" c={search.data?.state === "failed" ? "red" : "dimmed"} mih={36} role="status">
-        {outcome(search.data)}
-      </Text>
       <Group gap={6} grow wrap="nowrap">
         <Button
           disabled={disabled}

@@ -1,4 +1,4 @@
-import { Button, Group, Progress, SegmentedControl, Text } from "@mantine/core";
+import { Button, Group, SegmentedControl } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
@@ -6,6 +6,7 @@ import { type AxisAddress, motion } from "../../../api/motion";
 import { optionsOf } from "../../../lib/choices";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../bench.module.css";
+import { SearchProgress } from "./SearchProgress";
 import type { Action } from "./useAction";
 import { searchKey, useSearch } from "./useSearch";
 
@@ -25,7 +26,6 @@ export function StallSection({ at, action, disabled }: Props) {
   const search = useSearch(at, !disabled);
   const [wanted, setWanted] = useState<Stall>({ side: "left", hits: 3 });
   const running = search.data?.state === "running";
-  const failed = search.data?.state === "failed";
   const locked = disabled || running;
   const field = (
     label: string,
@@ -62,15 +62,13 @@ export function StallSection({ at, action, disabled }: Props) {
       {field("Threshold", "threshold", "", [-64, 63, 1], "found by itself")}
       {field("Current", "current_percent", "%", [1, 100, 5], "as it is set")}
       {field("Hits", "hits", "", [1, 10, 1], "3")}
-      <Progress
-        value={100 * (search.data?.progress ?? 0)}
-        size={6}
-        color={failed ? "red" : "accent"}
-        aria-label="Search by stall"
+      <SearchProgress
+        search={search.data}
+        label="Search by stall"
+        testId="stall-state"
+        idle="Goes away from the end to see whether StallGuard works at that speed, then runs against it."
+        running={({ phase, edges }) => (edges.length > 0 ? `${phase}; ${edges.length} hits so far` : phase)}
       />
-      <Text size="xs" c={failed ? "red" : "dimmed"} mih={36} role="status" data-testid="stall-state">
-        {outcome(search.data)}
-      </Text>
       <Group gap={6} grow wrap="nowrap">
         <Button
           disabled={disabled}
@@ -94,16 +92,4 @@ export function StallSection({ at, action, disabled }: Props) {
       </Group>
     </>
   );
-}
-
-function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
-  if (search === undefined) return "";
-  switch (search.state) {
-    case "idle":
-      return "Goes away from the end to see whether StallGuard works at that speed, then runs against it.";
-    case "running":
-      return search.edges.length > 0 ? `${search.phase}; ${search.edges.length} hits so far` : search.phase;
-    default:
-      return search.message || `The search was ${search.state}.`;
-  }
 }

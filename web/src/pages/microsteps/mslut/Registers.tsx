@@ -1,8 +1,5 @@
-import { Button, Modal, Stack, Text, Textarea } from "@mantine/core";
-import { IconClipboardText } from "@tabler/icons-react";
-import { useState } from "react";
 import { Card } from "../../../lib/Card";
-import { Copy } from "../Transfer";
+import { Copy, Paste } from "../Paste";
 import { cArray, hexLines, pairOf, parseWave, type Table, WIDTH_HUES } from "./wave";
 
 interface Props {
@@ -15,18 +12,7 @@ interface Props {
 
 /** The registers that hold the wave: beside the chip's, out as C or hex, and in from text. */
 export function Registers({ table, held, onPaste }: Props) {
-  const [open, setOpen] = useState(false);
-  const [text, setText] = useState("");
-  const parsed = parseWave(text);
-  const wrong = "wrong" in parsed ? parsed.wrong : null;
   const rows = table?.registers ?? held?.registers ?? [];
-
-  function take() {
-    if ("wrong" in parsed) return;
-    onPaste(parsed.values, parsed.mirror);
-    setOpen(false);
-    setText("");
-  }
 
   return (
     <Card
@@ -35,14 +21,13 @@ export function Registers({ table, held, onPaste }: Props) {
         <>
           <Copy label="Hex" text={table ? hexLines(table.registers) : ""} />
           <Copy label="C array" text={table ? cArray(table.registers) : ""} />
-          <Button
-            size="compact-xs"
-            variant="default"
-            leftSection={<IconClipboardText size={13} aria-hidden />}
-            onClick={() => setOpen(true)}
-          >
-            Paste
-          </Button>
+          <Paste
+            what="wave"
+            help="256 values of 0 to 255, or the ten register words MSLUT[0] to [7], MSLUTSEL and MSLUTSTART, with or without their addresses; separated by spaces, commas or lines, or as a C array."
+            use="Use this wave"
+            parse={parseWave}
+            onPaste={({ values, mirror }) => onPaste(values, mirror)}
+          />
         </>
       }
     >
@@ -85,28 +70,6 @@ export function Registers({ table, held, onPaste }: Props) {
           ))}
         </p>
       )}
-      <Modal opened={open} onClose={() => setOpen(false)} title="Paste a wave" size="lg">
-        <Stack gap="sm">
-          <Text size="sm" c="dimmed">
-            256 values of 0 to 255, or the ten register words MSLUT[0] to [7], MSLUTSEL and MSLUTSTART, with or without
-            their addresses; separated by spaces, commas or lines, or as a C array.
-          </Text>
-          <Textarea
-            aria-label="Wave as text"
-            autosize
-            minRows={8}
-            maxRows={16}
-            value={text}
-            data-autofocus
-            error={text.trim() !== "" && wrong}
-            classNames={{ input: "num" }}
-            onChange={(event) => setText(event.currentTarget.value)}
-          />
-          <Button size="sm" onClick={take} disabled={wrong !== null}>
-            Use this wave
-          </Button>
-        </Stack>
-      </Modal>
     </Card>
   );
 }
