@@ -1,5 +1,5 @@
-import { useLocalStorage } from "@mantine/hooks";
 import { type Device, useDevices } from "../api/queries";
+import { useLocalKept } from "../lib/useKept";
 
 interface Stored {
   device: string;
@@ -15,11 +15,7 @@ export interface Selection {
 /** The device and axis that every page works on; kept in the browser, the first device where that one is gone. */
 export function useSelection(): Selection {
   const devices = useDevices();
-  const [stored, setStored] = useLocalStorage<Stored>({
-    key: "stepscope.selection",
-    defaultValue: { device: "", axis: 0 },
-    getInitialValueInEffect: false,
-  });
+  const [stored, setStored] = useLocalKept<Stored>("stepscope.selection", { device: "", axis: 0 });
   const device = devices.data?.find((candidate) => candidate.id === stored.device) ?? devices.data?.[0];
   const axis = device && stored.device === device.id && stored.axis < device.axes.length ? stored.axis : 0;
   return { device, axis, select: (id, index) => setStored({ device: id, axis: index }) };

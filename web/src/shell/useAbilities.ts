@@ -1,6 +1,6 @@
-import { useSessionStorage } from "@mantine/hooks";
 import { useEffect } from "react";
 import { useDevices } from "../api/queries";
+import { useSessionKept } from "../lib/useKept";
 import { useSelection } from "../live/selection";
 import type { Abilities } from "./pages";
 
@@ -8,11 +8,7 @@ import type { Abilities } from "./pages";
 export function useAbilities(): Abilities | null {
   const devices = useDevices();
   const { device } = useSelection();
-  const [kept, keep] = useSessionStorage<Abilities | null>({
-    key: "stepscope.abilities",
-    defaultValue: null,
-    getInitialValueInEffect: false,
-  });
+  const [kept, keep] = useSessionKept<Abilities | null>("stepscope.abilities", null);
   const known = devices.data !== undefined;
   const abilities = known ? (device?.about.capabilities ?? null) : kept;
   useEffect(() => {

@@ -1,7 +1,7 @@
-import { useSessionStorage } from "@mantine/hooks";
 import { useCallback, useEffect, useMemo } from "react";
 import type { Device } from "../../api/queries";
 import { scaleOf } from "../units";
+import { useSessionKept } from "../useKept";
 import type { Kind } from "./answer";
 import { type ChipRamp, chipRamp } from "./chip";
 import { MOTOR, type Motor } from "./motor";
@@ -52,16 +52,8 @@ export function useDesigner<Design, Lock, More>(
   const chip = connected ? told : null;
   const own = `${device?.id ?? "-"}.${axis}`;
   const { sketch, latest, change, isFresh } = useSketch(`stepscope.${rules.name}.sketch.${own}`, rules.fresh);
-  const [unitKey, setUnits] = useSessionStorage({
-    key: `stepscope.${rules.name}.units`,
-    defaultValue: "pps",
-    getInitialValueInEffect: false,
-  });
-  const [motor, setMotor] = useSessionStorage<Motor>({
-    key: `stepscope.${rules.name}.motor.${own}`,
-    defaultValue: MOTOR,
-    getInitialValueInEffect: false,
-  });
+  const [unitKey, setUnits] = useSessionKept(`stepscope.${rules.name}.units`, "pps");
+  const [motor, setMotor] = useSessionKept<Motor>(`stepscope.${rules.name}.motor.${own}`, MOTOR);
   const onMotor = useCallback((part: Partial<Motor>) => setMotor((before) => ({ ...before, ...part })), [setMotor]);
   const onChange = useCallback(
     (parameter: keyof Design, value: number) =>

@@ -1,12 +1,12 @@
-import { useSessionStorage } from "@mantine/hooks";
 import { useCallback, useDeferredValue, useRef, useState } from "react";
+import { useSessionKept } from "../useKept";
 
 /**
  * What is designed on a page, kept for the session under `key`; `fresh` until something is changed. A handle that is
  * dragged changes it many times between two renderings, so `latest` always has the newest.
  */
 export function useSketch<S extends object>(key: string, fresh: S) {
-  const [kept, keep] = useSessionStorage<S | null>({ key, defaultValue: null, getInitialValueInEffect: false });
+  const [kept, keep] = useSessionKept<S | null>(key, null);
   const sketch = kept ?? fresh;
   const latest = useRef(sketch);
   latest.current = sketch;

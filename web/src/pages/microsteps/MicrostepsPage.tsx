@@ -1,11 +1,11 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
-import { useLocalStorage } from "@mantine/hooks";
 import { IconWaveSine } from "@tabler/icons-react";
 import { can, type Device, useDevices } from "../../api/queries";
 import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
 import { useWhoCan } from "../../lib/models";
 import { Page } from "../../lib/Page";
+import { useLocalKept } from "../../lib/useKept";
 import { useSelection } from "../../live/selection";
 import { MslutEditor } from "./mslut/MslutEditor";
 import { QuarterEditor } from "./QuarterEditor";
@@ -62,11 +62,7 @@ function NoTable({
 export default function MicrostepsPage() {
   const devices = useDevices();
   const { device, axis, select } = useSelection();
-  const [wanted, setWanted] = useLocalStorage<Format>({
-    key: "stepscope.microsteps.format",
-    defaultValue: "quarter",
-    getInitialValueInEffect: false,
-  });
+  const [wanted, setWanted] = useLocalKept<Format>("stepscope.microsteps.format", "quarter");
   if (devices.isPending) return null;
   if (device && can(device, "step_dir")) {
     const others =

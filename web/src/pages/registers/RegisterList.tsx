@@ -82,21 +82,22 @@ export function RegisterList(props: Props) {
       actions: props.actions,
     };
   };
-  const stagedIn = (group: Group) =>
-    props.edits.filter((edit) => group.rows.some((row) => keyOf(row) === keyOf(edit))).length;
+  const head = (group: Group) => (
+    <GroupHead
+      group={group}
+      title={titleOf(group)}
+      folded={isFolded(group)}
+      staged={props.edits.filter((edit) => group.rows.some((row) => keyOf(row) === keyOf(edit))).length}
+      onFold={onFold}
+    />
+  );
 
   if (phone)
     return (
       <div data-old={old} className={common.values}>
         {groups.map((group) => (
           <section key={group.key}>
-            <GroupHead
-              group={group}
-              title={titleOf(group)}
-              folded={isFolded(group)}
-              staged={stagedIn(group)}
-              onFold={onFold}
-            />
+            {head(group)}
             {!isFolded(group) && (
               <ul className="list mb-8">
                 {group.rows.map((row) => (
@@ -143,13 +144,7 @@ export function RegisterList(props: Props) {
         <tbody key={group.key}>
           <tr>
             <th colSpan={8} scope="rowgroup" className="p-0">
-              <GroupHead
-                group={group}
-                title={titleOf(group)}
-                folded={isFolded(group)}
-                staged={stagedIn(group)}
-                onFold={onFold}
-              />
+              {head(group)}
             </th>
           </tr>
           {!isFolded(group) && group.rows.map((row) => <RegisterLine key={keyOf(row)} {...entry(row)} />)}

@@ -1,9 +1,9 @@
 import { Button, Switch } from "@mantine/core";
-import { useSessionStorage } from "@mantine/hooks";
 import { IconPlayerStop, IconStairs } from "@tabler/icons-react";
 import { Card } from "../../lib/Card";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
+import { useSessionKept } from "../../lib/useKept";
 import { durationOf, sweep, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
@@ -18,10 +18,12 @@ interface Props {
 
 /** Through several speeds and back, so that the plot over speed fills. */
 export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disabled }: Props) {
-  const [wanted, setWanted] = useSessionStorage({
-    key: "stepscope.stallguard.sweep",
-    defaultValue: { from: 15, to: 240, steps: 10, forS: 1, bothWays: true },
-    getInitialValueInEffect: false,
+  const [wanted, setWanted] = useSessionKept("stepscope.stallguard.sweep", {
+    from: 15,
+    to: 240,
+    steps: 10,
+    forS: 1,
+    bothWays: true,
   });
   const { from, to, steps, forS, bothWays } = wanted;
   const put = (part: Partial<typeof wanted>) => setWanted((old) => ({ ...old, ...part }));

@@ -3,24 +3,33 @@ import { IconArrowLeft, IconArrowRight, IconPlus, IconTrash } from "@tabler/icon
 import classes from "./Chain.module.css";
 import { type Bit, SIGNALS } from "./chain";
 
+interface Edit {
+  first: boolean;
+  last: boolean;
+  full: boolean;
+  only: boolean;
+  onSignal: (signal: string) => void;
+  onMove: (by: -1 | 1) => void;
+  onInsert: () => void;
+  onRemove: () => void;
+}
+
 interface Props {
   bit: Bit | null;
   /** the same place in the chip's RAM; undefined where that is not known */
   chip: Bit | null | undefined;
   /** for a custom driver: what can be done with the bit */
-  edit: {
-    first: boolean;
-    last: boolean;
-    full: boolean;
-    only: boolean;
-    onSignal: (signal: string) => void;
-    onMove: (by: -1 | 1) => void;
-    onInsert: () => void;
-    onRemove: () => void;
-  } | null;
+  edit: Edit | null;
   /** make the driver of this bit a custom one */
   onCustom: (() => void) | null;
 }
+
+const actionsOf = ({ first, last, full, only, onMove, onInsert, onRemove }: Edit) => [
+  { label: "Send it earlier", title: "Earlier (Shift + ←)", Icon: IconArrowLeft, barred: first, act: () => onMove(-1) },
+  { label: "Send it later", title: "Later (Shift + →)", Icon: IconArrowRight, barred: last, act: () => onMove(1) },
+  { label: "Insert a bit after it", title: "Insert after", Icon: IconPlus, barred: full, act: onInsert },
+  { label: "Remove the bit", title: "Remove (Delete)", Icon: IconTrash, barred: only, act: onRemove },
+];
 
 const hex = (value: number) => `$${value.toString(16).toUpperCase().padStart(2, "0")}`;
 const binary = (value: number) => value.toString(2).padStart(6, "0");
@@ -85,42 +94,11 @@ export function BitDetail({ bit, chip, edit, onCustom }: Props) {
             placeholder={bit.signal}
             onChange={(signal) => signal && edit.onSignal(signal)}
           />
-          <ActionIcon
-            variant="default"
-            aria-label="Send it earlier"
-            title="Earlier (Shift + ←)"
-            disabled={edit.first}
-            onClick={() => edit.onMove(-1)}
-          >
-            <IconArrowLeft size={15} />
-          </ActionIcon>
-          <ActionIcon
-            variant="default"
-            aria-label="Send it later"
-            title="Later (Shift + →)"
-            disabled={edit.last}
-            onClick={() => edit.onMove(1)}
-          >
-            <IconArrowRight size={15} />
-          </ActionIcon>
-          <ActionIcon
-            variant="default"
-            aria-label="Insert a bit after it"
-            title="Insert after"
-            disabled={edit.full}
-            onClick={edit.onInsert}
-          >
-            <IconPlus size={15} />
-          </ActionIcon>
-          <ActionIcon
-            variant="default"
-            aria-label="Remove the bit"
-            title="Remove (Delete)"
-            disabled={edit.only}
-            onClick={edit.onRemove}
-          >
-            <IconTrash size={15} />
-          </ActionIcon>
+          {actionsOf(edit).map(({ label, title, Icon, barred, act }) => (
+            <ActionIcon key={label} variant="default" aria-label={label} title={title} disabled={barred} onClick={act}>
+              <Icon size={15} />
+            </ActionIcon>
+          ))}
         </Group>
       ) : (
         onCustom && (

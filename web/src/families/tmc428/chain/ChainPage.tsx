@@ -1,5 +1,4 @@
 import { Badge, Button, CopyButton, Select, Switch } from "@mantine/core";
-import { useSessionStorage } from "@mantine/hooks";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
@@ -9,6 +8,7 @@ import { Card } from "../../../lib/Card";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useCalc } from "../../../lib/useCalc";
+import { useSessionKept } from "../../../lib/useKept";
 import { useWork } from "../../../lib/useWork";
 import { useSelection } from "../../../live/selection";
 import { BitDetail } from "./BitDetail";
@@ -59,11 +59,7 @@ function Editor({ device }: { device: Device | undefined }) {
   const id = device?.id ?? "";
   const connected = device?.state === "connected";
   const queries = useQueryClient();
-  const [drivers, setDrivers] = useSessionStorage<Driver[]>({
-    key: `stepscope.chain.${id}`,
-    defaultValue: START,
-    getInitialValueInEffect: false,
-  });
+  const [drivers, setDrivers] = useSessionKept<Driver[]>(`stepscope.chain.${id}`, START);
   const [selected, setSelected] = useState<number | null>(null);
   const [hovered, setHovered] = useState<number | null>(null);
   const [ownClk2Div, setClk2Div] = useState<number | null>(null);

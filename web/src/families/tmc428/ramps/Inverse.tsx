@@ -1,5 +1,4 @@
 import { Button, Select } from "@mantine/core";
-import { useSessionStorage } from "@mantine/hooks";
 import { IconArrowRight } from "@tabler/icons-react";
 import { api, type Schemas } from "../../../api/client";
 import { Card } from "../../../lib/Card";
@@ -8,6 +7,7 @@ import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { type AxisScale, fromSteps, symbolOf, unitsFor } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
+import { useSessionKept } from "../../../lib/useKept";
 import { labelOf, type Model, type Pair, type RampDesign } from "./design";
 import classes from "./Ramps.module.css";
 
@@ -76,10 +76,11 @@ export function microstepShift(now: number | null, then: number | null): string 
 
 /** From speed and acceleration as an engineer wants them to the registers that come nearest. */
 export function Inverse({ model, scale, design, mechanics, reduction, onUse }: Props) {
-  const [wanted, setWanted] = useSessionStorage<Wanted>({
-    key: "stepscope.ramps.wanted",
-    defaultValue: { velocity: 300, velocityUnit: "rpm", acceleration: 2000, accelerationUnit: "rpm_per_s" },
-    getInitialValueInEffect: false,
+  const [wanted, setWanted] = useSessionKept<Wanted>("stepscope.ramps.wanted", {
+    velocity: 300,
+    velocityUnit: "rpm",
+    acceleration: 2000,
+    accelerationUnit: "rpm_per_s",
   });
   const velocityUnits = unitsFor("velocity", scale).filter((unit) => unit !== "chip");
   const accelerationUnits = unitsFor("acceleration", scale).filter((unit) => unit !== "chip");

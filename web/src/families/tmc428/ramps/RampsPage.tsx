@@ -1,4 +1,3 @@
-import { useSessionStorage } from "@mantine/hooks";
 import { useEffect, useMemo, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
@@ -7,6 +6,7 @@ import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useAxisRegisters } from "../../../lib/ramp/useAxisRegisters";
 import { type AxisScale, scaleOf } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
+import { useSessionKept } from "../../../lib/useKept";
 import { useSelection } from "../../../live/selection";
 import {
   compared,
@@ -64,16 +64,8 @@ function Designer({ device, axis }: Props) {
   const info = device?.axes[axis];
   const { connected, readings, chip } = useChipRamp(device, axis);
 
-  const [kept, setSketch] = useSessionStorage<Sketch | null>({
-    key: `stepscope.ramps.${device?.id ?? "-"}.${axis}`,
-    defaultValue: null,
-    getInitialValueInEffect: false,
-  });
-  const [units, setUnits] = useSessionStorage({
-    key: "stepscope.ramps.units",
-    defaultValue: { velocity: "rpm", acceleration: "pps2" },
-    getInitialValueInEffect: false,
-  });
+  const [kept, setSketch] = useSessionKept<Sketch | null>(`stepscope.ramps.${device?.id ?? "-"}.${axis}`, null);
+  const [units, setUnits] = useSessionKept("stepscope.ramps.units", { velocity: "rpm", acceleration: "pps2" });
 
   const fallback = useMemo<Sketch>(() => {
     const design = model === "tmc4210" ? { ...START, usrs: null } : START;

@@ -1,5 +1,4 @@
 import { Alert, Button, FileButton, Group, Progress, SegmentedControl, Text, Textarea } from "@mantine/core";
-import { useSessionStorage } from "@mantine/hooks";
 import { IconPlayerPlay, IconPlayerStop, IconTimeline, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
@@ -14,6 +13,7 @@ import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { useCalc } from "../../../lib/useCalc";
+import { useSessionKept } from "../../../lib/useKept";
 import { useScheme } from "../../../lib/useScheme";
 import { useWork } from "../../../lib/useWork";
 import { useSelection } from "../../../live/selection";
@@ -30,11 +30,7 @@ function Player({ device, axis }: { device: Device; axis: number }) {
   const connected = device.state === "connected";
   const key = ["velocity-profile", device.id, axis];
   const queries = useQueryClient();
-  const [text, setText] = useSessionStorage({
-    key: `stepscope.velocity.${device.id}.${axis}`,
-    defaultValue: START,
-    getInitialValueInEffect: false,
-  });
+  const [text, setText] = useSessionKept(`stepscope.velocity.${device.id}.${axis}`, START);
   const [rateHz, setRateHz] = useState(500);
   const read = parsed(text);
   const knots = "knots" in read ? read.knots : null;

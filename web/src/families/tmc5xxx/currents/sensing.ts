@@ -1,5 +1,5 @@
-import { useLocalStorage } from "@mantine/hooks";
 import type { Schemas } from "../../../api/client";
+import { useLocalKept } from "../../../lib/useKept";
 import type { Registers } from "./chip";
 import type { Model } from "./models";
 
@@ -24,11 +24,7 @@ const BOARDS: Record<Model, Sensing> = {
 };
 
 export function useSensing(model: Model, of: string) {
-  const [sensing, setSensing] = useLocalStorage<Sensing>({
-    key: `stepscope.currents.sensing.${of}`,
-    defaultValue: BOARDS[model],
-    getInitialValueInEffect: false,
-  });
+  const [sensing, setSensing] = useLocalKept<Sensing>(`stepscope.currents.sensing.${of}`, BOARDS[model]);
   return [sensing, (part: Partial<Sensing>) => setSensing({ ...sensing, ...part })] as const;
 }
 

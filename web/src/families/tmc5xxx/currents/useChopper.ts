@@ -1,6 +1,6 @@
-import { useLocalStorage } from "@mantine/hooks";
 import { api, type Schemas } from "../../../api/client";
 import { useCalc } from "../../../lib/useCalc";
+import { useLocalKept } from "../../../lib/useKept";
 import type { Registers } from "./chip";
 import type { Model } from "./models";
 import type { SpeedScale } from "./speed";
@@ -19,11 +19,7 @@ const MOTOR: Motor = { ohm: 2.3, mH: 4.4, supplyV: 24, holdingNm: 0.45, ratedA: 
 
 /** What the chopper's calculator is asked about the motor, and what it answers. */
 export function useChopper(chip: Registers, model: Model, scale: SpeedScale, runRmsA: number | null) {
-  const [motor, setAll] = useLocalStorage<Motor>({
-    key: "stepscope.currents.motor",
-    defaultValue: MOTOR,
-    getInitialValueInEffect: false,
-  });
+  const [motor, setAll] = useLocalKept<Motor>("stepscope.currents.motor", MOTOR);
   const irun = chip.planned("IHOLD_IRUN", "IRUN");
   const body: Schemas["Chopper"] | null =
     runRmsA === null || irun === null

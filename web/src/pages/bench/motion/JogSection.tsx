@@ -1,11 +1,11 @@
 import { Button, Group } from "@mantine/core";
-import { useLocalStorage } from "@mantine/hooks";
 import { IconArrowLeft, IconArrowRight, IconPlayerStop, IconRotate, IconRotateClockwise } from "@tabler/icons-react";
 import { useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { exactText } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, ratesOf, toSteps } from "../../../lib/units";
+import { useLocalKept } from "../../../lib/useKept";
 import classes from "../bench.module.css";
 import type { Action } from "./useAction";
 import { useJog } from "./useJog";
@@ -21,11 +21,7 @@ interface Props {
 
 /** By hand: while a button is held, or on and on; and the two ways to stop. */
 export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: Props) {
-  const [chosen, setChosen] = useLocalStorage<number | null>({
-    key: `stepscope.jog-pps.${at.device}.${at.axis}`,
-    defaultValue: null,
-    getInitialValueInEffect: false,
-  });
+  const [chosen, setChosen] = useLocalKept<number | null>(`stepscope.jog-pps.${at.device}.${at.axis}`, null);
   const [wrong, setWrong] = useState(false);
   const rate = ratesOf(unit).velocity;
   const speed = chosen ?? topSpeedPps / 4;

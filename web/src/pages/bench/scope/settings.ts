@@ -1,4 +1,4 @@
-import { useLocalStorage } from "@mantine/hooks";
+import { useLocalKept } from "../../../lib/useKept";
 import type { Folds } from "./folding";
 import type { RowId } from "./rows";
 
@@ -46,11 +46,7 @@ export function keepS(rateHz: number): number {
 
 /** How the scope is set, kept in the browser. */
 export function useScopeSettings() {
-  const [stored, setStored] = useLocalStorage<Partial<ScopeSettings>>({
-    key: "stepscope.scope",
-    defaultValue: {},
-    getInitialValueInEffect: false,
-  });
+  const [stored, setStored] = useLocalKept<Partial<ScopeSettings>>("stepscope.scope", {});
   const settings: ScopeSettings = { ...DEFAULTS, ...stored };
   const change = (part: Partial<ScopeSettings>) => setStored((before) => ({ ...before, ...part }));
   return [settings, change] as const;
