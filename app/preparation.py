@@ -16,6 +16,8 @@ from pathlib import Path
 
 from .calc.ramps import sramp
 from .calc.ramps.ticked import RampParameters, exact_ramp
+from .emulators.drive import DRIVE_JOB
+from .emulators.drive import warm_up as warm_up_drive
 from .emulators.families import FAMILIES
 from .kernels import Progress, all_compiled, kept_in, tell_compiled
 
@@ -31,10 +33,13 @@ def _exact_ramp() -> None:
 
 JOBS: Mapping[str, Callable[[], None]] = {
     **{family.name: family.warm_up for family in FAMILIES},
+    DRIVE_JOB: warm_up_drive,
     "S-ramps": sramp.warm_up,
     "ramps": _exact_ramp,
 }
-"""What compiles, or takes from disk, by what it is for: families of emulators, then calculators."""
+"""What compiles, or takes from disk, by what it is for: families of emulators, what they share, then calculators."""
+NEEDS: Mapping[str, tuple[str, ...]] = {family.name: family.needs for family in FAMILIES}
+"""Jobs that have to be done before: two processes at the same time would both compile what both need."""
 
 
 def compile_kernels() -> None:
@@ -47,9 +52,15 @@ def compile_kernels() -> None:
 class Preparation:
     """Has the kernels compiled, by as many processes as there are cores."""
 
-    def __init__(self, processes: int | None = None, jobs: Mapping[str, Callable[[], None]] = JOBS) -> None:
+    def __init__(
+        self,
+        processes: int | None = None,
+        jobs: Mapping[str, Callable[[], None]] = JOBS,
+        needs: Mapping[str, tuple[str, ...]] = NEEDS,
+    ) -> None:
         self.progress = Progress(total=len(jobs))
         self._jobs = jobs
+        self._needs = {name: tuple(need for need in needs.get(name, ()) if need in jobs) for name in jobs}
         self._processes = processes or os.cpu_count() or 1
         self._pending = list(jobs)
         self._done = {name: asyncio.Event() for name in jobs}
@@ -68,9 +79,10 @@ class Preparation:
 
     async def ready(self, name: str) -> None:
         """Wait until the job of that name is done; it is the next that begins. Names of no job are ready."""
-        if name in self._pending:
-            self._pending.remove(name)
-            self._pending.insert(0, name)
+        for one in (name, *self._needs.get(name, ())):
+            if one in self._pending:
+                self._pending.remove(one)
+                self._pending.insert(0, one)
         if name in self._done:
             await self._done[name].wait()
 
@@ -82,7 +94,11 @@ class Preparation:
 
     async def _work(self) -> None:
         while self._pending:
-            name = self._pending.pop(0)
+            name = next((one for one in self._pending if not self._missing(one)), None)
+            if name is None:  # what the first needs is under way in another process
+                await self._done[self._missing(self._pending[0])[0]].wait()
+                continue
+            self._pending.remove(name)
             self.progress.doing.append(name)
             try:
                 if kept_in() is not None:
@@ -95,6 +111,10 @@ class Preparation:
             self._tell(name)
         if self.progress.done == self.progress.total:
             tell_compiled()
+
+    def _missing(self, name: str) -> list[str]:
+        """Jobs that have to be done before this one and are not."""
+        return [need for need in self._needs[name] if not self._done[need].is_set()]
 
     def _tell(self, name: str) -> None:
         self.progress.done += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
+DECORATORS = {"compiled", "inlined", "_compiled", "_inlined"}
 KERNEL = """
 from app.kernels import Kernels, all_compiled, kept_in, tell_compiled
 from constants import STEP
@@ -68,3 +70,50 @@ def test_a_read_only_installation_keeps_it_in_the_users_folder(folder: Path) -> 
     home = {"XDG_CACHE_HOME": str(folder / "home")}
     assert run(folder, **home) == ["2", "0", "True", "False"]
     assert run(folder, **home) == ["2", "1", "True", "True"]
+
+
+def is_compiled(node: ast.AST) -> bool:
+    return isinstance(node, ast.FunctionDef) and any(
+        isinstance(one, ast.Name) and one.id in DECORATORS for one in node.decorator_list
+    )
+
+
+def calls_from_python(tree: ast.AST, private: set[str], here: set[str], modules: set[str]) -> list[str]:
+    """Names of `private` that plain code calls in one of `modules`, and of `here` that it calls as they are."""
+    found: list[str] = []
+    for node in ast.iter_child_nodes(tree):
+        if is_compiled(node):
+            continue
+        if isinstance(node, ast.Call):
+            match node.func:
+                case ast.Attribute(value=ast.Name(id=owner), attr=name) if name in private and owner in modules:
+                    found.append(name)
+                case ast.Name(id=name) if name in here:
+                    found.append(name)
+        found += calls_from_python(node, private, here, modules)
+    return found
+
+
+def imported(tree: ast.AST) -> set[str]:
+    """Names that a file imports, modules among them."""
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    return {name.asname or name.name for node in nodes for name in node.names}
+
+
+def test_compiled_code_that_has_no_way_in_from_python_is_called_by_compiled_code_only() -> None:
+    """Its name begins with an underscore; a call from Python would end the process."""
+    files = [*ROOT.glob("app/**/*.py"), *ROOT.glob("tests/**/*.py")]
+    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in files}
+    private = {
+        file: {node.name for node in tree.body if isinstance(node, ast.FunctionDef) and is_compiled(node)}
+        for file, tree in trees.items()
+    }
+    private = {file: {name for name in names if name.startswith("_")} for file, names in private.items()}
+    everywhere = set().union(*private.values())
+    assert "_tick" in everywhere
+    called = {
+        str(file.relative_to(ROOT)): names
+        for file, tree in trees.items()
+        if (names := calls_from_python(tree, everywhere, private[file] | (everywhere & imported(tree)), imported(tree)))
+    }
+    assert called == {}

@@ -69,6 +69,54 @@ async def test_what_somebody_waits_for_is_the_next(children: Children) -> None:
     await preparing.close()
 
 
+async def test_what_several_need_is_compiled_once_before_them(
+    children: Children, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two processes at a time: whoever needs what is under way waits, and others go on meanwhile."""
+    ends = {name: asyncio.Event() for name in "abcs"}
+
+    async def compiled(name: str) -> None:
+        children.begun.append(name)
+        await ends[name].wait()
+
+    monkeypatch.setattr(preparation, "_compiled_by_a_child", compiled)
+    jobs: dict[str, Callable[[], None]] = {name: lambda: None for name in "abcs"}
+    preparing = Preparation(processes=2, jobs=jobs, needs={"a": ("s",), "b": ("s",), "c": ("of no job",)})
+    await preparing.start()
+    await settled()
+    assert children.begun == ["c", "s"]
+    ends["c"].set()
+    async with asyncio.timeout(10):
+        await preparing.ready("c")
+    await settled()
+    assert children.begun == ["c", "s"]
+    ends["s"].set()
+    async with asyncio.timeout(10):
+        await preparing.ready("s")
+        while len(children.begun) < 4:
+            await settled()
+        assert sorted(children.begun[2:]) == ["a", "b"]
+        ends["a"].set()
+        ends["b"].set()
+        for name in jobs:
+            await preparing.ready(name)
+    await preparing.close()
+
+
+async def test_who_waits_for_a_job_has_what_it_needs_done_first(children: Children) -> None:
+    jobs: dict[str, Callable[[], None]] = {name: lambda: None for name in "abcs"}
+    preparing = Preparation(processes=1, jobs=jobs, needs={"c": ("s",)})
+    await preparing.start()
+    await settled()
+    waiting = asyncio.create_task(preparing.ready("c"))
+    await settled()
+    children.may_end.set()
+    async with asyncio.timeout(10):
+        await waiting
+    assert children.begun[:3] == ["a", "s", "c"]
+    await preparing.close()
+
+
 async def test_what_cannot_be_compiled_keeps_nobody_waiting(
     children: Children, caplog: pytest.LogCaptureFixture
 ) -> None:

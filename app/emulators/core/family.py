@@ -60,6 +60,7 @@ class EmulatorFamily(Generic[OptionsT, EmulatorT]):
     patch, state : what changes a running one, and what it tells
     warm_up : compiles what it takes, or loads it from numba's cache
     load : None where there is no motor that a load could be put on
+    needs : what is compiled before `warm_up`, by the name of its job: what several families share
     build's last argument is the file that a module keeps its memory in; chips have none
     """
 
@@ -71,6 +72,7 @@ class EmulatorFamily(Generic[OptionsT, EmulatorT]):
     build: Callable[[str, Clock, OptionsT, Path | None], EmulatorT]
     warm_up: Callable[[], None]
     load: AxisLoad[Any, Any] | None = None
+    needs: tuple[str, ...] = ()
 
     def make(self, model: str, clock: Clock, options: OptionsT | None = None, eeprom: Path | None = None) -> EmulatorT:
         """An emulated `model` that lives by `clock`. Raises TypeError for the options of another family."""

@@ -6,7 +6,7 @@ sits on it, and so may emulated TMC5xxx chips. `Drive` is the front door; nothin
 
 from __future__ import annotations
 
-from .drive import Drive, warm_up
+from .drive import DRIVE_JOB, Drive, warm_up
 from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .kernel import TICK_CLOCKS
@@ -14,6 +14,7 @@ from .options import DriveOptions, EncoderOptions, LoadOptions, MotorOptions, St
 from .world import Switches, Truth, World
 
 __all__ = [
+    "DRIVE_JOB",
     "TICK_CLOCKS",
     "Drive",
     "DriveOptions",

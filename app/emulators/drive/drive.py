@@ -62,6 +62,10 @@ _KEPT = (
 """Cells that a power cycle leaves."""
 
 
+DRIVE_JOB = "drive"
+"""What compiling it is called: families that have it wait for that, so that it is compiled once."""
+
+
 class Drive:
     """A TMC5160, the bridges behind it, and all that they move.
 

@@ -184,7 +184,7 @@ at 20 turns a second a motor of 50 teeth passes it in a tick."""
 WAVE_LASTS = 256
 """Physics steps for which they are carried on: what rounding leaves is below 1e-13."""
 BRAKE_MARGIN = 1.0 + 1e-6
-"""What `_allowed` rounds is far less than this share of the way, or two steps of 1/2^25."""
+"""What `allowed` rounds is far less than this share of the way, or two steps of 1/2^25."""
 PWM_LOOP = 0.25
 """Gain of the regulation: as much as stays stable with a coil that follows slowly (INFERRED; sheets tell only the
 greatest change)."""
@@ -276,7 +276,7 @@ def _slower(s: Cells, u: int, more: bool) -> int:
 
 
 @inlined
-def _allowed(s: Cells, way: int, kept: int, more: bool) -> int:
+def allowed(s: Cells, way: int, kept: int, more: bool) -> int:
     """The highest speed u with u + `kept` ticks of u + braking distance from u <= `way` [1/2^25 step], at least 1."""
     stop = s[VSTOP]
     ticks = 1 + kept
@@ -374,7 +374,7 @@ def _ramp(s: Cells, f: Floats, more: bool) -> int:
             wanted = s[VMAX]
         new = wanted
         if left <= (wanted + f[BRAKE_SQUARE] * wanted * wanted + f[BRAKE_REST]) * BRAKE_MARGIN + 2.0:
-            new = min(wanted, _allowed(s, left, 0, more))  # a root and divisions, near the target only
+            new = min(wanted, allowed(s, left, 0, more))  # a root and divisions, near the target only
         if more and s[TVMAX]:
             new = _by_tvmax(s, u if v != 0 else 0, wanted, new, left)
         if v != 0:  # a start takes no more of VSTART than the way allows
@@ -404,7 +404,7 @@ def _by_tvmax(s: Cells, u: int, wanted: int, new: int, left: int) -> int:
     if new > u:
         if s[SLOPE] < 0 and s[VWAIT] > 0:
             return u
-        return max(min(wanted, _allowed(s, left, s[TVMAX], True)), u)
+        return max(min(wanted, allowed(s, left, s[TVMAX], True)), u)
     return u if s[SLOPE] > 0 and s[VWAIT] > 0 else new
 
 
@@ -1231,11 +1231,11 @@ def n_restart(s: Cells, f: Floats) -> None:
     s[N_AT] = counts
     if s[N_HAS] and not mode >> 6 & 3 and n_condition(mode, counts, s[EXTERNAL + E_PER_TURN]):
         _n_event(s, counts)
-    _n_bounds(s)
+    n_bounds(s)
 
 
 @inlined
-def _n_bounds(s: Cells) -> None:
+def n_bounds(s: Cells) -> None:
     """How far the encoder may go until N has to be looked at again, and whether at all."""
     mode, at, per_turn = s[N_MODE], s[N_AT], s[EXTERNAL + E_PER_TURN]
     s[N_ON] = s[N_HAS] and (mode >> 4 & 1 or s[N_ONCE] or not s[N_FLAG])
@@ -1276,7 +1276,7 @@ def look_for_n(s: Cells, counts: int) -> None:
             _n_event(s, at)
         was = now
     s[N_AT] = counts
-    _n_bounds(s)
+    n_bounds(s)
 
 
 # --- without physics -----------------------------------------------------------------------------
@@ -1386,7 +1386,7 @@ def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
             return False
         left = direction * wrap32(s[XT] - s[X]) * (1 << STEP_BITS) - s[ACC]
         brake = _braking_way(s, float(u))
-        # doubles and their floor in `_allowed`: far less than this
+        # doubles and their floor in `allowed`: far less than this
         ticks = min(ticks, (left - int(brake) - 8 * u - (1 << 34)) // u)
     elif mode != HOLD_MODE and (u != s[VMAX] or (direction > 0) != (mode == FORWARD)):
         return False
@@ -1551,7 +1551,7 @@ def refresh(s: Cells, f: Floats) -> None:
         counts = external_counts(s, f)
         if counts != s[N_AT]:
             s[N_AT] = counts
-            _n_bounds(s)
+            n_bounds(s)
     s[ENCODERS] = 0
     for at in (INTERNAL, EXTERNAL):
         s[at + E_TURN] = (internal_counts(f) if at == INTERNAL else external_counts(s, f)) // s[at + E_PER_TURN]

@@ -7,6 +7,7 @@ from typing import cast
 
 from ...clock import Clock, VirtualClock
 from ..core.family import AxisLoad, EmulatorFamily
+from ..drive import DRIVE_JOB
 from ..drive import warm_up as warm_up_drive
 from .chip import EmulatedTmc5xxx
 from .options import MODELS, AxisChange, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
@@ -44,4 +45,5 @@ FAMILY = EmulatorFamily(
     build,
     warm_up,
     load=AxisLoad(_load_nm, _loaded),
+    needs=(DRIVE_JOB,),
 )

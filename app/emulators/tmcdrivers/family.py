@@ -7,6 +7,7 @@ from typing import cast
 
 from ...clock import Clock, VirtualClock
 from ..core.family import AxisLoad, EmulatorFamily
+from ..drive import DRIVE_JOB
 from ..drive import warm_up as warm_up_drive
 from .chip import EmulatedDriver
 from .options import MODELS, DriverModel, TmcDriverOptions, TmcDriverPatch
@@ -36,4 +37,5 @@ FAMILY = EmulatorFamily(
     load=AxisLoad(
         lambda state, axis: state.load_torque_nm, lambda axis, load_nm: TmcDriverPatch(load_torque_nm=load_nm)
     ),
+    needs=(DRIVE_JOB,),
 )

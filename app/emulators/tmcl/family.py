@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ...clock import Clock
 from ..core.family import EmulatorFamily
+from ..drive import DRIVE_JOB
 from ..drive import warm_up as warm_up_drive
 from . import beside_drive, interpreter_kernel
 from .models import PLAYED
@@ -26,4 +27,4 @@ def warm_up() -> None:
     beside_drive.warm_up()
 
 
-FAMILY = EmulatorFamily("tmcl", tuple(PLAYED), TmclOptions, TmclPatch, TmclState, build, warm_up)
+FAMILY = EmulatorFamily("tmcl", tuple(PLAYED), TmclOptions, TmclPatch, TmclState, build, warm_up, needs=(DRIVE_JOB,))

@@ -24,7 +24,7 @@ def armed(lines: int, mode: int, once: bool, start: int) -> Drive:
     drive.write("XACTUAL", 4711)
     s = drive._s
     s[k.N_MODE], s[k.N_ONCE], s[k.N_AT] = mode, once, start
-    k._n_bounds(s)
+    k.n_bounds(s)
     return drive
 
 

@@ -165,7 +165,7 @@ def test_the_speed_taken_is_the_highest_that_can_still_be_braked(ramp: dict[str,
         setattr(plain, name.lower(), value * (512 if name.startswith("V") else 1))
     if ramp["V1"] == 0:
         plain.d1 = plain.dmax
-    allowed = int(k._allowed(drive._s, left, 0, False))
+    allowed = int(k.allowed(drive._s, left, 0, False))
     slack = 1e-9 * left + 1
     if allowed > 1:
         assert allowed + plain.braking_way(allowed) <= left + slack
