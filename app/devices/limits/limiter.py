@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from ...errors import SoftLimit, WrongState
 from ...number_text import plain
 from ..core.axis_limits import AxisLimits
-from ..core.limit_rules.parts import UNITS, Going, Part, View, limit_of
+from ..core.limit_rules.quantities import UNITS, Motion, Quantity, View, limit_of
 from ..core.limit_rules.rules import SLACK, Rules
 
 Writes = Iterable[tuple[int, int]]
@@ -39,19 +39,19 @@ class Limiter:
         """Words as they went out or were seen, by address; None where a write may have arrived or not."""
         self._touched: dict[int, list[int]] = {}
         """Which axes a write to an address affects_limits to."""
-        self._by_address: list[dict[int, list[Part]]] = []
-        self._depends = {address for parts in rules.parts for part in parts for address in (part.address, *part.others)}
-        for axis, parts in enumerate(rules.parts):
-            by_address: dict[int, list[Part]] = {}
-            for part in parts:
-                if limit_of(self.limits[axis], part.quantity) is not None:
-                    for address in {part.address, *part.others}:
-                        by_address.setdefault(address, []).append(part)
+        self._by_address: list[dict[int, list[Quantity]]] = []
+        self._depends = {address for row in rules.quantities for one in row for address in (one.address, *one.others)}
+        for axis, quantities in enumerate(rules.quantities):
+            by_address: dict[int, list[Quantity]] = {}
+            for quantity in quantities:
+                if limit_of(self.limits[axis], quantity.kind) is not None:
+                    for address in {quantity.address, *quantity.others}:
+                        by_address.setdefault(address, []).append(quantity)
             self._by_address.append(by_address)
-            places = {place.address for place in rules.places[axis]}
+            places = {place.address for place in rules.positions[axis]}
             for address in {*by_address, *places, *rules.sources[axis]} if self.limits[axis].given else ():
                 self._touched.setdefault(address, []).append(axis)
-        self._places = [{place.address: place for place in places} for places in rules.places]
+        self._position_registers = [{place.address: place for place in places} for places in rules.positions]
 
     @property
     def limits(self) -> tuple[AxisLimits, ...]:
@@ -194,13 +194,13 @@ class Limiter:
         """What the chip holds beyond the limits, and what to write."""
         limits, view = self.limits[axis], self.view()
         told = []
-        for part in self.rules.parts[axis]:
-            limit, value = limit_of(limits, part.quantity), part.value(view)
+        for quantity in self.rules.quantities[axis]:
+            limit, value = limit_of(limits, quantity.kind), quantity.value(view)
             if limit is not None and value is not None and value > limit * SLACK:
-                unit = UNITS[part.quantity]
+                unit = UNITS[quantity.kind]
                 told.append(
-                    f"{part.name} is {plain(value, 6)} {unit}, above the limit of {plain(limit, 6)} {unit}: "
-                    f"{part.said(view, limit)}"
+                    f"{quantity.name} is {plain(value, 6)} {unit}, above the limit of {plain(limit, 6)} {unit}: "
+                    f"{quantity.said(view, limit)}"
                 )
         position = self.positions.get(axis)
         if position is not None and limits.beyond(position):
@@ -210,12 +210,12 @@ class Limiter:
     def require_as(self, rules: Rules) -> None:
         """Raises SoftLimit where by `rules`, of another clock, something is beyond a limit that is not by these."""
         view = self.view()
-        for axis, (now, then) in enumerate(zip(self.rules.parts, rules.parts, strict=True)):
-            for part, other in zip(now, then, strict=True):
-                limit, wanted = limit_of(self.limits[axis], part.quantity), other.value(view)
+        for axis, (now, then) in enumerate(zip(self.rules.quantities, rules.quantities, strict=True)):
+            for quantity, other in zip(now, then, strict=True):
+                limit, wanted = limit_of(self.limits[axis], quantity.kind), other.value(view)
                 if limit is None or wanted is None or wanted <= limit * SLACK:
                     continue
-                if wanted > (part.value(view) or 0.0) * SLACK:
+                if wanted > (quantity.value(view) or 0.0) * SLACK:
                     raise self._refused(axis, other, wanted, limit, view)
 
     # --- judging --------------------------------------------------------------------------------
@@ -230,16 +230,16 @@ class Limiter:
         limits, rules = self.limits[axis], self.rules
         before, after = self.view(pending), self.view({**pending, address: word})
         lowers = False
-        for part in self._by_address[axis].get(address, ()):
-            limit = limit_of(limits, part.quantity)
+        for quantity in self._by_address[axis].get(address, ()):
+            limit = limit_of(limits, quantity.kind)
             assert limit is not None  # only those are in the table
-            own = part.address == address
-            wanted, held = part.worst(after), part.value(before) if own else part.worst(before)
+            own = quantity.address == address
+            wanted, held = quantity.worst(after), quantity.value(before) if own else quantity.worst(before)
             if own and held is not None and wanted <= held:
                 lowers = True
             if wanted > limit * SLACK and not (held is not None and wanted <= held * SLACK):
-                raise self._refused(axis, part, wanted, limit, after, word if own else None)
-        place = self._places[axis].get(address)
+                raise self._refused(axis, quantity, wanted, limit, after, word if own else None)
+        place = self._position_registers[axis].get(address)
         if place is not None and limits.ranged:
             position = place.position(word, after)
             if position is not None:
@@ -249,22 +249,22 @@ class Limiter:
 
     def _judge_start(self, axis: int, address: int, before: View, after: View) -> None:
         """A write that may set the axis in motion: whatever it then goes by has to be within the limits."""
-        limits, going = self.limits[axis], self.rules.going(axis, after, address)
-        if going is None or going == self.rules.going_before(axis, before, address):
+        limits, motion = self.limits[axis], self.rules.motion(axis, after, address)
+        if motion is None or motion == self.rules.motion_before(axis, before, address):
             return
-        for part in going.parts:
-            limit = limit_of(limits, part.quantity)
+        for quantity in motion.quantities:
+            limit = limit_of(limits, quantity.kind)
             if limit is None:
                 continue
-            value = part.value(after)
+            value = quantity.value(after)
             if value is None:
                 raise WrongState(
-                    f"nobody knows {part.name} of axis {axis}, and a soft limit of {part.quantity} is set",
-                    f"write {part.name} first",
+                    f"nobody knows {quantity.name} of axis {axis}, and a soft limit of {quantity.kind} is set",
+                    f"write {quantity.name} first",
                 )
             if value > limit * SLACK:
-                raise self._refused(axis, part, value, limit, after)
-        if going.jumps and limits.acceleration_max_pps2 is not None:
+                raise self._refused(axis, quantity, value, limit, after)
+        if motion.jumps and limits.acceleration_max_pps2 is not None:
             raise SoftLimit(
                 "acceleration",
                 math.inf,
@@ -274,20 +274,20 @@ class Limiter:
                 "the velocity would jump",
                 "move on a ramp",
             )
-        if going.positioning and going.target is not None:
-            self.require_target(axis, going.target)
-        elif not going.positioning:
-            self.require_way(axis, going.way)
+        if motion.positioning and motion.target is not None:
+            self.require_target(axis, motion.target)
+        elif not motion.positioning:
+            self.require_way(axis, motion.way)
 
     def _refused(
-        self, axis: int, part: Part, wanted: float, limit: float, view: View, word: int | None = None
+        self, axis: int, quantity: Quantity, wanted: float, limit: float, view: View, word: int | None = None
     ) -> SoftLimit:
-        what = part.name if word is None else f"{part.name} {word}"
-        return SoftLimit(part.quantity, wanted, limit, axis, UNITS[part.quantity], what, part.said(view, limit))
+        what = quantity.name if word is None else f"{quantity.name} {word}"
+        return SoftLimit(quantity.kind, wanted, limit, axis, UNITS[quantity.kind], what, quantity.said(view, limit))
 
-    def going(self, axis: int) -> Going | None:
+    def motion(self, axis: int) -> Motion | None:
         """What the axis does, as far as is known."""
-        return self.rules.going(axis, self.view())
+        return self.rules.motion(axis, self.view())
 
     def ranged(self) -> Iterator[int]:
         """Axes whose position is limited."""

@@ -21,7 +21,7 @@ from dataclasses import replace
 from ...errors import BenchError
 from ..core.device import Device
 from ..core.events import DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
-from ..core.limit_rules.parts import Going, sign
+from ..core.limit_rules.quantities import Motion, sign
 from ..core.limit_rules.rules import Look
 from .limiter import Limiter
 
@@ -111,15 +111,15 @@ class RangeWatch:
         look = await limiter.rules.look(axis)
         took_s = device.session.clock.now() - began_s
         soon_s = max(POLL_S, took_s)  # on a slow line others want to ask too
-        going = limiter.going(axis)
-        way = sign(look.velocity_pps) or self._way_to_be(look, going)
+        motion = limiter.motion(axis)
+        way = sign(look.velocity_pps) or self._way_to_be(look, motion)
         if way == 0:
             self._stopped.pop(axis, None)
-            unsure = going is not None and not going.positioning and began_s - self._commanded_s < UNSURE_S
+            unsure = motion is not None and not motion.positioning and began_s - self._commanded_s < UNSURE_S
             return soon_s if unsure else IDLE_S
         limits = limiter.limits[axis]
         end = limits.position_max if way > 0 else limits.position_min
-        turns_round = going is not None and not going.positioning and going.way * way < 0
+        turns_round = motion is not None and not motion.positioning and motion.way * way < 0
         pause_s: float | None = IDLE_S
         if end is not None:
             pause_s = self._pause_s(axis, look, (end - look.position) * way, soon_s, REACTION_S + took_s)
@@ -134,11 +134,11 @@ class RangeWatch:
         return soon_s
 
     @staticmethod
-    def _way_to_be(look: Look, going: Going | None) -> int:
+    def _way_to_be(look: Look, motion: Motion | None) -> int:
         """Of an axis that does not turn yet, or no more."""
-        if going is None:
+        if motion is None:
             return 0
-        return going.way if look.target is None else sign(look.target - look.position)
+        return motion.way if look.target is None else sign(look.target - look.position)
 
     def _pause_s(self, axis: int, look: Look, room: int, soon_s: float, reaction_s: float) -> float | None:
         """How long the axis may go unlooked at [s, server time]; None where it is to be stopped now."""

@@ -14,7 +14,7 @@ from ...links.tmcl import FRAME_BYTES, VALUE_MAX, Request
 from ...registers.model import Register
 from ...registers.tmcl.commands import Opcode, Status
 from ..core.axis_limits import AxisLimits
-from ..core.limit_rules.parts import Going, Part, Place, Quantity, View, sign
+from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, sign
 from ..core.limit_rules.rules import Look, Rules
 from ..core.session import Session
 from ..core.tmcl_frames import WIDE_SHIFT
@@ -45,21 +45,21 @@ class ListedRules(Rules):
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         rows = self._state.axes[axis]
-        yield _part("velocity", rows.max_speed)
-        yield _part("velocity", rows.target_speed, at_start=False)
-        yield _part("acceleration", rows.max_acceleration)
+        yield _quantity("velocity", rows.max_speed)
+        yield _quantity("velocity", rows.target_speed, at_start=False)
+        yield _quantity("acceleration", rows.max_acceleration)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         rows = self._state.axes[axis]
         for row in (rows.target_position, rows.position):
-            yield Place(row.name, _address(row), _decoded(row))
+            yield PositionRegister(row.name, _address(row), _decoded(row))
 
     def sources_of(self, axis: int) -> Iterable[int]:
         return (_address(row) for row in self._state.axes[axis].moving)
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         rows, driven = self._state.axes[axis], self._motions.axes[axis].driven
         if address is None or address == _address(rows.position):
             if address is not None and driven != "position":
@@ -68,14 +68,14 @@ class ListedRules(Rules):
             if driven not in ("position", "velocity"):
                 return None
         if address == _address(rows.target_position):
-            parts = tuple(part for part in self.parts[axis] if part.at_start)
-            return Going(parts, positioning=True, target=view(address), counter=view(_address(rows.position)))
+            used = tuple(one for one in self.quantities[axis] if one.at_start)
+            return Motion(used, positioning=True, target=view(address), counter=view(_address(rows.position)))
         speed = view(address)
-        turning = tuple(part for part in self.parts[axis] if part.quantity == "acceleration")
+        turning = tuple(one for one in self.quantities[axis] if one.kind == "acceleration")
         way = 0 if speed is None else sign(speed)
-        return Going(turning, positioning=False, way=way) if speed != 0 else None
+        return Motion(turning, positioning=False, way=way) if speed != 0 else None
 
-    def going_before(self, axis: int, view: View, address: int) -> Going | None:
+    def motion_before(self, axis: int, view: View, address: int) -> Motion | None:
         return None  # every command sets the axis off anew
 
     # --- frames ---------------------------------------------------------------------------------
@@ -162,8 +162,8 @@ def _address(row: Register) -> int:
     return limit_address(row.axis or 0, row.address)
 
 
-def _part(quantity: Quantity, row: Register, *, at_start: bool = True) -> Part:
-    return Part(quantity, row.name, _address(row), float, lambda _: 1.0, float(VALUE_MAX), at_start=at_start)
+def _quantity(kind: QuantityKind, row: Register, *, at_start: bool = True) -> Quantity:
+    return Quantity(kind, row.name, _address(row), float, lambda _: 1.0, float(VALUE_MAX), at_start=at_start)
 
 
 def _decoded(row: Register) -> Callable[[int, View], int]:

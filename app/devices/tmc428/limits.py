@@ -14,7 +14,7 @@ from ...calc.units.tmc428 import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
 from ...registers.model import Register
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
-from ..core.limit_rules.parts import Going, Part, Place, View, position_of, sign
+from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of, sign
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
 from .axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
@@ -49,7 +49,7 @@ class RampRules(ChipRules):
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         rows = self._memory.rows[axis]
         dividers = frozenset({rows.dividers.address})
 
@@ -66,44 +66,45 @@ class RampRules(ChipRules):
             return acceleration_unit(*of_dividers(view), self.clock_hz)
 
         for row in (rows.v_max, rows.v_min):
-            yield Part("velocity", row.name, row.address, row.decode, velocity, MOST, dividers)
+            yield Quantity("velocity", row.name, row.address, row.decode, velocity, MOST, dividers)
         for row in (rows.v_target, rows.v_actual):
             # What the chip itself sets there is not above v_max, so what nobody knows adds nothing.
-            yield Part("velocity", row.name, row.address, row.decode, velocity, 0, dividers, at_start=False)
-        yield Part("acceleration", rows.a_max.name, rows.a_max.address, rows.a_max.decode, acceleration, MOST, dividers)
+            yield Quantity("velocity", row.name, row.address, row.decode, velocity, 0, dividers, at_start=False)
+        row = rows.a_max
+        yield Quantity("acceleration", row.name, row.address, row.decode, acceleration, MOST, dividers)
         full_scale_a = self.limits[axis].current_full_scale_a
         found = self._link.table.find(CURRENTS, axis)
         if found is not None and full_scale_a is not None:
             yield _currents(found[0], full_scale_a)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         rows = self._memory.rows[axis]
         for row in (rows.x_target, rows.x_actual):
-            yield Place(row.name, row.address, position_of(row))
+            yield PositionRegister(row.name, row.address, position_of(row))
 
     def sources_of(self, axis: int) -> Iterable[int]:
         rows = self._memory.rows[axis]
         moving = (rows.x_target, rows.x_actual, rows.v_max, rows.v_target, rows.v_actual, rows.a_max, rows.reference)
         return (row.address for row in moving)
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         rows = self._memory.rows[axis]
         reference, v_max, a_max = (view(row.address) for row in (rows.reference, rows.v_max, rows.a_max))
-        parts = [part for part in self.parts[axis] if part.at_start]
+        used = [one for one in self.quantities[axis] if one.at_start]
         mode = None if reference is None else rows.mode.unpack(reference)
         if mode == HOLD_MODE:
             word = view(rows.v_actual.address)
             velocity = 0 if word is None else rows.v_actual.decode(word)
-            held = [part for part in self.parts[axis] if part.quantity == "current" or part.name == rows.v_actual.name]
-            return Going(tuple(held), positioning=False, way=sign(velocity), jumps=True) if velocity else None
+            held = [one for one in self.quantities[axis] if one.kind == "current" or one.name == rows.v_actual.name]
+            return Motion(tuple(held), positioning=False, way=sign(velocity), jumps=True) if velocity else None
         if a_max == 0:
             return None
         if mode in POSITIONING_MODES:
             if v_max == 0:
                 return None
             target, counter = view(rows.x_target.address), view(rows.x_actual.address)
-            return Going(
-                tuple(parts),
+            return Motion(
+                tuple(used),
                 positioning=True,
                 target=None if target is None else rows.x_target.decode(target),
                 counter=counter,
@@ -113,10 +114,10 @@ class RampRules(ChipRules):
         if wanted == 0:
             return None
         by = {rows.v_max.name, rows.v_min.name}  # it turns by v_target instead
-        parts = [part for part in parts if part.name not in by]
+        used = [one for one in used if one.name not in by]
         if wanted is not None:
-            parts += [part for part in self.parts[axis] if part.name == rows.v_target.name]
-        return Going(tuple(parts), positioning=False, way=0 if wanted is None else sign(wanted))
+            used += [one for one in self.quantities[axis] if one.name == rows.v_target.name]
+        return Motion(tuple(used), positioning=False, way=0 if wanted is None else sign(wanted))
 
     # --- frames ---------------------------------------------------------------------------------
 
@@ -155,8 +156,8 @@ class RampRules(ChipRules):
         return Look(position, velocity * unit_pps, target=target if positioning else None)
 
     def braking(self, axis: int, look: Look, view: View) -> float | None:
-        part = next(part for part in self.parts[axis] if part.quantity == "acceleration")
-        a_pps2 = part.value(view)
+        one = next(one for one in self.quantities[axis] if one.kind == "acceleration")
+        a_pps2 = one.value(view)
         if a_pps2 is None:
             return None
         # With a_max 0 a stop is one at once (`RampStops`).
@@ -169,7 +170,7 @@ def _decisive(rows: AxisRows) -> tuple[Register, ...]:
     )  # fmt: skip
 
 
-def _currents(row: Register, full_scale_a: float) -> Part:
+def _currents(row: Register, full_scale_a: float) -> Quantity:
     parts = [part for part in row.fields if part.name.startswith("is_")]
 
     def eighths(word: int) -> float:
@@ -180,4 +181,4 @@ def _currents(row: Register, full_scale_a: float) -> Part:
         count = min(int(share * EIGHTHS), EIGHTHS - 1)
         return f"write {names} 1..{count}" if count else "an eighth of full scale is more: use another power stage"
 
-    return Part("current", row.name, row.address, eighths, lambda _: full_scale_a, 1.0, advice=advice)
+    return Quantity("current", row.name, row.address, eighths, lambda _: full_scale_a, 1.0, advice=advice)

@@ -16,7 +16,7 @@ from ...calc.units.tmc4361 import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
 from ...registers.model import Field, Register, to_signed
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
-from ..core.limit_rules.parts import Going, Part, Place, Quantity, View, position_of, sign
+from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, position_of, sign
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
 from . import prediction, rows
@@ -49,7 +49,7 @@ SHADOW_ROWS = {number: rows.row(f"SH_REG{number}") for number in SHADOWS}
 SHADOW_OPTION = rows.part(rows.START_CONF, "shadow_option")
 PIPE_USES = tuple(rows.part(rows.START_CONF, f"pipeline_en[{use}]") for use in range(4))
 DIRECT = rows.part(rows.GENERAL_CONF, "direct_acc_val_en")
-PID_CLIP = rows.row("PID_DV_CLIP")
+CLIP = rows.row("PID_DV_CLIP")
 SCALE_VALUES = rows.row("SCALE_VALUES")
 SCALE_VALUES_FIELDS = {part.name: part for part in SCALE_VALUES.fields}
 Unit: TypeAlias = Callable[[View], float]
@@ -77,21 +77,21 @@ class SRampRules(ChipRules):
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         clocked = frozenset({rows.CLK_FREQ.address})
         units = clocked | {rows.GENERAL_CONF.address}
         for name in SPEEDS:
-            yield self._part(rows.row(name), name, self._velocity, clocked)
-        yield Part("velocity", PID_CLIP.name, PID_CLIP.address, PID_CLIP.decode, lambda _: 1.0, 1 << 31, at_start=False)
+            yield self._quantity(rows.row(name), name, self._velocity, clocked)
+        yield Quantity("velocity", CLIP.name, CLIP.address, CLIP.decode, lambda _: 1.0, 1 << 31, at_start=False)
         for name in ACCELERATIONS:
-            yield self._part(rows.row(name), name, self._acceleration, units, at_start=name != "DSTOP")
+            yield self._quantity(rows.row(name), name, self._acceleration, units, at_start=name != "DSTOP")
         for number, row in SHADOW_ROWS.items():
             yield from self._shadows(number, row)
         full_scale_a = self.limits[axis].current_full_scale_a
         if full_scale_a is not None:
             yield from _currents(full_scale_a)
 
-    def _part(
+    def _quantity(
         self,
         row: Register,
         name: str,
@@ -99,12 +99,12 @@ class SRampRules(ChipRules):
         others: frozenset[int],
         *,
         at_start: bool = True,
-    ) -> Part:
-        quantity: Quantity = "velocity" if name in SPEEDS else "acceleration"
+    ) -> Quantity:
+        kind: QuantityKind = "velocity" if name in SPEEDS else "acceleration"
         most = 1 << (FORMATS[name].whole + FORMATS[name].decimals)
-        return Part(quantity, row.name, row.address, _counts(name), unit, most, others, at_start)
+        return Quantity(kind, row.name, row.address, _counts(name), unit, most, others, at_start)
 
-    def _shadows(self, number: int, row: Register) -> Iterable[Part]:
+    def _shadows(self, number: int, row: Register) -> Iterable[Quantity]:
         """A shadow register may stand for a speed under one option and for an acceleration under another."""
         for name in sorted({name for name in SHADOWS[number] if name is not None}):
             options = frozenset(option for option, found in enumerate(SHADOWS[number]) if found == name)
@@ -116,7 +116,7 @@ class SRampRules(ChipRules):
                 return unit(view) if word is None or SHADOW_OPTION.unpack(word) in options else 0.0
 
             others = frozenset({rows.CLK_FREQ.address, rows.GENERAL_CONF.address, rows.START_CONF.address})
-            yield self._part(row, name, in_use, others, at_start=False)
+            yield self._quantity(row, name, in_use, others, at_start=False)
 
     def _told(self, view: View) -> float:
         """How many times as fast everything is as the registers say; infinite where CLK_FREQ is 0."""
@@ -139,30 +139,30 @@ class SRampRules(ChipRules):
             return self._accelerations[True]
         return self._accelerations[False] * self._told(view) ** 2
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         for row in (rows.XTARGET, rows.XACTUAL):
-            yield Place(row.name, row.address, position_of(row))
+            yield PositionRegister(row.name, row.address, position_of(row))
         for row in PIPES:
-            yield Place(row.name, row.address, _piped)
+            yield PositionRegister(row.name, row.address, _piped)
 
     def sources_of(self, axis: int) -> Iterable[int]:
         moving = (rows.RAMPMODE, rows.XTARGET, rows.XACTUAL, rows.VMAX, rows.AMAX, rows.START_CONF)
         return (row.address for row in moving)
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         mode, word = view(rows.RAMPMODE.address), view(rows.VMAX.address)
         vmax = None if word is None else rows.VMAX.decode(word)
         if vmax == 0:
             return None
-        parts = tuple(part for part in self.parts[axis] if part.at_start)
+        used = tuple(one for one in self.quantities[axis] if one.at_start)
         jumps = mode is not None and mode & 3 == rows.HOLD
         if jumps:
-            parts = tuple(part for part in parts if part.quantity != "acceleration" and part.name != "VSTART")
+            used = tuple(one for one in used if one.kind != "acceleration" and one.name != "VSTART")
         if mode is not None and mode & rows.POSITIONING_BIT:
             target, counter = view(rows.XTARGET.address), view(rows.XACTUAL.address)
             position = None if target is None else rows.XTARGET.decode(target)
-            return Going(parts, positioning=True, target=position, jumps=jumps, counter=counter)
-        return Going(parts, positioning=False, way=0 if vmax is None or mode is None else sign(vmax), jumps=jumps)
+            return Motion(used, positioning=True, target=position, jumps=jumps, counter=counter)
+        return Motion(used, positioning=False, way=0 if vmax is None or mode is None else sign(vmax), jumps=jumps)
 
     # --- what is known --------------------------------------------------------------------------
 
@@ -213,7 +213,7 @@ def _piped(word: int, view: View) -> int | None:
     return to_signed(word & 0xFFFF_FFFF, 32)
 
 
-def _currents(full_scale_a: float) -> Iterable[Part]:
+def _currents(full_scale_a: float) -> Iterable[Quantity]:
     def enabled(name: str) -> Field:
         return rows.part(rows.CURRENT_CONF, name)
 
@@ -242,7 +242,7 @@ def _currents(full_scale_a: float) -> Iterable[Part]:
         word = view(SCALE_VALUES.address)
         return full_scale_a * (share(view(rows.CURRENT_CONF.address), word) if word is not None else 1.0)
 
-    yield Part(
+    yield Quantity(
         "current",
         rows.CURRENT_CONF.name,
         rows.CURRENT_CONF.address,

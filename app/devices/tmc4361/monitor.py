@@ -13,7 +13,7 @@ from ...links.queue import Priority
 from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import AxisMonitor
 from ..core.motion_watch import Look, UnderWay
-from ..core.polling import Looking
+from ..core.polling import Poller
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
@@ -79,7 +79,7 @@ class Monitor(AxisMonitor):
         self._cruise = cruise
         self._events = events
         self._expected = expected
-        self._poller = Looking(self._session, tasks, self._poll, self._any_moves)
+        self._poller = Poller(self._session, tasks, self._poll, self._any_moves)
         expected.begun_hooks.append(self._poller.begin)
         self._session.state_hooks.append(self._state_set)
 

@@ -14,7 +14,7 @@ from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
-from ..core.polling import Looking
+from ..core.polling import Poller
 from ..core.raw_datagrams import RawDatagrams
 from ..core.register_file import READ_AT_ONCE, RegisterFile
 from ..core.register_link import RegisterLink
@@ -71,7 +71,7 @@ def compose(
     stops = Stops(session, link, memory, setting, predictions, motions)
     preparation = Preparation(memory, setting, log, reader, standstill)
     monitor = Monitor(session, link, memory, setting, log, reader, standstill, motions)
-    motions.wake = Looking(session, tasks, monitor.poll, motions.to_poll).begin
+    motions.wake = Poller(session, tasks, monitor.poll, motions.to_poll).begin
     # Each acts on a state that is set, in this order.
     session.state_hooks += [memory.heard_state, predictions.heard_state, log.heard_state, motions.heard_state]
     calls = PositionCalls(session, link, memory, setting, standstill, predictions, registers)

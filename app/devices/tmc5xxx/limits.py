@@ -17,7 +17,7 @@ from ...calc.tmc5xxx.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from ...calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
-from ..core.limit_rules.parts import Going, Part, Place, View, position_of
+from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
 from . import rows as r
@@ -43,20 +43,20 @@ class SixPointRules(ChipRules):
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         ramp = self._memory.rows(axis).ramp
         velocity, acceleration = velocity_unit_pps(self.clock_hz), acceleration_unit_pps2(self.clock_hz)
         for name in SPEEDS:
             row = ramp[name]
-            yield Part("velocity", name, row.address, row.decode, lambda _: velocity, VELOCITY_MAX)
+            yield Quantity("velocity", name, row.address, row.decode, lambda _: velocity, VELOCITY_MAX)
         for name in (name for name in ACCELERATIONS if name in ramp):
             row = ramp[name]
-            yield Part("acceleration", name, row.address, row.decode, lambda _: acceleration, row.maximum)
+            yield Quantity("acceleration", name, row.address, row.decode, lambda _: acceleration, row.maximum)
         limits = self.limits[axis]
         if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
             yield self._currents(axis)
 
-    def _currents(self, axis: int) -> Part:
+    def _currents(self, axis: int) -> Quantity:
         rows, limits = self._memory.rows(axis), self.limits[axis]
         run, hold = r.part(rows.ihold_irun, "IRUN"), r.part(rows.ihold_irun, "IHOLD")
         vsense, scaler = rows.chopconf.field_named("vsense"), rows.find(SCALER)
@@ -84,18 +84,18 @@ class SixPointRules(ChipRules):
 
         others = frozenset({scaler.address if scaler is not None else rows.chopconf.address})
         others |= frozenset(() if ranges is None else (ranges[0].address,))
-        return Part("current", "IHOLD_IRUN", rows.ihold_irun.address, scale, full_a, 1.0, others, advice=advice)
+        return Quantity("current", "IHOLD_IRUN", rows.ihold_irun.address, scale, full_a, 1.0, others, advice=advice)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         rows = self._memory.rows(axis)
         for row in (rows.xtarget, rows.xactual):
-            yield Place(row.name, row.address, position_of(row))
+            yield PositionRegister(row.name, row.address, position_of(row))
 
     def sources_of(self, axis: int) -> Iterable[int]:
         rows = self._memory.rows(axis)
         return (row.address for row in (rows.rampmode, rows.xtarget, rows.xactual, rows.vmax, rows.amax))
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         rows = self._memory.rows(axis)
         mode, vmax = view(rows.rampmode.address), view(rows.vmax.address)
         if vmax == 0 or view(rows.amax.address) == 0:
@@ -108,17 +108,17 @@ class SixPointRules(ChipRules):
         by_v2 = v2 is not None and view(v2.address) != 0
         positioning = kind in (r.POSITION, None)
         used = [
-            part
-            for part in self.parts[axis]
-            if (by_v1 or part.name not in BELOW_V1)
-            and (by_v2 or part.name not in BELOW_V2)
-            and (positioning or part.name not in (*BELOW_V1, *BELOW_V2, "DMAX", "VSTOP"))
+            one
+            for one in self.quantities[axis]
+            if (by_v1 or one.name not in BELOW_V1)
+            and (by_v2 or one.name not in BELOW_V2)
+            and (positioning or one.name not in (*BELOW_V1, *BELOW_V2, "DMAX", "VSTOP"))
         ]
         if kind in (r.FORWARD, r.BACKWARD):
-            return Going(tuple(used), positioning=False, way=1 if kind == r.FORWARD else -1)
+            return Motion(tuple(used), positioning=False, way=1 if kind == r.FORWARD else -1)
         target = view(rows.xtarget.address)
         position = None if target is None or kind is None else rows.xtarget.decode(target)
-        return Going(tuple(used), kind is not None, position, counter=view(rows.xactual.address))
+        return Motion(tuple(used), kind is not None, position, counter=view(rows.xactual.address))
 
     # --- what is known --------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ counts its position but the place in the microstep table.
 
 rows, memory      the registers by what they are, and what they hold; nothing is asked of the chip
 resets            GSTAT.reset, seen and kept for its user
-looking, monitor  one reading of an axis, and what it says
+reader, monitor   one reading of an axis, and what it says
 motion, writes    rotation and stops; what a write by hand does
 signs, limits     what is wrong, and what registers mean for soft limits
 """

@@ -22,10 +22,10 @@ from ..core.session import Session
 from .configuration import Configuration
 from .identity import DriverIdentity, found_by
 from .limits import DriverRules
-from .looking import Looking
 from .memory import DriverMemory
 from .monitor import FlagClearing, Monitor, PlaceInTable
 from .motion import DriverMotion
+from .reader import Reader
 from .resets import Resets
 from .rows import DriverRows
 from .start_up import plan
@@ -43,27 +43,27 @@ def compose(
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
     memory = DriverMemory(link, DriverRows(session.family))
     resets = Resets(memory)
-    looking = Looking(link, memory, resets)
+    reader = Reader(link, memory, resets)
     writes = Writes(link, memory, resets)
     registers = RegisterFile(link, writes, session.family.axes, READ_AT_ONCE)
     session.state_hooks.append(memory.heard_state)
     parts = Parts(
-        identity=DriverIdentity(looking),
+        identity=DriverIdentity(reader),
         registers=registers,
         raw=RawDatagrams(link, writes, DatagramsByHand(memory)),
-        motion=DriverMotion(session, link, memory, looking),
-        monitor=Monitor(session, memory, looking, resets),
-        counter=PlaceInTable(session, memory, looking, resets),
+        motion=DriverMotion(session, link, memory, reader),
+        monitor=Monitor(session, memory, reader, resets),
+        counter=PlaceInTable(session, memory, reader, resets),
         telemetry=DriverTelemetry(link, memory),
         configuration=Configuration(memory, registers),
-        others=(memory, looking, FlagClearing(memory, registers)),
+        others=(memory, reader, FlagClearing(memory, registers)),
     )
     return Device(session, parts)
 
 
 def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> DriverRules:
     """What its registers mean for soft limits."""
-    return DriverRules(_own(device, RegisterFile), _own(device, DriverMemory), _own(device, Looking), limits, clock_hz)
+    return DriverRules(_own(device, RegisterFile), _own(device, DriverMemory), _own(device, Reader), limits, clock_hz)
 
 
 def _own(device: Device, kind: type[P]) -> P:

@@ -9,19 +9,19 @@ from ...registers.tmcdrivers.models import MODELS
 from ..core.capabilities import Identity
 from ..core.register_io import read_once_more
 from ..core.unread_registers import NOTHING
-from .looking import Looking
+from .reader import Reader
 
 
 class DriverIdentity(Identity):
     """Tells one model from all others."""
 
-    def __init__(self, looking: Looking) -> None:
-        self._looking = looking
-        self._link = looking.link
-        self._session = looking.link.session
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+        self._link = reader.link
+        self._session = reader.link.session
 
     async def probe(self) -> str:
-        rows = self._looking.memory.rows
+        rows = self._reader.memory.rows
         async with self._link.turn() as turn:
             word, gconf = await self._link.io(turn).read_many((rows.inputs, rows.gconf))
         title, model = self._session.family.title, self._session.model
@@ -34,7 +34,7 @@ class DriverIdentity(Identity):
         return f"a {title} answers, version {version:#04x}"
 
     async def refresh(self) -> None:
-        await self._looking.look()
+        await self._reader.read_axis()
 
     def only_reads(self, frame: bytes) -> bool:
         return self._link.access.is_read(frame)

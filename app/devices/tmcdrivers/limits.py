@@ -9,11 +9,11 @@ from ...calc.families import CHIPS
 from ...calc.tmc5xxx.coil import SCALES, CurrentStage
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
-from ..core.limit_rules.parts import Going, Part, Place, View
+from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
-from .looking import Looking
 from .memory import DriverMemory
+from .reader import Reader
 from .rows import FINEST, part
 
 
@@ -24,25 +24,25 @@ class DriverRules(ChipRules):
         self,
         registers: RegisterFile,
         memory: DriverMemory,
-        looking: Looking,
+        reader: Reader,
         limits: Sequence[AxisLimits],
         clock_hz: float,
     ) -> None:
         self._memory = memory
-        self._looking = looking
+        self._reader = reader
         super().__init__(registers, memory.remembered_word, limits, clock_hz)
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         row, unit = self._memory.rows.vactual, self.clock_hz / (1 << 24)
         if row is not None:
-            yield Part("velocity", row.name, row.address, row.decode, lambda _: unit, row.maximum)
+            yield Quantity("velocity", row.name, row.address, row.decode, lambda _: unit, row.maximum)
         limits = self.limits[axis]
         if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
             yield self._currents(limits)
 
-    def _currents(self, limits: AxisLimits) -> Part:
-        rows = self._memory.rows
-        run, hold = part(rows.ihold_irun, "IRUN"), part(rows.ihold_irun, "IHOLD")
+    def _currents(self, limits: AxisLimits) -> Quantity:
+        rows, row = self._memory.rows, self._memory.rows.ihold_irun
+        run, hold = part(row, "IRUN"), part(row, "IHOLD")
         vsense = part(rows.chopconf, "vsense")
 
         def full_a(view: View) -> float:
@@ -57,31 +57,31 @@ class DriverRules(ChipRules):
             return f"write IRUN and IHOLD {count} or less" if count >= 0 else "set vsense"
 
         others = frozenset({rows.chopconf.address})
-        return Part("current", rows.ihold_irun.name, rows.ihold_irun.address, scale, full_a, 1.0, others, advice=advice)
+        return Quantity("current", row.name, row.address, scale, full_a, 1.0, others, advice=advice)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         return ()
 
     def sources_of(self, axis: int) -> Iterable[int]:
         row = self._memory.rows.vactual
         return () if row is None else (row.address,)
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         row = self._memory.rows.vactual
         word = None if row is None else view(row.address)
         if row is None or word == 0:
             return None
         way = 0 if word is None else 1 if row.decode(word) > 0 else -1
-        return Going(tuple(self.parts[axis]), positioning=False, way=way, jumps=True)
+        return Motion(tuple(self.quantities[axis]), positioning=False, way=way, jumps=True)
 
     async def learn(self) -> None:
         if any(limits.given for limits in self.limits):
-            await self._looking.look()
+            await self._reader.read_axis()
 
     async def look(self, axis: int) -> Look:
-        looked = await self._looking.look()
-        place = looked.held.value(self._memory.rows.mscnt) * self._memory.microsteps // FINEST
-        return Look(place, self._looking.speed_pps(looked.held))
+        reading = await self._reader.read_axis()
+        place = reading.held.value(self._memory.rows.mscnt) * self._memory.microsteps // FINEST
+        return Look(place, self._reader.speed_pps(reading.held))
 
     def braking(self, axis: int, look: Look, view: View) -> float | None:
         return 0.0  # VACTUAL 0 stops the field at once

@@ -14,8 +14,8 @@ from ..core.counter import CounterLook
 from ..core.results import AxisState, MotionEnd, Switches
 from ..core.session import Session
 from ..core.signs import Signs
-from .looking import Looking
 from .memory import DriverMemory
+from .reader import Reader
 from .resets import Resets
 from .rows import FINEST
 from .signs import signs
@@ -30,15 +30,15 @@ class Monitor(AxisMonitor):
 
     session: Session
     memory: DriverMemory
-    looking: Looking
+    reader: Reader
     resets: Resets
 
     async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self.session.axis(axis)
         self.session.require_connected()
-        looked = await self.looking.look(priority)
-        memory, held = self.memory, looked.held
-        rows, speed = memory.rows, self.looking.speed_pps(held)
+        reading = await self.reader.read_axis(priority)
+        memory, held = self.memory, reading.held
+        rows, speed = memory.rows, self.reader.speed_pps(held)
         velocity = memory.velocity
         flags: dict[str, bool] = {}
         for row in (rows.drv_status, rows.gstat):
@@ -57,7 +57,7 @@ class Monitor(AxisMonitor):
             mode="velocity" if velocity or (velocity is None and speed) else "step/dir",
             switches=Switches(None, None, None),
             flags=flags,
-            time_s=looked.time_s,
+            time_s=reading.time_s,
         )
 
     def signs(self, axis: int, state: AxisState) -> Signs:
@@ -75,16 +75,16 @@ class PlaceInTable(PositionCounter):
 
     session: Session
     memory: DriverMemory
-    looking: Looking
+    reader: Reader
     resets: Resets
 
     async def look(self, axis: int) -> CounterLook:
         self.session.axis(axis)
         self.session.require_connected()
         before = self.resets.seen
-        looked = await self.looking.look()
-        place = looked.held.value(self.memory.rows.mscnt) * self.memory.microsteps // FINEST
-        return CounterLook(place, looked.asked_s, self.resets.seen > before)
+        reading = await self.reader.read_axis()
+        place = reading.held.value(self.memory.rows.mscnt) * self.memory.microsteps // FINEST
+        return CounterLook(place, reading.asked_s, self.resets.seen > before)
 
     def counter_bits(self, axis: int) -> int | None:
         self.session.axis(axis)

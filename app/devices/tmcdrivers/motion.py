@@ -21,8 +21,8 @@ from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
 from ..core.stop_each import stop_each
-from .looking import Looking
 from .memory import DriverMemory
+from .reader import Reader
 from .rows import part
 
 STEPPED = "it is stepped from outside (STEP), which no register ends"
@@ -36,7 +36,7 @@ class DriverMotion(Motion):
     session: Session
     link: RegisterLink
     memory: DriverMemory
-    looking: Looking
+    reader: Reader
 
     async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
         title = self.session.family.title
@@ -52,7 +52,7 @@ class DriverMotion(Motion):
         self.session.require_connected()
         async with self.link.command(axis) as turn:
             io = self.link.io(turn)
-            await self.looking.read(io, (*self.memory.rows.remembered, self.memory.rows.inputs))
+            await self.reader.read(io, (*self.memory.rows.remembered, self.memory.rows.inputs))
             chopconf = self.memory.word(self.memory.rows.chopconf)
             if chopconf is not None and not part(self.memory.rows.chopconf, "toff").unpack(chopconf):
                 raise CannotMove("the driver is off: CHOPCONF.toff is 0", "start it up, or write toff", axis)
@@ -130,8 +130,8 @@ class DriverMotion(Motion):
             if not await io.write(row, 0):
                 return BadReply(self.session.port.name, "the stop may have arrived otherwise", b"")
         if stood:  # then what it does now nothing here has told it
-            looked = await self.looking.read(io, (self.memory.rows.tstep, self.memory.rows.inputs))
-            if self.looking.speed_pps(looked.held):
+            reading = await self.reader.read(io, (self.memory.rows.tstep, self.memory.rows.inputs))
+            if self.reader.speed_pps(reading.held):
                 return WrongState(STEPPED, HOW_TO_STOP)
         return None
 

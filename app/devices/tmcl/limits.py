@@ -15,7 +15,7 @@ from ...links.tmcl import FRAME_BYTES, Request
 from ...registers.model import Register
 from ...registers.tmcl.commands import COORDINATES_IN_EEPROM, Opcode, Status
 from ..core.axis_limits import AxisLimits
-from ..core.limit_rules.parts import COORDINATES, Going, Part, Place, View, sign
+from ..core.limit_rules.quantities import COORDINATES, Motion, PositionRegister, Quantity, View, sign
 from ..core.limit_rules.rules import Look, Rules
 from ..core.session import Session
 from ..core.tmcl_link import TmclLink
@@ -56,20 +56,20 @@ class ModuleRules(Rules):
         self._search_speeds = (rows.search_speed, rows.switch_speed)
         self._accelerations = rows.present(rows.max_acceleration, rows.a1, rows.max_deceleration, rows.d1)
         self._currents = (rows.max_current, rows.standby_current)
-        self._below_v1 = tuple(_named(row.name, row.alias) for row in rows.present(rows.a1, rows.d1))
+        self._below_v1 = tuple(_named(row) for row in rows.present(rows.a1, rows.d1))
         self._looked_at = (rows.target_position, rows.actual_speed, rows.actual_position)
         super().__init__(limits, clock_hz)
-        self._limited = {part.address for part in self.parts[0]} | {place.address for place in self.places[0]}
+        self._limited = {one.address for one in self.quantities[0]} | {one.address for one in self.positions[0]}
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         mode = frozenset(row.address for row in self._roles.counting)
         most = self._state.scaling.most
         for row in (*self._speeds, self._roles.target_speed, *self._search_speeds):
-            yield Part(
+            yield Quantity(
                 "velocity",
-                _named(row.name, row.alias),
+                _named(row),
                 row.address,
                 float,
                 self._speed,
@@ -78,13 +78,13 @@ class ModuleRules(Rules):
                 row in self._speeds,
             )
         for row in self._accelerations:
-            yield Part("acceleration", _named(row.name, row.alias), row.address, float, self._acceleration, most, mode)
+            yield Quantity("acceleration", _named(row), row.address, float, self._acceleration, most, mode)
         full_scale_a = self.limits[axis].current_full_scale_a
         if full_scale_a is not None:
             for row in self._currents:
-                yield Part(
+                yield Quantity(
                     "current",
-                    _named(row.name, row.alias),
+                    _named(row),
                     row.address,
                     lambda word: word / FULL,
                     self._scaled(full_scale_a),
@@ -115,9 +115,9 @@ class ModuleRules(Rules):
         """What unit mode (AP 255) makes other numbers of."""
         return (*self._speeds, *self._search_speeds, *self._accelerations, self._roles.target_speed)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         for row in (self._roles.target_position, self._roles.actual_position):
-            yield Place(row.name, row.address, lambda word, _: word)
+            yield PositionRegister(row.name, row.address, lambda word, _: word)
 
     def sources_of(self, axis: int) -> Iterable[int]:
         return (
@@ -127,7 +127,7 @@ class ModuleRules(Rules):
             SEARCH,
         )
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         if address is None or address == self._roles.actual_position.address:
             driven = self._ongoing.driven
             if driven is None or (address is not None and driven != "position"):
@@ -139,23 +139,23 @@ class ModuleRules(Rules):
             }
             address = kinds.get(driven)
         by_v1 = view(self._roles.v1.address) != 0
-        names = {part.name for part in self.parts[0] if part.at_start and (by_v1 or part.name not in self._below_v1)}
+        names = {one.name for one in self.quantities[0] if one.at_start and (by_v1 or one.name not in self._below_v1)}
         if address == self._roles.target_position.address:
-            return Going(self._parts(names), positioning=True, target=view(address), counter=view(1))
-        turning = {_named(row.name, row.alias) for row in (self._roles.max_acceleration,)}
-        currents = {part.name for part in self.parts[0] if part.quantity == "current"}
+            return Motion(self._quantities(names), positioning=True, target=view(address), counter=view(1))
+        turning = {_named(row) for row in (self._roles.max_acceleration,)}
+        currents = {one.name for one in self.quantities[0] if one.kind == "current"}
         if address == self._roles.target_speed.address:
             speed = view(address)
             way = 0 if speed is None else sign(speed)
-            return Going(self._parts(turning | currents), positioning=False, way=way) if speed != 0 else None
-        searching = {_named(row.name, row.alias) for row in self._search_speeds}
-        return Going(self._parts(names | searching), positioning=False)
+            return Motion(self._quantities(turning | currents), positioning=False, way=way) if speed != 0 else None
+        searching = {_named(row) for row in self._search_speeds}
+        return Motion(self._quantities(names | searching), positioning=False)
 
-    def going_before(self, axis: int, view: View, address: int) -> Going | None:
+    def motion_before(self, axis: int, view: View, address: int) -> Motion | None:
         return None  # every command sets the axis off anew
 
-    def _parts(self, names: set[str]) -> tuple[Part, ...]:
-        return tuple(part for part in self.parts[0] if part.name in names)
+    def _quantities(self, names: set[str]) -> tuple[Quantity, ...]:
+        return tuple(one for one in self.quantities[0] if one.name in names)
 
     # --- frames ---------------------------------------------------------------------------------
 
@@ -300,8 +300,8 @@ class ModuleRules(Rules):
         return look.velocity_pps**2 / (2 * word * self._state.acceleration_unit_pps2)
 
 
-def _named(name: str, alias: str) -> str:
-    return f"{name} ({alias})"
+def _named(row: Register) -> str:
+    return f"{row.name} ({row.alias})"
 
 
 def _value(frame: bytes) -> int:

@@ -10,7 +10,7 @@ from ...calc.units.mechanics import Mechanics
 from ...errors import BenchError
 from ...registers.model import Register, Space
 from ...registers.tmcl.modules import MODULES
-from ..core.limit_rules.parts import COORDINATES
+from ..core.limit_rules.quantities import COORDINATES
 from ..core.lookup import Lookup
 from ..core.results import DeviceState
 from ..core.session import Session

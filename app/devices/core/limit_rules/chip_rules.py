@@ -8,7 +8,7 @@ from ....links.register_access import BoardAccess
 from ..axis_limits import AxisLimits
 from ..register_file import RegisterFile
 from .frames import Decoder, decoder_of, moves_by_board, refuse_board
-from .parts import View
+from .quantities import View
 from .rules import Rules
 
 

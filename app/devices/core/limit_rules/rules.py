@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from ..axis_limits import AxisLimits
-from .parts import Going, Part, Place, View
+from .quantities import Motion, PositionRegister, Quantity, View
 
 SLACK = 1 + 1e-9
 """A limit that came to its number by a conversion is not passed by the rounding of that."""
@@ -32,20 +32,19 @@ class Rules(ABC):
     def __init__(self, limits: Sequence[AxisLimits], clock_hz: float) -> None:
         self.limits = tuple(limits)
         self.clock_hz = clock_hz
-        self.parts: tuple[tuple[Part, ...], ...] = tuple(tuple(self.parts_of(axis)) for axis in range(len(limits)))
-        self.places: tuple[tuple[Place, ...], ...] = tuple(tuple(self.places_of(axis)) for axis in range(len(limits)))
-        self.sources: tuple[frozenset[int], ...] = tuple(
-            frozenset(self.sources_of(axis)) for axis in range(len(limits))
-        )
+        axes = range(len(limits))
+        self.quantities: tuple[tuple[Quantity, ...], ...] = tuple(tuple(self.quantities_of(at)) for at in axes)
+        self.positions: tuple[tuple[PositionRegister, ...], ...] = tuple(tuple(self.positions_of(at)) for at in axes)
+        self.sources: tuple[frozenset[int], ...] = tuple(frozenset(self.sources_of(at)) for at in axes)
 
     # --- the table ------------------------------------------------------------------------------
 
     @abstractmethod
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         """Speeds, accelerations and currents."""
 
     @abstractmethod
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         """Targets and counters."""
 
     @abstractmethod
@@ -53,12 +52,12 @@ class Rules(ABC):
         """Addresses a write to which may set the axis in motion."""
 
     @abstractmethod
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         """What the axis does as its registers are; None where it goes nowhere. `address` was written last."""
 
-    def going_before(self, axis: int, view: View, address: int) -> Going | None:
+    def motion_before(self, axis: int, view: View, address: int) -> Motion | None:
         """What the axis did before `address` is written: a write that changes nothing of it sets nothing in motion."""
-        return self.going(axis, view, address)
+        return self.motion(axis, view, address)
 
     # --- frames ---------------------------------------------------------------------------------
 
@@ -123,12 +122,12 @@ class Rules(ABC):
 
     def acceleration_pps2(self, axis: int, view: View) -> float | None:
         """How fast the velocity may rise [pps^2]; None where nobody knows."""
-        found = [part.value(view) for part in self.parts[axis] if part.quantity == "acceleration" and part.at_start]
+        found = [one.value(view) for one in self.quantities[axis] if one.kind == "acceleration" and one.at_start]
         known = [value for value in found if value is not None]
         return max(known) if known else None
 
     def top_pps(self, axis: int, view: View) -> float | None:
         """The speed that the axis may get to [pps]; None where nobody knows."""
-        found = [part.value(view) for part in self.parts[axis] if part.quantity == "velocity"]
+        found = [one.value(view) for one in self.quantities[axis] if one.kind == "velocity"]
         known = [value for value in found if value is not None]
         return max(known) if known else None

@@ -12,7 +12,7 @@ from ....registers.listed.ramp import BACKWARD, FORWARD, HOLD, POSITION
 from ....registers.model import Register
 from ...core.axis_limits import AxisLimits
 from ...core.limit_rules.chip_rules import ChipRules
-from ...core.limit_rules.parts import Going, Part, Place, Quantity, View, position_of
+from ...core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, position_of
 from ...core.limit_rules.rules import Look
 from ...core.register_file import RegisterFile
 from .ongoing import ChipMotions
@@ -36,22 +36,22 @@ class ListedChipRules(ChipRules):
 
     # --- the table ------------------------------------------------------------------------------
 
-    def parts_of(self, axis: int) -> Iterable[Part]:
+    def quantities_of(self, axis: int) -> Iterable[Quantity]:
         ramp = self._state.ramps[axis]
-        yield _part("velocity", ramp.max_speed)
-        yield _part("acceleration", ramp.acceleration)
+        yield _quantity("velocity", ramp.max_speed)
+        yield _quantity("acceleration", ramp.acceleration)
         if ramp.deceleration is not None:
-            yield _part("acceleration", ramp.deceleration)
+            yield _quantity("acceleration", ramp.deceleration)
 
-    def places_of(self, axis: int) -> Iterable[Place]:
+    def positions_of(self, axis: int) -> Iterable[PositionRegister]:
         ramp = self._state.ramps[axis]
         for row in (ramp.target, ramp.position):
-            yield Place(row.name, row.address, position_of(row))
+            yield PositionRegister(row.name, row.address, position_of(row))
 
     def sources_of(self, axis: int) -> Iterable[int]:
         return (row.address for row in self._state.ramps[axis].moving)
 
-    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+    def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
         ramp = self._state.ramps[axis]
         if view(ramp.max_speed.address) == 0 or view(ramp.acceleration.address) == 0:
             return None
@@ -60,13 +60,13 @@ class ListedChipRules(ChipRules):
         if mode == HOLD:
             return None
         braking = None if ramp.deceleration is None else ramp.deceleration.name
-        turning = tuple(part for part in self.parts[axis] if part.name != braking)
+        turning = tuple(one for one in self.quantities[axis] if one.name != braking)
         if mode in (FORWARD, BACKWARD):
-            return Going(turning, positioning=False, way=1 if mode == FORWARD else -1)
+            return Motion(turning, positioning=False, way=1 if mode == FORWARD else -1)
         target = view(ramp.target.address)
         place = None if target is None or mode is None else ramp.target.decode(target)
         counter = view(ramp.position.address)
-        return Going(self.parts[axis], mode == POSITION, place, counter=counter)
+        return Motion(self.quantities[axis], mode == POSITION, place, counter=counter)
 
     # --- what is known --------------------------------------------------------------------------
 
@@ -95,5 +95,5 @@ def _settings(*rows: Register) -> tuple[Register, ...]:
     return tuple(row for row in rows if row.access.readable)
 
 
-def _part(quantity: Quantity, row: Register) -> Part:
-    return Part(quantity, row.name, row.address, row.decode, lambda _: 1.0, float(row.maximum))
+def _quantity(kind: QuantityKind, row: Register) -> Quantity:
+    return Quantity(kind, row.name, row.address, row.decode, lambda _: 1.0, float(row.maximum))

@@ -10,7 +10,7 @@ from ....registers.listed.ramp import HOLD, POSITION, Ramp
 from ....registers.model import Register
 from ...core.background_tasks import BackgroundTasks
 from ...core.motion_watch import Look, MotionWatch
-from ...core.polling import Looking
+from ...core.polling import Poller
 from ...core.register_io import RegisterIO, Snapshot
 from ...core.register_link import RegisterLink
 from ...core.results import DeviceState
@@ -43,8 +43,8 @@ class ChipMotions:
         self._session = session
         self._link = link
         self._state = state
-        self._looking = Looking(session, tasks, self._poll, self._to_poll)
-        self.watches = tuple(MotionWatch(ramp.axis, session.tell, self._looking.begin) for ramp in state.ramps)
+        self._poller = Poller(session, tasks, self._poll, self._to_poll)
+        self.watches = tuple(MotionWatch(ramp.axis, session.tell, self._poller.begin) for ramp in state.ramps)
 
     def mark_unknown(self, axis: int) -> None:
         """A command that may have moved or stopped the axis failed: what it does is not known."""
@@ -63,7 +63,7 @@ class ChipMotions:
     def on_state(self, state: DeviceState, problem: BenchError | None) -> None:
         """`Session.state_hooks`: what moved while the link failed nobody saw to its end."""
         if state == "connected" and self.watches:
-            self._looking.begin()
+            self._poller.begin()
         elif state == "failed" and isinstance(problem, LinkDown | LinkTimeout):
             for watch in self.watches:
                 if watch.under_way is not None:

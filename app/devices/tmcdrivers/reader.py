@@ -15,7 +15,7 @@ from .rows import FINEST, STANDS
 
 
 @dataclass(frozen=True, slots=True)
-class Looked:
+class Reading:
     """What was read, and when, device time [s]."""
 
     held: Snapshot
@@ -24,14 +24,14 @@ class Looked:
 
 
 @dataclass(frozen=True, slots=True)
-class Looking:
+class Reader:
     """Reads the driver; whoever keeps something in mind is told."""
 
     link: RegisterLink
     memory: DriverMemory
     resets: Resets
 
-    async def look(self, priority: Priority = Priority.COMMAND) -> Looked:
+    async def read_axis(self, priority: Priority = Priority.COMMAND) -> Reading:
         """The axis now, in a turn of its own. Raises LinkError."""
         rows = self.memory.rows
         load, _ = rows.load
@@ -39,15 +39,15 @@ class Looking:
         async with self.link.turn(priority) as turn:
             return await self.read(self.link.io(turn), asked)
 
-    async def read(self, io: RegisterIO, asked: Sequence[Register]) -> Looked:
+    async def read(self, io: RegisterIO, asked: Sequence[Register]) -> Reading:
         """These registers and GSTAT, which comes last: no reset that changed the others can be missing."""
         gstat = self.memory.rows.gstat
         unique = tuple({row.address: row for row in (*asked, gstat)}.values())
         held = Snapshot(unique, await io.read_many(unique))
-        looked = Looked(held, io.asked_s, io.time_s)
+        reading = Reading(held, io.asked_s, io.time_s)
         await self.resets.look(io, held.word(gstat))  # first: a reset makes forget what was seen before
         self.memory.saw(held)
-        return looked
+        return reading
 
     def speed_pps(self, held: Snapshot) -> float:
         """How fast the motor is stepped, by TSTEP, with its direction [microsteps/s].

@@ -11,15 +11,15 @@ from ..axis_limits import AxisLimits
 
 COORDINATES = 0x1000
 """Of a TMCL module: from here on addresses are numbers of coordinates."""
-Quantity = Literal["velocity", "acceleration", "current"]
+QuantityKind = Literal["velocity", "acceleration", "current"]
 UNITS = {"position": "microsteps", "velocity": "pps", "acceleration": "pps^2", "current": "A"}
 View: TypeAlias = Callable[[int], int | None]
 """The word that a register holds, by address, as far as is known."""
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """One register's share in what an axis does. Its value is |counts(word)| * unit(view), in the unit of the quantity.
+class Quantity:
+    """A velocity, acceleration or current that one register sets. Value: |counts(word)| * unit(view).
 
     others : addresses of what the unit depends on: writing there changes what this register means
     most : the greatest count that the register can hold: what is taken for a word that nobody knows
@@ -27,7 +27,7 @@ class Part:
     advice : what to write, given the greatest count that is allowed
     """
 
-    quantity: Quantity
+    kind: QuantityKind
     name: str
     address: int
     counts: Callable[[int], float]
@@ -38,7 +38,7 @@ class Part:
     advice: Callable[[float], str] | None = None
 
     def value(self, view: View) -> float | None:
-        """[unit of the quantity]; None where the word is not known."""
+        """[unit of its kind]; None where the word is not known."""
         word = view(self.address)
         return None if word is None else abs(self.counts(word)) * self.unit(view)
 
@@ -55,8 +55,8 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """A register that holds a position: a target, or the counter itself."""
+class PositionRegister:
+    """A register that holds a position: a target, or the counter."""
 
     name: str
     address: int
@@ -65,15 +65,15 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Going:
-    """What an axis does, or is about to do: by which registers, and whereto.
+class Motion:
+    """A motion under way or about to begin: by which registers, and whereto.
 
     target : of positioning; None where it turns, or nobody knows
     way : of turning, +1 or -1; 0 where nobody knows
     jumps : its velocity jumps, by no acceleration
     """
 
-    parts: tuple[Part, ...] = field(compare=False)
+    quantities: tuple[Quantity, ...] = field(compare=False)
     positioning: bool
     target: int | None = None
     way: int = 0
@@ -92,8 +92,8 @@ def sign(number: float) -> int:
     return (number > 0) - (number < 0)
 
 
-def limit_of(limits: AxisLimits, quantity: Quantity) -> float | None:
-    """The limit of a quantity, in its unit."""
-    if quantity == "velocity":
+def limit_of(limits: AxisLimits, kind: QuantityKind) -> float | None:
+    """The limit of a kind of quantity, in its unit."""
+    if kind == "velocity":
         return limits.velocity_max_pps
-    return limits.acceleration_max_pps2 if quantity == "acceleration" else limits.current_max_a
+    return limits.acceleration_max_pps2 if kind == "acceleration" else limits.current_max_a
