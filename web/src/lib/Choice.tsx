@@ -1,4 +1,12 @@
-import { CheckIcon, Combobox, Group, TextInput, type TextInputProps, useCombobox } from "@mantine/core";
+import {
+  CheckIcon,
+  Combobox,
+  type ComboboxProps,
+  Group,
+  TextInput,
+  type TextInputProps,
+  useCombobox,
+} from "@mantine/core";
 import type { ReactNode } from "react";
 
 interface Item {
@@ -13,6 +21,15 @@ interface Props extends Omit<TextInputProps, "value" | "onChange" | "size"> {
   /** what an option shows before its label */
   mark?: (value: string) => ReactNode;
 }
+
+/** The list takes the width of its options, and the field's where that is more. */
+const AS_WIDE_AS_FIELD: NonNullable<ComboboxProps["middlewares"]> = {
+  size: {
+    apply({ rects, elements }) {
+      elements.floating.style.minWidth = `${rects.reference.width}px`;
+    },
+  },
+};
 
 /** One of a few, as the library's Select without search, clearing and scroll areas: the first page loads none of them. */
 export function Choice({ data, value, onChange, mark, ...input }: Props) {
@@ -41,6 +58,7 @@ export function Choice({ data, value, onChange, mark, ...input }: Props) {
       store={store}
       size="xs"
       width="max-content"
+      middlewares={AS_WIDE_AS_FIELD}
       position="bottom-start"
       onOptionSubmit={(chosen) => {
         onChange(chosen);
