@@ -77,7 +77,7 @@ log = logging.getLogger("stepscope")
 EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 COMMAND_LINE = "on the command line"
 SAVE_EVERY_S = 2.0
-"""Positions without end change all the time; they are saved no more often than that [s]."""
+"""Extended positions change all the time; they are saved no more often than that [s]."""
 STOP_WITHIN_S = 0.5
 """How long stopping the motors may hold up the end of the program [s]."""
 

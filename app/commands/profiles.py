@@ -209,7 +209,7 @@ def try_(device: DeviceName, url: Url = None, token: Token = None, as_json: AsJs
 
 @profile.command(name="way-back", no_args_is_help=True)
 def way_back(device: DeviceName, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
-    """Bring back what a profile has written that was cut off, or whose own way back failed."""
+    """Bring back what a profile has written that was cut off, or whose own rollback failed."""
     with connected(url, token) as bench:
         done = bench.take_profile_back(device)
         if as_json:
@@ -313,7 +313,7 @@ def _side(value: object, physical: str | None) -> str:
 
 
 def _with_a_bar(bench: Bench, device: str, document: Mapping[str, Any], *, limits: bool) -> Mapping[str, Any]:
-    """Apply it; another thread asks meanwhile how far it is. What a failed way back has left is told line by line."""
+    """Apply it; another thread asks meanwhile how far it is. What a failed rollback has left is told line by line."""
     from ..client import ClientError, Refused
 
     over = threading.Event()

@@ -1,4 +1,4 @@
-"""A port whose far end is an emulated chip in the same process: bytes in, bytes out, no wait, no thread.
+"""A port to an emulated chip in the same process: bytes in, bytes out, no wait, no thread.
 
 It also is the chip's sampler. A sample that fell due earlier is taken at its own chip time just
 before anybody else talks to the chip, so samples bear exact times however late the timer was.

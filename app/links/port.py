@@ -24,7 +24,7 @@ class Answer(Enum):
 
 
 class FramePort(Protocol):
-    """One chip at the far end of a wire that answers each frame with a frame."""
+    """One chip behind a wire that answers each frame with a frame."""
 
     @property
     def name(self) -> str:

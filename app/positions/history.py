@@ -14,7 +14,7 @@ class Point(NamedTuple):
     time_s: float
     position: int
     encoder: int | None
-    """Where the encoder said that the axis was, without end; None where it was not read along."""
+    """Where the encoder said that the axis was, extended; None where it was not read along."""
 
 
 class History:

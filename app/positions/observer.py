@@ -54,7 +54,7 @@ class Observer:
         """When it is served next, server time [s]."""
         self.history = History()
         self.encoder: int | None = None
-        """Where the encoder said that the axis was, without end; None where there is none."""
+        """Where the encoder said that the axis was, extended; None where there is none."""
         self.trouble = ""
         """Why the latest look failed though the link works."""
         self._pps = 0.0

@@ -261,7 +261,7 @@ class ExtendedPositionService:
             return
         heapq.heappush(self._due, (due_s, next(self._order), watched))
         if self._task is None:
-            self._task = asyncio.get_running_loop().create_task(self._run(), name="positions without end")
+            self._task = asyncio.get_running_loop().create_task(self._run(), name="extended positions")
         elif self._sleeper is not None and self._due[0][2] is watched:
             self._sleeper.cancel()  # it sleeps for too long now
 

@@ -1,4 +1,4 @@
-"""What the service answers. Plain records; positions are whole microsteps without end, fractions exact."""
+"""What the service answers. Plain records; positions are whole microsteps of any size, fractions exact."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 The motor stands, and is kept from having anywhere to go. All writes are known and checked before the first. Each
 register is read again right before it is written (it has to hold what the comparison saw: then nobody else writes here,
-and no flipped bit of a reading decides what the way back would write), read back after it, and at the end everything
+and no flipped bit of a reading decides what the rollback would write), read back after it, and at the end everything
 is read once more. The first thing that goes wrong ends it, and what was written is written back in reverse order.
 Nothing is tried a second time but readings.
 """

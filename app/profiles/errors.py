@@ -36,7 +36,7 @@ class ProfileTakenBack(BenchError):
 
 
 class ProfileLeft(ProfileTakenBack):
-    """A profile was not applied, and the way back failed too: `left` says exactly what is not as it was."""
+    """A profile was not applied, and the rollback failed too: `left` says exactly what is not as it was."""
 
     def __init__(
         self, message: str, failed: Change, written: int, of: int, prepared: list[str], left: list[Change]

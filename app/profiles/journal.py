@@ -46,7 +46,7 @@ class Half:
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
-    """A transaction that was cut off, or whose way back failed."""
+    """A transaction that was cut off, or whose rollback failed."""
 
     device: str
     """Its id at that time."""
@@ -56,7 +56,7 @@ class Unfinished:
     started_unix_s: float
     by: str
     crashed: bool
-    """Whether the server ended in the middle; else the way back failed, and `halves` are what it has left."""
+    """Whether the server ended in the middle; else the rollback failed, and `halves` are what it has left."""
     halves: tuple[Half, ...]
 
     @property

@@ -1,4 +1,4 @@
-"""The way back: what a transaction has written goes back, the latest first, and what does not is told."""
+"""The rollback: what a transaction has written goes back, the latest first, and what does not is told."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .writing import Progress, change_of, told_of, unexpected, write_item
 log = logging.getLogger("stepscope.profiles")
 
 SILENT = 2
-"""So many writes in a row without an answer, and the way back gives the link up: each costs a timeout."""
+"""So many writes in a row without an answer, and the rollback gives the link up: each costs a timeout."""
 
 
 class WayBack:

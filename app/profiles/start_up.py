@@ -1,7 +1,7 @@
 """Start-up: a device set up after power-on so that its axes can move, tried dry or applied as one transaction.
 
 The family plans it (`devices.starting`); what it plans becomes a profile of just these registers, so that comparing,
-applying with read-back and the way back are those of profiles.
+applying with read-back and the rollback are those of profiles.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The positions without end that outlive a run: `positions.json` in the data directory.
+"""The extended positions that outlive a run: `positions.json` in the data directory.
 
 Numbers of 64 bits are text there, since most readers of JSON end at 2^53, and fractions are "n/d", exactly.
 """

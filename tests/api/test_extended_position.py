@@ -1,4 +1,4 @@
-"""Positions without end over REST: what is told, what is refused, what outlives the server."""
+"""Extended positions over REST: what is told, what is refused, what outlives the server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Positions without end: what their service costs, and whether a year of rotation stays exact.
+"""Extended positions: what their service costs, and whether a year of rotation stays exact.
 
 The cost is counted, not inferred: every turn that the event loop gives to the service, and every look of a driver that
 it hears of, is timed in the thread's own CPU time, in a run on the wall clock in which drivers, links and emulators do

@@ -1,7 +1,7 @@
 """A day of operation in fast-forward, with telemetry and a recording on: is memory flat, does every file close?
 
 Two emulated devices run `TIME_SCALE` times as fast as they would: a TMC428 that shuttles, and a TMC4210 that turns all
-day under the service of positions without end. (Chips whose motors are physics may run at most 20 times as fast.) A
+day under the service of extended positions. (Chips whose motors are physics may run at most 20 times as fast.) A
 reader follows the telemetry of both as a browser does, one recording of each runs from beginning to end, and now and
 then somebody lists registers, reads the audit log and makes a short recording. Memory is the server's resident set;
 what it is after its start-up hours and at the end is compared.

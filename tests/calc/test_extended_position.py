@@ -1,4 +1,4 @@
-"""Positions without end, against exact integers: over many wraps, both ways, with looks that come too late."""
+"""Extended positions, against exact integers: over many wraps, both ways, with looks that come too late."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Axes that turn for ever, against exact fractions; the note's OFFSET against the position without end."""
+"""Axes that turn for ever, against exact fractions; the note's OFFSET against the extended position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Connections in a browser: chips come and go, here and at the far end of a socket, and so may the server."""
+"""Connections in a browser: chips come and go, here and behind a socket, and so may the server."""
 
 from __future__ import annotations
 

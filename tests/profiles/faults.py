@@ -47,7 +47,7 @@ FAULTS: tuple[Fault, ...] = (
 )
 """Once: a frame that does not arrive, one whose answer is lost, one bit of an answer. For good: a far end that obeys
 and says nothing, one that hears nothing, no far end; a register that keeps what it held, one with a bit that is stuck;
-and a refused write whose way back ends in the middle."""
+and a refused write whose rollback ends in the middle."""
 NEEDS_READING: tuple[Fault, ...] = ("refused write", "stuck register", "refused, then unplugged")
 """What nobody can see in a register that cannot be read: the link shows that the write arrived, and that is all."""
 
@@ -159,7 +159,7 @@ class Injector:
         if write is None:
             return answer(frame)
         if write[0] != key:
-            # Behind the failed step only the way back writes: its second write finds no far end.
+            # Behind the failed step only the rollback writes: its second write finds no far end.
             self._writes += self.happened
             if self.fault == "refused, then unplugged" and self._writes > 1:
                 raise ConnectionError("unplugged")

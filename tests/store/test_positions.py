@@ -1,4 +1,4 @@
-"""Positions without end on disk: exact, readable by people, and safe from broken files and from other programs."""
+"""Extended positions on disk: exact, readable by people, and safe from broken files and from other programs."""
 
 from __future__ import annotations
 

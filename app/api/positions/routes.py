@@ -1,4 +1,4 @@
-"""Positions without end: an axis beyond its counter's range, and one that turns for ever."""
+"""Extended positions: an axis beyond its counter's range, and one that turns for ever."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shapes of positions without end: an axis beyond its counter's range, and one that turns for ever.
+"""Shapes of extended positions: an axis beyond its counter's range, and one that turns for ever.
 
 Positions have 64 bits and a browser's numbers end at 2^53, so each is also told as text, and may come in as text.
 """

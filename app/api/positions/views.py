@@ -1,4 +1,4 @@
-"""Between the service of positions without end and the shapes of the contract, where numbers are text too."""
+"""Between the service of extended positions and the shapes of the contract, where numbers are text too."""
 
 from __future__ import annotations
 

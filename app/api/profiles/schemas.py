@@ -67,18 +67,18 @@ class HalfApplied(RegisterChange):
     """A register of a transaction that did not come to its end."""
 
     state: Literal["written", "perhaps written", "not begun", "left"] = Field(
-        description='how far it got; "left": the way back did not bring it back'
+        description='how far it got; "left": the rollback did not bring it back'
     )
 
 
 class UnfinishedProfile(Answer):
-    """A profile that was half applied when the server ended, or whose way back failed."""
+    """A profile that was half applied when the server ended, or whose rollback failed."""
 
     profile: str
     model: str
     started_unix_s: float
     by: str
-    crashed: bool = Field(description="whether the server ended in the middle; else the way back failed")
+    crashed: bool = Field(description="whether the server ended in the middle; else the rollback failed")
     registers: list[HalfApplied]
 
 

@@ -80,7 +80,7 @@ class Counter:
 
 
 class ExtendedPosition:
-    """Where an axis is, without end: fed with every look at its counter.
+    """Where an axis is, extended: fed with every look at its counter.
 
     `count` is what the counter shows at `time_s` [s], `position` where that is [microsteps]; None: the same number.
     Raises ValueError for a position that the counter does not show, or beyond 64 bits.

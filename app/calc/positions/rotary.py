@@ -3,7 +3,7 @@
 A turn may be any number of microsteps and, behind a gear, no whole number of them: it is a fraction, so
 nothing adds up however long the axis turns.
 
-`Rotary` works on a position without end (`extended_position`).
+`Rotary` works on an extended position (`extended_position`).
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ from .signs import EncoderSeen, Remedy, Signs
 
 
 class Identity(Protocol):
-    """Who answers at the far end, and what the driver has to know of it."""
+    """Which chip answers, and what the driver has to know of it."""
 
     async def probe(self) -> str:
         """Ask something harmless; returns what was found, for people. Raises LinkError, or WrongState (other chip)."""

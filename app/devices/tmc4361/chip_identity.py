@@ -1,4 +1,4 @@
-"""Who answers at the far end, by version and clock."""
+"""Which chip answers, by version and clock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who answers at the far end, by VERSION."""
+"""Which chip answers, by VERSION."""
 
 from __future__ import annotations
 

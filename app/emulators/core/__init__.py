@@ -1,1 +1,1 @@
-"""What every emulated chip or module has: the far end of a wire, its faults, the truth behind it."""
+"""What every emulated chip or module has: the emulator base, its faults, the ground truth behind it."""

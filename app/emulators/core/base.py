@@ -1,4 +1,4 @@
-"""What every emulated thing at the far end of a wire has: seconds of its own, and a chip the faults of its link."""
+"""What every emulated thing behind a wire has: seconds of its own, and a chip the faults of its link."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A chip with 40-bit datagrams as the far end of a wire: seconds, bytes and faults around it."""
+"""A chip with 40-bit datagrams behind a wire: seconds, bytes and faults around it."""
 
 from __future__ import annotations
 

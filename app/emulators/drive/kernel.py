@@ -1,4 +1,4 @@
-"""The drive's clockwork: one compiled function that brings ramp generator, driver and motor to an absolute clock.
+"""The drive's simulation kernel: a compiled function that brings ramp generator, driver and motor to an absolute clock.
 
 State and settings are int64 cells `s` and float64 cells `f`; the Python code around writes into them. Layout and code
 share this file because numba's disk cache only notices changes of the file that a function stands in.

@@ -1,4 +1,4 @@
-"""Emulated modules at the far end of a serial line: bytes in, bytes out, each byte at its time on the wire.
+"""Emulated modules behind a serial line: bytes in, bytes out, each byte at its time on the wire.
 
 `line.Line` is the wire and knows no file descriptor; `server.LineServer` puts one behind a pseudo terminal
 or a TCP port, in a process of its own.

@@ -1,4 +1,4 @@
-"""The chip's clockwork: one compiled function that brings all axes to an absolute clock count.
+"""The chip's simulation kernel: one compiled function that brings all axes to an absolute clock count.
 
 Everything is an int64 in two arrays, `axes[axis, column]` and `chip[cell]`; the Python code around it
 writes registers into them and calls `refresh`. Layout and code share this file because numba's disk

@@ -1,4 +1,4 @@
-"""The motor driver at the far end of cover datagrams: the registers of a TMC26x, and its answers.
+"""The motor driver behind cover datagrams: the registers of a TMC26x, and its answers.
 
 Its words are kept and told, but change nothing: the bridges' current is set by the current scale alone.
 """

@@ -1,4 +1,4 @@
-"""The clockwork of an emulated TMC4361: it brings the chip, and what hangs on it, to an absolute clock.
+"""The simulation kernel of an emulated TMC4361: it brings the chip, and what hangs on it, to an absolute clock.
 
 A tick is 64 clocks: the inputs pass their filters, the ramp generator takes its place in its plan and sends the steps
 to get there, stops and compare positions are looked at, starts happen, flags become events. The feedback unit and the

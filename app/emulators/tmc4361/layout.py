@@ -1,4 +1,4 @@
-"""Where everything is in the flat arrays that the clockwork of an emulated TMC4361 works on.
+"""Where everything is in the flat arrays that the simulation kernel of an emulated TMC4361 works on.
 
 Four arrays. Python writes into them between two calls of `kernel.advance`; nothing else holds state.
 
@@ -8,7 +8,7 @@ Four arrays. Python writes into them between two calls of `kernel.advance`; noth
 - `f` float64[`REALS`]: velocities [pps], accelerations [pps^2] and the plan of the running ramp.
 - `fb` float64: the feedback unit (encoder, regulation, currents, motor): `feedback/layout.py`, which owns it.
 
-The clockwork calls two compiled functions of `feedback/kernel.py`, every `FEEDBACK_CLOCKS`, in this order:
+The kernel calls two compiled functions of `feedback/kernel.py`, every `FEEDBACK_CLOCKS`, in this order:
 
 - `regulation_tick(fb, x_actual, velocity_pps) -> float`: the velocity that the step output really gets [pps]: the
   argument itself without a PID, the PID's, or their sum.
@@ -45,9 +45,9 @@ NEVER = 1 << 62
 SLOW_SLOPE_S = 20.0
 """A trapezoid that takes so long to brake from its highest velocity runs over its target (DS-TMC4361 8.2.2) [s]."""
 
-# --- what the feedback unit tells the clockwork, in one word ---------------------------------------------------
+# --- what the feedback unit tells the kernel, in one word ---------------------------------------------------
 # `motor_and_encoder_tick` returns it. Bits that STATUS (0x0F) has stand where STATUS has them (13, 14, 15, 16, 17, 19,
-# 20..23 serial encoder flags, 24..31 driver flags); the others are these. Levels are levels: the clockwork finds edges.
+# 20..23 serial encoder flags, 24..31 driver flags); the others are these. Levels are levels: the kernel finds edges.
 FB_QUIET = 1 << 0
 """Level: nothing in the feedback unit will change until a register, the world or the commanded position does."""
 FB_TARGET_OK = 1 << 1
@@ -55,7 +55,7 @@ FB_TARGET_OK = 1 << 1
 FB_ENC_DONE = 1 << 2
 """Now: ENC_LATCH was written (event 20)."""
 FB_LATCH_X = 1 << 3
-"""Now: latch_x_on_n took place: the clockwork copies XACTUAL to X_LATCH (event 16)."""
+"""Now: latch_x_on_n took place: the kernel copies XACTUAL to X_LATCH (event 16)."""
 FB_SET_X = 1 << 4
 """Now: XACTUAL becomes `fb[X_NEW]` (cl_clr_xact, cl_velocity_mode_en)."""
 FB_ENC_VEL0 = 1 << 5

@@ -2,7 +2,7 @@
 
 The data sheet gives shapes, limits and that positioning ends exactly on XTARGET, not the law by which the chip does
 it. Here a plan is worked out in doubles whenever registers, target or a stop ask for it, from the velocity and the
-acceleration that there are, and the clockwork looks up its place in the plan every 64 clocks: that is the bow update
+acceleration that there are, and the kernel looks up its place in the plan every 64 clocks: that is the bow update
 of DS-TMC4361 8.2. So the end is exact by construction, however the registers are changed on the way.
 
 The way to a target is: a velocity change to some peak, that velocity for a while, a stop. The peak is VMAX or, where

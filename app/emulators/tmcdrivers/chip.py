@@ -1,4 +1,4 @@
-"""An emulated driver as the far end of a wire: seconds, bytes and faults around a chip."""
+"""An emulated driver behind a wire: seconds, bytes and faults around a chip."""
 
 from __future__ import annotations
 

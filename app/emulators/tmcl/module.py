@@ -1,4 +1,4 @@
-"""An emulated TMCL module as the far end of a wire: seconds, frames and faults around its firmware."""
+"""An emulated TMCL module behind a wire: seconds, frames and faults around its firmware."""
 
 from __future__ import annotations
 

@@ -5617,7 +5617,7 @@ export interface components {
             why: string;
             /**
              * State
-             * @description how far it got; "left": the way back did not bring it back
+             * @description how far it got; "left": the rollback did not bring it back
              * @enum {string}
              */
             state: "written" | "perhaps written" | "not begun" | "left";
@@ -11859,7 +11859,7 @@ export interface components {
         };
         /**
          * UnfinishedProfile
-         * @description A profile that was half applied when the server ended, or whose way back failed.
+         * @description A profile that was half applied when the server ended, or whose rollback failed.
          */
         UnfinishedProfile: {
             /** Profile */
@@ -11872,7 +11872,7 @@ export interface components {
             by: string;
             /**
              * Crashed
-             * @description whether the server ended in the middle; else the way back failed
+             * @description whether the server ended in the middle; else the rollback failed
              */
             crashed: boolean;
             /** Registers */

@@ -1,6 +1,6 @@
 """What happens behind the ramp generator of a TMC4361: currents, motor with load, encoder, PID and closed loop.
 
-The compiled functions for the chip's clockwork are in `kernel`; `FeedbackUnit` is the front door for Python.
+The compiled functions for the chip's simulation kernel are in `kernel`; `FeedbackUnit` is the front door for Python.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ HOLD_EN, DRIVE_EN, BOOST_ACC, BOOST_DEC, BOOST_START, DRIVE2_EN, FREEWHEEL_EN, C
 FS_EN, PWM_OUT_EN = 19, 23
 """Bits of GENERAL_CONF."""
 RISING, FALLING, MOVING, FROZEN = 1, 2, 4, 8
-"""In the `ramp_state` that the clockwork hands over."""
+"""In the `ramp_state` that the kernel hands over."""
 LONGEST = 1 << 33
 """Clocks without or with motion are counted up to here: more than any two delays together."""
 

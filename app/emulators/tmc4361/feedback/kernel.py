@@ -1,4 +1,4 @@
-"""The feedback unit's part of the clockwork: two functions, called every FEEDBACK_CLOCKS by the chip's kernel.
+"""The feedback unit's part of the simulation kernel: two functions, called every FEEDBACK_CLOCKS by the chip's kernel.
 
 What the ramp generator sends goes to the sequencer, from there as currents to the driver and the motor with its load;
 the encoder on its shaft comes back into ENC_POS and the regulation. Motor and driver are the drive's

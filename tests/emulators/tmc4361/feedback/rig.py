@@ -97,7 +97,7 @@ class Bench:
 
     @property
     def word(self) -> int:
-        """The last word to the clockwork."""
+        """The last word to the kernel."""
         return int(self.state[2])
 
     @property

@@ -80,7 +80,7 @@ def test_another_wave_takes_over_at_once() -> None:
 
 @pytest.mark.sheet("DS-TMC4361", "17.11")
 def test_a_coarser_microstep_moves_the_sequencer_further() -> None:
-    """The clockwork hands over 1/256 full steps, so MSTEP_PER_FS is in them; a turn stays a turn of ENC_CONST."""
+    """The kernel hands over 1/256 full steps, so MSTEP_PER_FS is in them; a turn stays a turn of ENC_CONST."""
     bench = Bench({STEP_CONF: 4 | 200 << 4})
     assert bench.unit.read(0x54) == round(16 * 200 * 65536 / 40_000)
     assert bench.unit.fb[c.TURN] == 3200
