@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 
 import httpx
@@ -98,7 +99,9 @@ def test_it_is_read_on_a_phone_and_with_a_keyboard_alone(
     expect(page.get_by_text("CSUB There").last).to_be_visible()
     page.get_by_role("tab", name="Trial").click()
     page.get_by_role("button", name="Try on the emulator").click()
-    expect(page.get_by_test_id("trial")).to_contain_text("variables 7: 7.")
+    expect(page.get_by_test_id("trial")).to_contain_text(
+        re.compile(r"variables .*\b7: 7\.")
+    )  # beside what others have left in the module
     check_axe(page)
     page.set_viewport_size(PHONE)
     expect(page.get_by_role("button", name="Download")).to_have_count(0)

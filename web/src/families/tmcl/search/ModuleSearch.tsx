@@ -7,7 +7,6 @@ import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../../../pages/bench/bench.module.css";
-import type { LiveAxis } from "../../../pages/bench/live";
 import { SearchProgress } from "../../../pages/bench/motion/SearchProgress";
 import { setZero } from "../../../pages/bench/motion/setZero";
 import type { Action } from "../../../pages/bench/motion/useAction";
@@ -25,13 +24,12 @@ const SPEED_MAX = 7_999_774;
 interface Props {
   at: AxisAddress;
   device: Device;
-  live: LiveAxis;
   action: Action;
   disabled: boolean;
 }
 
 /** The module's own reference search: its modes, its two speeds, what it does now and what it found. */
-export function ModuleSearch({ at, device, live, action, disabled }: Props) {
+export function ModuleSearch({ at, device, action, disabled }: Props) {
   const queries = useQueryClient();
   const search = useSearch(at, !disabled);
   const parameters = useParameters(at, NAMES, !disabled);
@@ -149,7 +147,7 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
           disabled={locked}
           title="Calls the present position 0; the motor does not move"
           data-testid="set-zero"
-          onClick={() => void action.run("Setting zero", () => setZero(at, device, live.moving())).then(refresh)}
+          onClick={() => void action.run("Setting zero", () => setZero(at, device)).then(refresh)}
         >
           Set zero here
         </Button>

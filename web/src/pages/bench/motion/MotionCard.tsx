@@ -144,7 +144,6 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
                   key={`${device.id}/${axis.index}`}
                   at={at}
                   device={device}
-                  live={live}
                   action={action}
                   disabled={disabled}
                 />
@@ -153,7 +152,6 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
                   key={`${device.id}/${axis.index}`}
                   at={at}
                   device={device}
-                  live={live}
                   action={action}
                   disabled={disabled}
                 />

@@ -5,7 +5,6 @@ import type { Schemas } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { can, type Device } from "../../../api/queries";
 import { withUnit } from "../../../lib/format";
-import type { LiveAxis } from "../live";
 import { SearchProgress } from "./SearchProgress";
 import { setZero } from "./setZero";
 import type { Action } from "./useAction";
@@ -14,7 +13,6 @@ import { searchKey, useSearch } from "./useSearch";
 interface Props {
   at: AxisAddress;
   device: Device;
-  live: LiveAxis;
   action: Action;
   disabled: boolean;
 }
@@ -22,7 +20,7 @@ interface Props {
 type SearchSwitch = NonNullable<Schemas["ReferenceSearchStart"]["switch"]>;
 
 /** Where zero is: found at a switch, or set here. */
-export function ReferenceSection({ at, device, live, action, disabled }: Props) {
+export function ReferenceSection({ at, device, action, disabled }: Props) {
   const queries = useQueryClient();
   const home = can(device, "home_switch");
   const [target, setTarget] = useState<SearchSwitch>(home ? "reference" : "left");
@@ -73,7 +71,7 @@ export function ReferenceSection({ at, device, live, action, disabled }: Props) 
           disabled={disabled || running}
           title="Calls the present position 0; the motor does not move"
           data-testid="set-zero"
-          onClick={() => void action.run("Setting zero", () => setZero(at, device, live.moving())).then(moved)}
+          onClick={() => void action.run("Setting zero", () => setZero(at, device)).then(moved)}
         >
           Set zero here
         </Button>

@@ -4,7 +4,9 @@ import type { Device } from "../../../api/queries";
 import { familyOf } from "../../../families/families";
 
 /** Calls the present position zero; the motor does not move. */
-export async function setZero({ device, axis }: AxisAddress, of: Device, moving: boolean): Promise<void> {
+export async function setZero({ device, axis }: AxisAddress, of: Device): Promise<void> {
+  // Not by the newest sample, which may be older than what somebody has seen.
+  const { moving } = await api.GET("/api/v1/devices/{device}/axes/{axis}", { path: { device, axis } });
   if (moving)
     throw new ApiError({
       type: "/problems/wrong-state",
