@@ -14,12 +14,8 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from alembic import command
-from alembic.config import Config
-from alembic.migration import MigrationContext
-from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, create_engine, event, inspect
 from sqlalchemy.exc import DatabaseError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
@@ -28,10 +24,15 @@ from ..errors import StoreUnavailable
 from .files import aside_name, exclusive
 from .tables import Base
 
+if TYPE_CHECKING:  # alembic takes 0.2 s of work to import: only a file that has to be changed needs it
+    from alembic.config import Config
+
 log = logging.getLogger("stepscope.store")
 
 FILE_NAME = "stepscope.sqlite3"
 MIGRATIONS = Path(__file__).with_name("migrations")
+VERSION_TABLE = "alembic_version"
+"""Where alembic keeps which steps a file has behind it."""
 HEADER_BYTES = 100
 """What every database begins with."""
 BUSY_S = 5.0
@@ -118,6 +119,8 @@ class Database:
                 current = self._is_current(connection)
             if not current:  # only then: a file that may not be written can be read all the same
                 with engine.execution_options(**{BEGIN: "IMMEDIATE"}).begin() as connection:
+                    from alembic import command
+
                     command.upgrade(config_for(connection), "head")
         except DatabaseError as error:
             engine.dispose()
@@ -134,18 +137,21 @@ class Database:
 
     def _is_current(self, connection: Connection) -> bool:
         """Whether nothing has to be brought up to date. Raises StoreUnavailable for a file that is newer than that."""
-        scripts = ScriptDirectory.from_config(config_for(connection))
-        here = set(MigrationContext.configure(connection).get_current_heads())
-        unknown = here - {step.revision for step in scripts.walk_revisions()}
+        tables = inspect(connection).get_table_names()
+        here: set[str] = set()
+        if VERSION_TABLE in tables:
+            here.update(connection.exec_driver_sql(f"SELECT version_num FROM {VERSION_TABLE}").scalars())
+        known = steps()
+        unknown = here - set(known)
         if unknown:
             self._newer = True
             raise StoreUnavailable(
                 f"{self.path} is of a newer stepscope (step {', '.join(sorted(unknown))}) and stays untouched",
                 "use that version, or another --data-dir; until then there is no audit log and no kept profile",
             )
-        if not here and inspect(connection).get_table_names():
+        if not here and tables:
             raise _Damaged("a database, but none of stepscope's")
-        return here == set(scripts.get_heads())
+        return here == {known[-1]}
 
     def _set_aside(self) -> Path:
         aside = aside_name(self.path)
@@ -203,8 +209,15 @@ class Database:
         return StoreUnavailable(f"{self.path} cannot be used: {error.orig}", "see to its disk")
 
 
+def steps() -> list[str]:
+    """The numbers of all steps, in their order: each is a file `r<number>_<what>.py` that follows the one before."""
+    return sorted(file.stem[1:].partition("_")[0] for file in (MIGRATIONS / "versions").glob("r*.py"))
+
+
 def config_for(connection: Connection) -> Config:
     """Alembic's configuration for work on `connection`; needs no file."""
+    from alembic.config import Config
+
     config = Config(attributes={"connection": connection, "metadata": Base.metadata})
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     return config

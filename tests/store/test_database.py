@@ -18,7 +18,7 @@ from sqlalchemy import Engine, create_engine, event, func, select
 from sqlalchemy.orm import Session
 
 from app.errors import StoreUnavailable
-from app.store.database import FILE_NAME, MIGRATIONS, Database, config_for
+from app.store.database import FILE_NAME, MIGRATIONS, Database, config_for, steps
 from app.store.tables import AuditRow, ProfileRow
 
 ROOT = Path(__file__).parents[2]
@@ -324,3 +324,7 @@ def test_two_servers_that_start_on_one_empty_folder_lose_nothing(tmp_path: Path)
         kept = names(database)
     assert sorted(kept) == sorted(f"{who} {number}" for who in ("a", "b") for number in range(40))
     assert not list(tmp_path.glob("*.broken-*"))
+
+
+def test_alembic_reads_the_same_steps_in_the_same_order() -> None:
+    assert steps() == STEPS

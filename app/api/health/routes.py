@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Response
-from prometheus_client import CONTENT_TYPE_LATEST
 
 from ... import __version__
 from ..deps import CurrentBench
 from ..schemas import Health
-from .details import health_of, metrics_text
+from .details import health_of
 from .schemas import HealthDetails
 
 router = APIRouter(tags=["server"])
@@ -37,4 +36,6 @@ async def get_health_details(bench: CurrentBench) -> HealthDetails:
 )
 async def get_metrics(bench: CurrentBench) -> Response:
     """The figures of `/api/v1/health/details` for Prometheus."""
-    return Response(metrics_text(await health_of(bench)), media_type=CONTENT_TYPE_LATEST)
+    from .metrics import CONTENT_TYPE, metrics_text  # prometheus_client: where nobody asks, nobody waits for it
+
+    return Response(metrics_text(await health_of(bench)), media_type=CONTENT_TYPE)

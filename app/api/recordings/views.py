@@ -5,12 +5,9 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv
-import pyarrow.parquet
 from numpy.typing import NDArray
 
 from ...calc.signals.statistics import Piece, figures
@@ -24,6 +21,9 @@ from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
 from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingInfo, RecordingPlot
+
+if TYPE_CHECKING:
+    import pyarrow as pa  # at run time by who makes a file, as in `store.recordings.file`
 
 
 def info(entry: Entry, course: Course | None) -> RecordingInfo:
@@ -170,6 +170,8 @@ def require_channels(head: Head, channels: Sequence[str]) -> None:
 
 def csv_of(head: Head, pieces: Iterable[Rows]) -> Iterator[bytes]:
     """A line a row, device time [s] first; a missing sample is an empty cell. Of no rows the names alone."""
+    import pyarrow.csv
+
     first = True
     for rows in chain(pieces, (Rows(np.empty(0), np.empty((len(head.columns), 0))),)):
         out = io.BytesIO()
@@ -181,6 +183,8 @@ def csv_of(head: Head, pieces: Iterable[Rows]) -> Iterator[bytes]:
 
 def parquet_of(head: Head, pieces: Iterable[Rows]) -> Iterator[bytes]:
     """The same for programs; units and the whole head are in the file's metadata."""
+    import pyarrow.parquet
+
     out = _Taken()
     with pyarrow.parquet.ParquetWriter(out, _schema(head), compression="zstd") as writer:
         for rows in pieces:
@@ -208,12 +212,16 @@ class _Taken(io.RawIOBase):
 
 
 def _schema(head: Head) -> pa.Schema:
+    import pyarrow as pa
+
     units = [(TIME, "s"), *((column.name, column.unit) for column in head.columns)]
     fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units]
     return pa.schema(fields, metadata={"stepscope": head.encode()})
 
 
 def _table(head: Head, rows: Rows, *, missing_is_null: bool = False) -> pa.Table:
+    import pyarrow as pa
+
     columns = [pa.array(values, from_pandas=missing_is_null) for values in (rows.time_s, *rows.columns)]
     return pa.table(columns, schema=_schema(head))
 

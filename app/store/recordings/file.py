@@ -9,12 +9,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
 from .head import Head, UnreadableRecording
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+# pyarrow takes 0.15 s of work to import: whoever touches a file does it, and a server that keeps none starts without.
 
 FloatArray = NDArray[np.float64]
 SUFFIX = ".arrows"
@@ -35,6 +40,8 @@ class RecordingWriter:
     """Writes a new file. Raises FileExistsError for one that is there, OSError where the disk does not take it."""
 
     def __init__(self, path: Path, head: Head) -> None:
+        import pyarrow as pa
+
         names = (TIME, *(column.name for column in head.columns))
         self._schema = pa.schema([(name, pa.float64()) for name in names], metadata={HEAD: head.encode()})
         self._file = path.open("xb", buffering=0)  # what was written is the system's, whatever becomes of us
@@ -52,6 +59,8 @@ class RecordingWriter:
         self.rows += len(rows.time_s)
 
     def _write(self, columns: Sequence[FloatArray]) -> None:
+        import pyarrow as pa
+
         arrays = [pa.array(column) for column in columns]
         self._stream.write_batch(pa.record_batch(arrays, schema=self._schema))
         self._sink.flush()
@@ -66,12 +75,16 @@ class RecordingWriter:
 
 def read_head(path: Path) -> Head:
     """What the recording is of. Raises UnreadableRecording, FileNotFoundError."""
+    import pyarrow as pa
+
     with pa.OSFile(str(path)) as source:
         return decode_head(_open(source).schema)
 
 
 def read_rows(path: Path) -> Rows:
     """Every whole batch of the file, which may still be growing. Raises UnreadableRecording, FileNotFoundError."""
+    import pyarrow as pa
+
     with pa.memory_map(str(path)) as source:
         stream = _open(source)
         width = len(decode_head(stream.schema).columns)
@@ -83,6 +96,8 @@ def read_rows(path: Path) -> Rows:
 
 
 def _open(source: pa.NativeFile) -> pa.ipc.RecordBatchStreamReader:
+    import pyarrow as pa
+
     try:
         return pa.ipc.open_stream(source)
     except (pa.ArrowInvalid, OSError) as error:
@@ -99,6 +114,8 @@ def decode_head(schema: pa.Schema) -> Head:
 
 def whole_batches(source: pa.NativeFile, schema: pa.Schema) -> Iterator[tuple[pa.RecordBatch, int, int]]:
     """The batches from where `source` stands, up to one that breaks off: each with where it begins and ends [bytes]."""
+    import pyarrow as pa
+
     while True:
         offset = source.tell()
         try:
@@ -110,6 +127,8 @@ def whole_batches(source: pa.NativeFile, schema: pa.Schema) -> Iterator[tuple[pa
 
 def _whole(stream: pa.ipc.RecordBatchStreamReader) -> Iterator[pa.RecordBatch]:
     """The batches up to one that breaks off."""
+    import pyarrow as pa
+
     while True:
         try:
             yield stream.read_next_batch()

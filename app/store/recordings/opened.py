@@ -12,13 +12,16 @@ from bisect import bisect_left, bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pyarrow as pa
 
 from ...calc.signals.min_max_pyramid import Stretches, size_for
 from .file import FloatArray, Rows, decode_head, whole_batches
 from .head import Head, UnreadableRecording
+
+if TYPE_CHECKING:
+    import pyarrow as pa  # at run time by who opens a file, as in `file`
 
 BLOCK = 64
 """Rows of a short stretch, of recordings that have no more than `BLOCKS_MAX` of them."""
@@ -37,6 +40,8 @@ class Opened:
     """One file. Safe to use from several threads. Raises UnreadableRecording, FileNotFoundError."""
 
     def __init__(self, path: Path, blocks_max: int = BLOCKS_MAX) -> None:
+        import pyarrow as pa
+
         self._path, self._blocks_max = path, blocks_max
         self._lock = threading.Lock()
         with pa.OSFile(str(path)) as source:  # an empty file cannot be mapped
@@ -82,6 +87,8 @@ class Opened:
 
     def refresh(self) -> None:
         """Take in what was written since."""
+        import pyarrow as pa
+
         with self._lock, pa.memory_map(str(self._path)) as source:
             source.seek(self._end)
             batches: list[pa.RecordBatch] = []
@@ -125,6 +132,8 @@ class Opened:
 
     def read(self, first: int, last: int) -> Rows:
         """Rows from number `first` up to `last`, without it."""
+        import pyarrow as pa
+
         first, last = max(0, first), min(last, self._rows)
         if first >= last:
             return Rows(np.empty(0), np.empty((self.channels, 0)))
@@ -145,6 +154,8 @@ class Opened:
 
         The file may be deleted meanwhile.
         """
+        import pyarrow as pa
+
         first, last = max(0, first), min(last, self._rows)
         if first >= last:
             return
@@ -246,6 +257,8 @@ def thinned(pieces: Iterable[Rows], channels: Sequence[int], every: int) -> tupl
 
 def _table(batches: list[pa.RecordBatch], width: int) -> FloatArray:
     """[columns, rows]; a copy, which outlives the file's mapping."""
+    import pyarrow as pa
+
     joined = pa.Table.from_batches(batches)
     table = np.empty((width, joined.num_rows))
     for row, column in enumerate(joined.columns):
