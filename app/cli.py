@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 from collections.abc import Iterator
@@ -99,6 +100,7 @@ def serve(
     }
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
+        gc.disable()  # it looks through what modules make for 0.4 s, and finds nothing; `serving` puts it on again
         from . import serving
 
         if reload:

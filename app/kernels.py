@@ -3,6 +3,8 @@
 It is kept beside the sources where they may be written, else in the user's cache directory (or in NUMBA_CACHE_DIR),
 else nowhere: then each process compiles what it needs. What is kept is good as long as its sources hold the same text,
 for times of files change where they are copied, and in layers of images.
+
+Numba, 0.5 s of work to import, comes with the first kernel that is called: who has no emulator starts without.
 """
 
 from __future__ import annotations
@@ -10,13 +12,12 @@ from __future__ import annotations
 import hashlib
 import platform
 import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, TypeVar, cast
-
-import numba
-from llvmlite import binding as llvm
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -26,7 +27,9 @@ _STAMP: Final = "_source_stamp"
 """Where Numba keeps what a function was made of: no option of its tells it of more files than the function's."""
 
 _sources: set[Path] = set()
-_folders: set[Path] = set()
+_kernels: list[Kernel] = []
+_making = threading.RLock()
+"""Held while a kernel is made: two threads would make two of it, and compile both."""
 
 
 @dataclass(slots=True)
@@ -50,16 +53,53 @@ class Kernels:
     def __init__(self, *sources: str | Path, options: dict[str, Any] | None = None) -> None:
         files = sorted(Path(source) for source in sources)
         _sources.update(files)
-        self._stamp = _digest(files)
+        self._files = files
         self._options = OPTIONS if options is None else options
 
     def compiled(self, function: F) -> F:
-        """Numba's njit, with the type of the plain function."""
-        return cast("F", self._kept(numba.njit(**_how(function), **self._options)(function)))
+        """Numba's njit at the first call, with the type of the plain function."""
+        return cast("F", Kernel(function, self._files, {**_how(function), **self._options}))
 
     def inlined(self, function: Any) -> Any:
         """The same for what a tick calls, which its caller takes in."""
-        return self._kept(numba.njit(forceinline=True, **_how(function), **self._options)(function))
+        return Kernel(function, self._files, {"forceinline": True, **_how(function), **self._options})
+
+
+class Kernel:
+    """A function that Numba gets when it is first called, or when another kernel that calls it is compiled.
+
+    Whatever else is asked of it, its Numba dispatcher answers.
+    """
+
+    def __init__(self, function: Callable[..., object], files: list[Path], options: dict[str, Any]) -> None:
+        self.py_func, self._files, self._options = function, files, options
+        self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
+        self._made: Any = None
+        _kernels.append(self)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return (self._made or self.dispatcher)(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):  # of nobody who means Numba's
+            raise AttributeError(name)
+        return getattr(self.dispatcher, name)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """Numba asks for it where a kernel that it compiles names this one."""
+        return self.dispatcher._numba_type_
+
+    @property
+    def dispatcher(self) -> Any:
+        """What Numba makes of the function, which is the plain function under NUMBA_DISABLE_JIT."""
+        if self._made is None:
+            with _making:
+                if self._made is None:
+                    import numba
+
+                    self._made = self._kept(numba.njit(**self._options)(self.py_func))
+        return self._made
 
     def _kept(self, dispatcher: Any) -> Any:
         if not hasattr(dispatcher, "enable_caching"):  # the plain function, under NUMBA_DISABLE_JIT
@@ -69,9 +109,14 @@ class Kernels:
         except RuntimeError:  # nowhere may anything be written
             return dispatcher
         cache = dispatcher._cache  # noqa: SLF001  # Numba has no other way to say what a function was made of
-        setattr(cache._cache_file, _STAMP, self._stamp)  # noqa: SLF001
-        _folders.add(Path(cache.cache_path))
+        setattr(cache._cache_file, _STAMP, _digest(tuple(self._files)))  # noqa: SLF001
         return dispatcher
+
+    @property
+    def folder(self) -> Path | None:
+        """Where its machine code is kept; None where nothing may be written."""
+        path = getattr(getattr(self.dispatcher, "_cache", None), "cache_path", None)
+        return None if path is None else Path(path)
 
 
 def _how(function: Any) -> dict[str, Any]:
@@ -79,7 +124,8 @@ def _how(function: Any) -> dict[str, Any]:
     return {"no_cpython_wrapper": function.__name__.startswith("_")}
 
 
-def _digest(files: list[Path]) -> str:
+@lru_cache
+def _digest(files: tuple[Path, ...]) -> str:
     text = hashlib.sha256()
     for file in files:
         text.update(file.read_bytes())
@@ -88,7 +134,8 @@ def _digest(files: list[Path]) -> str:
 
 def kept_in() -> Path | None:
     """A folder in which machine code outlives the process; None where nothing may be written."""
-    return min(_folders, default=None)
+    # Numba decides by the folder that a function's file is in: one function tells of all of them.
+    return min(_kernels, key=lambda kernel: kernel.py_func.__code__.co_filename).folder if _kernels else None
 
 
 def all_compiled() -> bool:
@@ -109,6 +156,9 @@ def _mark() -> Path | None:
     folder = kept_in()
     if folder is None:
         return None
+    import numba
+    from llvmlite import binding as llvm
+
     machine = (numba.__version__, sys.version, platform.machine(), llvm.get_host_cpu_name())
-    made_of = hashlib.sha256(repr((machine, _digest(sorted(_sources)))).encode()).hexdigest()[:16]
+    made_of = hashlib.sha256(repr((machine, _digest(tuple(sorted(_sources))))).encode()).hexdigest()[:16]
     return folder / f"stepscope-{made_of}.compiled"

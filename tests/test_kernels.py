@@ -117,3 +117,36 @@ def test_compiled_code_that_has_no_way_in_from_python_is_called_by_compiled_code
         if (names := calls_from_python(tree, everywhere, private[file] | (everywhere & imported(tree)), imported(tree)))
     }
     assert called == {}
+
+
+CALLER = """
+import sys
+from app.kernels import Kernels
+from inner import doubled, halved
+kernels = Kernels(__file__, "inner.py")
+
+@kernels.compiled
+def sum_of(x: int) -> int:
+    return doubled(x) + halved(x)
+
+assert "numba" not in sys.modules, "numba comes with a module that nobody has called yet"
+print(sum_of(6), len(sum_of.signatures), len(doubled.signatures))
+"""
+INNER = """
+from app.kernels import Kernels
+kernels = Kernels(__file__)
+
+@kernels.compiled
+def doubled(x: int) -> int:
+    return 2 * x
+
+@kernels.inlined
+def halved(x: int) -> int:
+    return x // 2
+"""
+
+
+def test_numba_comes_with_the_first_call_and_compiles_callees_with_their_caller(tmp_path: Path) -> None:
+    (tmp_path / "kernel.py").write_text(CALLER)
+    (tmp_path / "inner.py").write_text(INNER)
+    assert run(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "cache")) == ["15", "1", "1"]

@@ -7,7 +7,9 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import httpx
@@ -114,6 +116,36 @@ async def test_who_waits_for_a_job_has_what_it_needs_done_first(children: Childr
     async with asyncio.timeout(10):
         await waiting
     assert children.begun[:3] == ["a", "s", "c"]
+    await preparing.close()
+
+
+async def test_what_is_on_disk_is_loaded_behind_the_start_and_what_somebody_waits_for_is_the_next(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(preparation, "all_compiled", lambda: True)
+    loaded: list[str] = []
+    may_go = threading.Event()
+
+    def load(name: str) -> None:
+        may_go.wait(10)
+        loaded.append(name)
+        if name == "d":
+            raise RuntimeError("torn")
+
+    preparing = Preparation(jobs={name: partial(load, name) for name in "abcd"})
+    await preparing.start()
+    assert preparing.progress.done == preparing.progress.total, "nothing is compiled"
+    await settled()
+    waiting = asyncio.create_task(preparing.ready("d"))
+    await settled()
+    assert (loaded, waiting.done()) == ([], False)
+    may_go.set()
+    async with asyncio.timeout(10):
+        await waiting
+        for name in "abc":
+            await preparing.ready(name)
+    assert loaded == ["a", "d", "b", "c"]
+    assert "d could not be loaded beforehand" in caplog.text
     await preparing.close()
 
 
