@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from app.devices.tmc4361 import rows as tmc4361
+from app.devices.tmc4361 import roles as tmc4361
 from app.devices.tmc4361.events import Events
 from app.devices.tmcl import units
 from app.devices.tmcl.state import ModuleState

@@ -121,7 +121,7 @@ class ListedMotions:
             watch.end("unknown", "the axis rests, and nothing that the module tells by standard names says why")
 
     async def look(self, index: int, calls: Calls) -> list[int | None]:
-        """Read what tells how an axis is (`AxisRows.polled`, None for what is lacking), and heed it."""
+        """Read what tells how an axis is (`AxisRoles.polled`, None for what is lacking), and heed it."""
         rows = self._state.axes[index]
         asked_at_s = self._session.device_time_s()
         values = [*await calls.ask_many(rows.polled), *[None] * (rows.position_reached is None)]

@@ -26,7 +26,7 @@ def limit_address(axis: int, number: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class AxisRows:
+class AxisRoles:
     """The parameters of one axis that TMCL's standard meaning makes something of."""
 
     target_position: Register
@@ -59,7 +59,7 @@ class ListedState:
         self._session = session
         self.table = session.family.table
         self.find = Lookup(self.table, session.family.axes)
-        self.axes = tuple(self._axis_rows(axis) for axis in range(session.family.axes))
+        self.axes = tuple(self._axis_roles(axis) for axis in range(session.family.axes))
         self.lacking = Lacking()
         self.firmware = ""
         """As the module tells it, e.g. "1.44"; empty before it was asked."""
@@ -69,8 +69,8 @@ class ListedState:
         self._known: dict[tuple[int, int], int] = {}
         self._taken: set[tuple[Space, int | None, int]] = set()
 
-    def _axis_rows(self, axis: int) -> AxisRows:
-        return AxisRows(**{role: row for row in self.table if row.axis == axis and (role := role_of(row)) is not None})
+    def _axis_roles(self, axis: int) -> AxisRoles:
+        return AxisRoles(**{role: row for row in self.table if row.axis == axis and (role := role_of(row)) is not None})
 
     @property
     def questions(self) -> int:

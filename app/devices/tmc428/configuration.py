@@ -6,7 +6,7 @@ from ...registers.model import Register
 from ..core.capabilities import ConfigurationRules
 from ..core.register_file import RegisterFile
 from ..core.results import AxisState
-from .axis_rows import POSITIONING_MODES
+from .axis_roles import POSITIONING_MODES
 from .memory import RampMemory
 from .writes import RampWrites
 

@@ -18,7 +18,7 @@ from ..core.register_file import RegisterFile
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from . import tmc428, tmc429, tmc4210
-from .axis_rows import AxisRows
+from .axis_roles import AxisRoles
 from .configuration import RampConfiguration
 from .counter import COUNTER_WRITES, RampCounter
 from .identity import RampIdentity
@@ -42,7 +42,7 @@ from .writes import RampWrites
 class Chip:
     """What of a driver is one chip's own. `besides` are the global registers that are remembered."""
 
-    axis_rows: Callable[[RegisterTable, int], AxisRows]
+    axis_roles: Callable[[RegisterTable, int], AxisRoles]
     besides: tuple[str, ...]
     identity: Callable[[RegisterLink, RampMemory, Resets], RampIdentity]
     switching: Callable[[RegisterLink, RampMemory], Switching]
@@ -53,10 +53,10 @@ class Chip:
 
 CHIPS = {
     "tmc428": Chip(
-        tmc428.axis_rows, (tmc428.GLOBAL,), tmc428.Tmc428Identity, tmc428.Tmc428Switching, tmc428.Tmc428Writes, Ram
+        tmc428.axis_roles, (tmc428.GLOBAL,), tmc428.Tmc428Identity, tmc428.Tmc428Switching, tmc428.Tmc428Writes, Ram
     ),
     "tmc429": Chip(
-        tmc428.axis_rows,
+        tmc428.axis_roles,
         (tmc428.GLOBAL, tmc429.INTERFACE),
         tmc429.Tmc429Identity,
         tmc429.Tmc429Switching,
@@ -65,7 +65,7 @@ CHIPS = {
         compare=tmc429.COMPARE,
     ),
     "tmc4210": Chip(
-        tmc4210.axis_rows,
+        tmc4210.axis_roles,
         (tmc4210.GLOBAL,),
         tmc4210.Tmc4210Identity,
         tmc4210.Tmc4210Switching,
@@ -82,7 +82,7 @@ def compose(
     session = Session(device_id, config, port, clock, COUNTER_WRITES.__contains__, queue)
     link = RegisterLink(session, SPI32, session.family.table)
     axes = session.family.axes
-    rows = [chip.axis_rows(link.table, axis) for axis in range(axes)]
+    rows = [chip.axis_roles(link.table, axis) for axis in range(axes)]
     memory = RampMemory(link, rows, [link.table.get(name) for name in chip.besides])
     books = tuple(TickedBook() for _ in rows)
     switching = chip.switching(link, memory)

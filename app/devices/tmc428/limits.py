@@ -17,7 +17,7 @@ from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of, sign
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
-from .axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
+from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
 from .memory import RampMemory
 
 MOST = 2047
@@ -164,7 +164,7 @@ class RampRules(ChipRules):
         return look.velocity_pps**2 / (2 * a_pps2) if a_pps2 else 0.0
 
 
-def _decisive(rows: AxisRows) -> tuple[Register, ...]:
+def _decisive(rows: AxisRoles) -> tuple[Register, ...]:
     return (
         rows.reference, rows.dividers, rows.v_min, rows.v_max, rows.a_max, rows.x_target, rows.v_target
     )  # fmt: skip

@@ -8,7 +8,7 @@ from ...calc.units.mechanics import Mechanics
 from ...registers.model import Register
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
-from .axis_rows import AxisRows
+from .axis_roles import AxisRoles
 from .setting import Setting
 
 MICROSTEPS_MAX_CODE = 6
@@ -19,7 +19,7 @@ DIVIDER_MAX = 13
 class RampMemory:
     """Words as last seen, by address, of the axes' ramp registers and of the global ones in `besides`."""
 
-    def __init__(self, link: RegisterLink, rows: Sequence[AxisRows], besides: Sequence[Register] = ()) -> None:
+    def __init__(self, link: RegisterLink, rows: Sequence[AxisRoles], besides: Sequence[Register] = ()) -> None:
         self.rows = tuple(rows)
         """By axis."""
         self._link = link

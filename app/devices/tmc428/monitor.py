@@ -14,7 +14,7 @@ from ..core.register_link import RegisterLink
 from ..core.results import AxisState, MotionEnd, Switches
 from ..core.signs import Signs
 from . import signs as ramp_signs
-from .axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
+from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
 from .memory import RampMemory
 from .prediction import TickedBook
 from .resets import Resets
@@ -98,7 +98,7 @@ class RampMonitor(AxisMonitor):
 
     @staticmethod
     def _moving(
-        rows: AxisRows,
+        rows: AxisRoles,
         setting: Setting,
         v_actual: int,
         v_target: int,

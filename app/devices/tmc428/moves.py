@@ -17,7 +17,7 @@ from ..core.prediction import Prediction
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
-from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
+from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRoles
 from .memory import RampMemory
 from .prediction import Origin, TickedBook, TickedPrediction
 from .setting import Setting, checked_target, distance
@@ -34,7 +34,7 @@ class _Prepared:
     """One axis of a move, ready to start."""
 
     axis: int
-    rows: AxisRows
+    rows: AxisRoles
     setting: Setting
     x_actual: int
     v_actual: int

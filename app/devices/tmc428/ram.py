@@ -13,7 +13,7 @@ from ..core.register_file import RegisterFile
 from ..core.register_io import read_once_more
 from ..core.register_link import RegisterLink
 from ..core.results import ChainContents
-from .axis_rows import field_of
+from .axis_roles import field_of
 
 RAM_WORDS = 32
 RAM_MASK = 0x3F3F

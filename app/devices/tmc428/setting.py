@@ -9,7 +9,7 @@ from ...calc.ramps.ticked import RampParameters
 from ...errors import CannotMove, OutOfRange
 from ...registers.model import Register, to_signed
 from ..core.register_io import RegisterIO
-from .axis_rows import HOLD_MODE, VELOCITY_MODE, AxisRows
+from .axis_roles import HOLD_MODE, VELOCITY_MODE, AxisRoles
 
 MODE_NAMES = ("ramp", "soft", "velocity", "hold")
 """The calculators' names of the ramp modes, by number."""
@@ -36,12 +36,12 @@ class Setting:
     mode: int
 
     @classmethod
-    def rows(cls, rows: AxisRows) -> tuple[Register, ...]:
+    def rows(cls, rows: AxisRoles) -> tuple[Register, ...]:
         """What has to be read for a setting, in order."""
         return (rows.reference, rows.v_min, rows.v_max, rows.a_max, rows.proportionality, rows.dividers)
 
     @classmethod
-    def of(cls, rows: AxisRows, words: Mapping[int, int]) -> Setting:
+    def of(cls, rows: AxisRoles, words: Mapping[int, int]) -> Setting:
         """From register words by address."""
         reference, dividers = words[rows.reference.address], words[rows.dividers.address]
         pair = words[rows.proportionality.address]
@@ -59,7 +59,7 @@ class Setting:
         )
 
     @classmethod
-    async def read(cls, io: RegisterIO, rows: AxisRows) -> Setting:
+    async def read(cls, io: RegisterIO, rows: AxisRoles) -> Setting:
         return cls.of(rows, {register.address: await io.read(register) for register in cls.rows(rows)})
 
     @property
@@ -118,7 +118,7 @@ class Setting:
             return [f"p is {self.p:.4g}, less than half the {ideal:.4g} possible: the approach is slow"]
         return []
 
-    def blocked(self, rows: AxisRows, direction: int, left: bool | None, right: bool | None) -> str:
+    def blocked(self, rows: AxisRoles, direction: int, left: bool | None, right: bool | None) -> str:
         """The name of the switch that keeps the motor from that direction, or ""."""
         if direction < 0 and left and not rows.stop_left_off.unpack(self.reference):
             return "left"

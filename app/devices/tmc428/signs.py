@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, zero
-from .axis_rows import AxisRows
+from .axis_roles import AxisRoles
 from .setting import Setting
 
 V_MAX, A_MAX = 1000, 500
 """What a remedy writes where one of them is 0: half of the greatest speed, and a ramp of some tenths of a second."""
 
 
-def signs(rows: AxisRows, axis: int, setting: Setting | None, state: AxisState) -> Signs:
+def signs(rows: AxisRoles, axis: int, setting: Setting | None, state: AxisState) -> Signs:
     """Of `state`, as it was read just now."""
     if setting is None:
         return Signs()

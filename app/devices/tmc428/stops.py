@@ -11,7 +11,7 @@ from ..core.capabilities import PositionSetting
 from ..core.register_io import RegisterIO
 from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
-from .axis_rows import HOLD_MODE, VELOCITY_MODE
+from .axis_roles import HOLD_MODE, VELOCITY_MODE
 from .memory import RampMemory
 from .prediction import TickedBook
 from .setting import POSITION_MAX, POSITION_MIN

@@ -11,7 +11,7 @@ from ..core.capabilities import VelocitySteps, VelocityStream
 from ..core.events import MotionStarted
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
-from .axis_rows import HOLD_MODE
+from .axis_roles import HOLD_MODE
 from .memory import RampMemory
 from .prediction import TickedBook
 

@@ -12,7 +12,7 @@ from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
-from .axis_rows import AxisRows
+from .axis_roles import AxisRoles
 from .identity import RampIdentity
 from .memory import RampMemory
 from .switching import Switching
@@ -25,9 +25,9 @@ RIGHT_INPUT = 0
 REACHED_BIT = STATUS_TMC4210.index("xEQt1")
 
 
-def axis_rows(table: RegisterTable, axis: int) -> AxisRows:
+def axis_roles(table: RegisterTable, axis: int) -> AxisRoles:
     """The registers of `axis` by their names in this chip's data sheet."""
-    return AxisRows.of(
+    return AxisRoles.of(
         table,
         axis,
         reference="lp_REF_CONF_RAMP_MODE",

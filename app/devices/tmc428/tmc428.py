@@ -14,7 +14,7 @@ from ..core.register_io import RegisterIO, read_once_more
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
-from .axis_rows import AxisRows, field_of
+from .axis_roles import AxisRoles, field_of
 from .identity import RampIdentity
 from .memory import RampMemory
 from .prediction import TickedBook
@@ -27,9 +27,9 @@ TYPE_ADDRESS = 0x39
 """Unused here, so it reads 0; the TMC4210 and the TMC429 show their type there."""
 
 
-def axis_rows(table: RegisterTable, axis: int) -> AxisRows:
+def axis_roles(table: RegisterTable, axis: int) -> AxisRoles:
     """The registers of `axis` by their names in this chip's data sheet."""
-    return AxisRows.of(
+    return AxisRoles.of(
         table,
         axis,
         reference="lp_ref_conf_rm",

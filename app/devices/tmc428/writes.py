@@ -10,7 +10,7 @@ from ..core.events import MotionStarted
 from ..core.register_file import RegisterRules, changes_by_itself
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
-from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
+from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
 from .memory import RampMemory
 from .prediction import Origin, TickedBook
 from .setting import Setting, distance

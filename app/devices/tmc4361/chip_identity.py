@@ -7,7 +7,7 @@ from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.register_link import RegisterLink
 from ..core.unread_registers import NOTHING, on_board
-from . import rows
+from . import roles
 from .identity import is_one
 from .memory import ChipMemory
 
@@ -24,7 +24,7 @@ class ChipIdentity(Identity):
     async def probe(self) -> str:
         where = await on_board(self._link)
         async with self._link.turn() as turn:
-            version, clock_hz = await self._link.io(turn).read_many((rows.VERSION, rows.CLK_FREQ))
+            version, clock_hz = await self._link.io(turn).read_many((roles.VERSION, roles.CLK_FREQ))
         if is_one(version, clock_hz):
             return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
         found = await self._session.models_found(self._link.access)

@@ -7,7 +7,7 @@ from ...registers.model import Register
 from ..core.capabilities import ConfigurationRules, Registers
 from ..core.results import AxisState
 from ..core.session import Session
-from . import rows
+from . import roles
 from .memory import ChipMemory
 from .moves import Moves
 
@@ -28,13 +28,13 @@ class Configuration(ConfigurationRules):
         return self._memory.word_unread(register)
 
     async def require_idle(self) -> None:
-        regulation = (await self._registers.read(rows.ENC_IN_CONF.name, rows.AXIS)).fields[rows.REGULATION.name]
+        regulation = (await self._registers.read(roles.ENC_IN_CONF.name, roles.AXIS)).fields[roles.REGULATION.name]
         if regulation:
             raise WrongState(f"the closed loop of {self._session.name} is on", "switch it off first")
 
     async def hold_still(self, axis: int, state: AxisState, /) -> list[str]:
-        mode = (await self._registers.read(rows.RAMPMODE.name, axis)).value
-        if mode & rows.POSITIONING_BIT and state.target_position == state.position:
+        mode = (await self._registers.read(roles.RAMPMODE.name, axis)).value
+        if mode & roles.POSITIONING_BIT and state.target_position == state.position:
             return []
         await self._moves.stand_ready(axis)
         was = f"RAMPMODE was {mode}, XTARGET {state.target_position}"

@@ -7,20 +7,20 @@ from ..core.counter import CounterLook
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
-from . import rows
+from . import roles
 from .events import Events
 from .memory import ChipMemory
 
-LOOK = (rows.XACTUAL, rows.ENC_POS, rows.ENC_CONST, rows.REFERENCE_CONF)
-COUNTER_WRITES = frozenset({"set_position", rows.XACTUAL.name, "X_RANGE"})
+LOOK = (roles.XACTUAL, roles.ENC_POS, roles.ENC_CONST, roles.REFERENCE_CONF)
+COUNTER_WRITES = frozenset({"set_position", roles.XACTUAL.name, "X_RANGE"})
 """Commands after which the counter shows another number for the same place."""
 
 
 def tell_position(session: Session, held: Snapshot, asked_at_s: float) -> None:
     """Tell who follows the position counter; the encoder's along, where it was read and counts."""
-    has_encoder = rows.ENC_POS.address in held.words and held.words.get(rows.ENC_CONST.address)
-    encoder = held.value(rows.ENC_POS) if has_encoder else None
-    session.saw_position(rows.AXIS, held.value(rows.XACTUAL), asked_at_s, encoder)
+    has_encoder = roles.ENC_POS.address in held.words and held.words.get(roles.ENC_CONST.address)
+    encoder = held.value(roles.ENC_POS) if has_encoder else None
+    session.saw_position(roles.AXIS, held.value(roles.XACTUAL), asked_at_s, encoder)
 
 
 class Counter(PositionCounter):
@@ -35,8 +35,8 @@ class Counter(PositionCounter):
 
     def counter_bits(self, axis: int) -> int | None:
         self._session.axis(axis)
-        conf = self._memory.known(rows.REFERENCE_CONF)
-        circular = conf is not None and rows.part(rows.REFERENCE_CONF, "circular_movement_en").unpack(conf)
+        conf = self._memory.known(roles.REFERENCE_CONF)
+        circular = conf is not None and roles.part(roles.REFERENCE_CONF, "circular_movement_en").unpack(conf)
         return None if circular else 32
 
     async def look(self, axis: int) -> CounterLook:
@@ -47,11 +47,11 @@ class Counter(PositionCounter):
             held = await self._events.take(self._link.io(turn), LOOK)
         tell_position(self._session, held, asked_at_s)
         before, self._resets_told = self._resets_told, self._events.resets
-        return CounterLook(held.value(rows.XACTUAL), asked_at_s, self._events.resets > before)
+        return CounterLook(held.value(roles.XACTUAL), asked_at_s, self._events.resets > before)
 
     def latch_register(self, axis: int) -> str | None:
         self._session.axis(axis)
-        return rows.X_LATCH.name
+        return roles.X_LATCH.name
 
     def compare_register(self, axis: int) -> str | None:
         self._session.axis(axis)

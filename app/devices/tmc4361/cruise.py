@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import rows
+from . import roles
 
 
 @dataclass(slots=True)
@@ -16,7 +16,7 @@ class Cruise:
     """`speed` is |VMAX| for positioning [1/256 pps], `shape` RAMP_PROFILE; both as nobody here has overwritten them."""
 
     speed: int = 0
-    shape: int = rows.S_SHAPED
+    shape: int = roles.S_SHAPED
     _vmax: int | None = None
     """VMAX as it was written over; None where it is the user's own."""
     _mode: int | None = None
@@ -29,7 +29,7 @@ class Cruise:
     def saw_mode(self, mode: int) -> None:
         """The chip holds RAMPMODE `mode`."""
         if mode != self._mode:
-            self._mode, self.shape = None, min(mode & 3, rows.S_SHAPED)
+            self._mode, self.shape = None, min(mode & 3, roles.S_SHAPED)
 
     def overwrite_vmax(self, vmax: int) -> None:
         """`vmax` goes out in the course of a command; what was seen before is what is wanted."""
@@ -37,8 +37,8 @@ class Cruise:
 
     def overwrite_mode(self, mode: int) -> None:
         """`mode` goes out in the course of a command."""
-        self._mode = None if min(mode & 3, rows.S_SHAPED) == self.shape else mode
+        self._mode = None if min(mode & 3, roles.S_SHAPED) == self.shape else mode
 
     def forget(self) -> None:
         """It may be another chip, or the same after a reset."""
-        self.speed, self.shape, self._vmax, self._mode = 0, rows.S_SHAPED, None, None
+        self.speed, self.shape, self._vmax, self._mode = 0, roles.S_SHAPED, None, None

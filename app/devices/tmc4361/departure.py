@@ -15,7 +15,7 @@ from ...registers.model import Register, to_raw
 from ..core.motion_watch import Kind
 from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
-from . import rows
+from . import roles
 from .cruise import Cruise
 from .events import Events
 from .expected_motion import ExpectedMotion
@@ -24,7 +24,7 @@ from .setting import Setting
 from .switches import stopped_by
 
 COUNTER = Counter(32)
-STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.STATUS)
+STATE = (roles.XACTUAL, roles.VACTUAL, roles.AACTUAL, roles.STATUS)
 HOLDS = {
     "STOPL_EVENT": "STOPL_ACTIVE_F",
     "STOPR_EVENT": "STOPR_ACTIVE_F",
@@ -72,7 +72,7 @@ class Departure:
 
     async def prepare(self, io: RegisterIO) -> Before:
         """Read what decides, and refuse what cannot go well. Nothing moves."""
-        registers = (*rows.RAMP, rows.REFERENCE_CONF, rows.XTARGET, *STATE)
+        registers = (*roles.RAMP, roles.REFERENCE_CONF, roles.XTARGET, *STATE)
         held = await self._events.peek(io, registers)
         if self._events.has("FROZEN"):
             raise WrongState(
@@ -81,12 +81,12 @@ class Departure:
             )
         return Before(
             Setting(held.words),
-            held.value(rows.XACTUAL),
-            held.value(rows.VACTUAL),
-            held.value(rows.AACTUAL),
-            held.value(rows.XTARGET),
-            held.fields(rows.STATUS),
-            held.fields(rows.REFERENCE_CONF),
+            held.value(roles.XACTUAL),
+            held.value(roles.VACTUAL),
+            held.value(roles.AACTUAL),
+            held.value(roles.XTARGET),
+            held.fields(roles.STATUS),
+            held.fields(roles.REFERENCE_CONF),
             self._memory.clock_warnings(),
         )
 
@@ -103,12 +103,12 @@ class Departure:
 
     async def release(self, io: RegisterIO, before: Before) -> None:
         """Clear events of stops whose cause is gone: a direction stays closed until then (DS-TMC4361 9)."""
-        gone = rows.event(*(name for name, flag in HOLDS.items() if self._events.has(name) and not before.flags[flag]))
+        gone = roles.event(*(name for name, flag in HOLDS.items() if self._events.has(name) and not before.flags[flag]))
         if not gone:
             return
         if before.stands and before.setting.positioning and before.target != before.position:
             # Else it would set off to its old target as soon as the way is free.
-            await io.write_many(((rows.XTARGET, to_raw(before.position, 32)),))
+            await io.write_many(((roles.XTARGET, to_raw(before.position, 32)),))
         await self._events.clear(io, gone)
 
     async def set_off(
@@ -116,15 +116,15 @@ class Departure:
     ) -> Snapshot:
         """Send what sets the axis in motion, once; XTARGET, VMAX and RAMPMODE as they are then."""
         self._link.allow(writes)
-        checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
+        checked = (roles.XTARGET, roles.VMAX, roles.RAMPMODE)
         if kind == "position" and target is not None:
-            self._session.commanded(rows.AXIS, "move", target=target)
+            self._session.commanded(roles.AXIS, "move", target=target)
         else:
-            self._session.commanded(rows.AXIS, "rotate", velocity=speed)
+            self._session.commanded(roles.AXIS, "rotate", velocity=speed)
         for write in writes:
-            if write.register is rows.VMAX:
+            if write.register is roles.VMAX:
                 self._cruise.overwrite_vmax(write.register.decode(write.word))
-            elif write.register is rows.RAMPMODE:
+            elif write.register is roles.RAMPMODE:
                 self._cruise.overwrite_mode(write.word)
         try:
             back = Snapshot(checked, (await io.chain(*writes, checked))[0])

@@ -7,7 +7,7 @@ from ..core.capabilities import EncoderSetting
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
-from . import rows
+from . import roles
 from .memory import ChipMemory
 
 
@@ -27,10 +27,10 @@ class Encoder(EncoderSetting):
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         axis = self._session.axis(axis).index
-        word, conf = self._memory.known(rows.ENC_CONST), self._memory.known(rows.ENC_IN_CONF)
+        word, conf = self._memory.known(roles.ENC_CONST), self._memory.known(roles.ENC_IN_CONF)
         if not word or conf is None:
             return ()
-        fields, mechanics = rows.ENC_IN_CONF.unpack(conf), self._memory.mechanics(axis)
+        fields, mechanics = roles.ENC_IN_CONF.unpack(conf), self._memory.mechanics(axis)
         turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
         constant = constant_of(word, decimal=bool(fields["enc_sel_decimal"]))
         found = measured_encoder(seen.ratio * seen.way / constant, seen.way, turn, seen.slack)
@@ -39,10 +39,10 @@ class Encoder(EncoderSetting):
             return ()
         writes: list[tuple[str, int | dict[str, int]]] = [
             ("ENC_IN_RES", {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}),
-            (rows.ENC_POS.name, state.position),
+            (roles.ENC_POS.name, state.position),
         ]
         back = ""
         if found.counts_per_turn < 0:
-            writes.insert(1, (rows.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
+            writes.insert(1, (roles.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
             back = ", the other way"
         return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)

@@ -21,7 +21,7 @@ from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import ChipEvents, DeviceState, EventPage
 from ..core.timeline import Timeline
-from . import rows
+from . import roles
 from .memory import ChipMemory
 
 ALL = 0xFFFF_FFFF
@@ -39,7 +39,7 @@ class Events(EventLog, LatchedFlags):
         self._link = link
         self._session = link.session
         self._memory = memory
-        self._timeline = Timeline(rows.AXIS, EVENT_MASK, event_names)
+        self._timeline = Timeline(roles.AXIS, EVENT_MASK, event_names)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
         self._owed: tuple[int, int] | None = None
@@ -61,14 +61,14 @@ class Events(EventLog, LatchedFlags):
 
     def has(self, *names: str) -> bool:
         """Whether one of these events is set, as last seen."""
-        return bool(self.present & rows.event(*names))
+        return bool(self.present & roles.event(*names))
 
     # --- reading without losing one -------------------------------------------------------------
 
     async def peek(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
         """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared."""
         kept = await self._user_keeps(io)
-        asked = (*registers, rows.EVENTS)
+        asked = (*registers, roles.EVENTS)
         if kept == ALL:
             steps = [await io.read_many(asked)]
         else:
@@ -84,15 +84,15 @@ class Events(EventLog, LatchedFlags):
         if not bits:
             return
         kept = await self._user_keeps(io)
-        steps = await self._read_keeping(io, ALL & ~bits, (rows.EVENTS,), kept)
+        steps = await self._read_keeping(io, ALL & ~bits, (roles.EVENTS,), kept)
         events = steps[0][0]
         self._saw_events(events, events & ~bits, io.time_s)
 
     async def take(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
         """`peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
         held = await self.peek(io, registers)
-        interrupts = self._memory.known(rows.INTR_CONF) or 0
-        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(io)) | interrupts)
+        interrupts = self._memory.known(roles.INTR_CONF) or 0
+        free = ALL & ~(roles.BLOCKING | (await self._user_keeps(io)) | interrupts)
         await self.clear(io, self.present & free & EVENT_MASK)
         return held
 
@@ -102,7 +102,7 @@ class Events(EventLog, LatchedFlags):
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             kept = await self._user_keeps(io)
-            replies = await turn.exchange_many(self._link.access.read_frames((rows.EVENTS.address,)))
+            replies = await turn.exchange_many(self._link.access.read_frames((roles.EVENTS.address,)))
             word = self._link.access.words(replies)[0]
             self._saw_events(word, word & kept, io.time_s)
         return word
@@ -112,14 +112,14 @@ class Events(EventLog, LatchedFlags):
     ) -> list[list[int]]:
         """Read while EVENT_CLEAR_CONF is `meanwhile`; afterwards it is `kept` again."""
         self._owed = (meanwhile, kept)
-        before, after = Write(rows.EVENT_CLEAR_CONF, meanwhile), Write(rows.EVENT_CLEAR_CONF, kept)
+        before, after = Write(roles.EVENT_CLEAR_CONF, meanwhile), Write(roles.EVENT_CLEAR_CONF, kept)
         steps = await io.chain(before, registers, after, again=True)
         self._owed = None
         return steps
 
     async def _user_keeps(self, io: RegisterIO) -> int:
         if self._kept is None:
-            kept = await io.read(rows.EVENT_CLEAR_CONF)
+            kept = await io.read(roles.EVENT_CLEAR_CONF)
             if self._owed is not None and kept == self._owed[0]:
                 kept = self._owed[1]  # the link failed before this was put back
             self._kept = kept
@@ -130,7 +130,7 @@ class Events(EventLog, LatchedFlags):
 
     def saw(self, register: Register, word: int) -> None:
         """A word was seen in the chip, or went out to it by somebody's hand."""
-        if register is rows.EVENT_CLEAR_CONF:
+        if register is roles.EVENT_CLEAR_CONF:
             self._kept = word
 
     def saw_status(self, time_s: float, status: int) -> None:
@@ -143,7 +143,7 @@ class Events(EventLog, LatchedFlags):
 
     def bits_of_status(self, status: int) -> int:
         """Events that a status byte shows; none before SPI_STATUS_SELECTION was seen."""
-        selection = self._memory.known(rows.SPI_STATUS_SELECTION)
+        selection = self._memory.known(roles.SPI_STATUS_SELECTION)
         if selection is None or not status:
             return 0
         return sum(1 << bit for place, bit in enumerate(selected_events(selection)) if status >> place & 1)

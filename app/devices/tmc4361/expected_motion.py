@@ -13,7 +13,7 @@ from ..core.planned_motion import PlannedMotion
 from ..core.prediction import FloatArray, PredictionBook
 from ..core.results import DeviceState, MotionEnd
 from ..core.session import Session
-from . import rows
+from . import roles
 
 
 class ExpectedMotion:
@@ -21,7 +21,7 @@ class ExpectedMotion:
 
     def __init__(self, session: Session) -> None:
         self.book: PredictionBook[PlannedMotion] = PredictionBook()
-        self.watch = MotionWatch(rows.AXIS, self._ended, self._began)
+        self.watch = MotionWatch(roles.AXIS, self._ended, self._began)
         self.begun_hooks: list[Callable[[], None]] = []
         """Parts that see to it that somebody looks until the motion under way has ended."""
         self._session = session
@@ -32,7 +32,7 @@ class ExpectedMotion:
         if plan is None:
             self.book.end(started_s, "another command")
         else:
-            self.book.add(PlannedMotion(rows.AXIS, started_s, position, plan))
+            self.book.add(PlannedMotion(roles.AXIS, started_s, position, plan))
 
     def uncertain(self, why: str) -> None:
         """What the axis does now is not known."""

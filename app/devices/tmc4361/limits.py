@@ -19,7 +19,7 @@ from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, position_of, sign
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
-from . import prediction, rows
+from . import prediction, roles
 from .cruise import Cruise
 from .memory import ChipMemory
 
@@ -44,13 +44,13 @@ SHADOWS: dict[int, tuple[str | None, str | None, str | None, str | None]] = {
 ASTART_BITS = (1 << 24) - 1
 """The highest bit of ASTART is a sign for something else."""
 SCALES = 256
-PIPES = tuple(rows.row(f"X_PIPE{stage}") for stage in range(8))
-SHADOW_ROWS = {number: rows.row(f"SH_REG{number}") for number in SHADOWS}
-SHADOW_OPTION = rows.part(rows.START_CONF, "shadow_option")
-PIPE_USES = tuple(rows.part(rows.START_CONF, f"pipeline_en[{use}]") for use in range(4))
-DIRECT = rows.part(rows.GENERAL_CONF, "direct_acc_val_en")
-CLIP = rows.row("PID_DV_CLIP")
-SCALE_VALUES = rows.row("SCALE_VALUES")
+PIPES = tuple(roles.row(f"X_PIPE{stage}") for stage in range(8))
+SHADOW_ROWS = {number: roles.row(f"SH_REG{number}") for number in SHADOWS}
+SHADOW_OPTION = roles.part(roles.START_CONF, "shadow_option")
+PIPE_USES = tuple(roles.part(roles.START_CONF, f"pipeline_en[{use}]") for use in range(4))
+DIRECT = roles.part(roles.GENERAL_CONF, "direct_acc_val_en")
+CLIP = roles.row("PID_DV_CLIP")
+SCALE_VALUES = roles.row("SCALE_VALUES")
 SCALE_VALUES_FIELDS = {part.name: part for part in SCALE_VALUES.fields}
 Unit: TypeAlias = Callable[[View], float]
 """What a count of 1 is, by what registers hold."""
@@ -78,13 +78,13 @@ class SRampRules(ChipRules):
     # --- the table ------------------------------------------------------------------------------
 
     def quantities_of(self, axis: int) -> Iterable[Quantity]:
-        clocked = frozenset({rows.CLK_FREQ.address})
-        units = clocked | {rows.GENERAL_CONF.address}
+        clocked = frozenset({roles.CLK_FREQ.address})
+        units = clocked | {roles.GENERAL_CONF.address}
         for name in SPEEDS:
-            yield self._quantity(rows.row(name), name, self._velocity, clocked)
+            yield self._quantity(roles.row(name), name, self._velocity, clocked)
         yield Quantity("velocity", CLIP.name, CLIP.address, CLIP.decode, lambda _: 1.0, 1 << 31, at_start=False)
         for name in ACCELERATIONS:
-            yield self._quantity(rows.row(name), name, self._acceleration, units, at_start=name != "DSTOP")
+            yield self._quantity(roles.row(name), name, self._acceleration, units, at_start=name != "DSTOP")
         for number, row in SHADOW_ROWS.items():
             yield from self._shadows(number, row)
         full_scale_a = self.limits[axis].current_full_scale_a
@@ -111,19 +111,19 @@ class SRampRules(ChipRules):
             unit = self._velocity if name in SPEEDS else self._acceleration
 
             def in_use(view: View, options: frozenset[int] = options, unit: Unit = unit) -> float:
-                word = view(rows.START_CONF.address)
+                word = view(roles.START_CONF.address)
                 # Where nobody knows, it may be any of them.
                 return unit(view) if word is None or SHADOW_OPTION.unpack(word) in options else 0.0
 
-            others = frozenset({rows.CLK_FREQ.address, rows.GENERAL_CONF.address, rows.START_CONF.address})
+            others = frozenset({roles.CLK_FREQ.address, roles.GENERAL_CONF.address, roles.START_CONF.address})
             yield self._quantity(row, name, in_use, others, at_start=False)
 
     def _told(self, view: View) -> float:
         """How many times as fast everything is as the registers say; infinite where CLK_FREQ is 0."""
-        told_hz = view(rows.CLK_FREQ.address)
+        told_hz = view(roles.CLK_FREQ.address)
         if told_hz is None:
-            told_hz = rows.CLK_FREQ.reset
-        told_hz = rows.CLK_FREQ.decode(told_hz or 0)
+            told_hz = roles.CLK_FREQ.reset
+        told_hz = roles.CLK_FREQ.decode(told_hz or 0)
         if told_hz > CLOCK_HZ_MAX:  # no chip has that: it was read wrongly, and the least may be right
             told_hz = round(CLOCK_HZ_MIN)
         return self.clock_hz / told_hz if told_hz else float("inf")
@@ -132,7 +132,7 @@ class SRampRules(ChipRules):
         return self._told(view) / 256
 
     def _acceleration(self, view: View) -> float:
-        word = view(rows.GENERAL_CONF.address)
+        word = view(roles.GENERAL_CONF.address)
         if word is None:
             return max(self._accelerations[True], self._accelerations[False] * self._told(view) ** 2)
         if DIRECT.unpack(word):
@@ -140,27 +140,27 @@ class SRampRules(ChipRules):
         return self._accelerations[False] * self._told(view) ** 2
 
     def positions_of(self, axis: int) -> Iterable[PositionRegister]:
-        for row in (rows.XTARGET, rows.XACTUAL):
+        for row in (roles.XTARGET, roles.XACTUAL):
             yield PositionRegister(row.name, row.address, position_of(row))
         for row in PIPES:
             yield PositionRegister(row.name, row.address, _piped)
 
     def sources_of(self, axis: int) -> Iterable[int]:
-        moving = (rows.RAMPMODE, rows.XTARGET, rows.XACTUAL, rows.VMAX, rows.AMAX, rows.START_CONF)
+        moving = (roles.RAMPMODE, roles.XTARGET, roles.XACTUAL, roles.VMAX, roles.AMAX, roles.START_CONF)
         return (row.address for row in moving)
 
     def motion(self, axis: int, view: View, address: int | None = None) -> Motion | None:
-        mode, word = view(rows.RAMPMODE.address), view(rows.VMAX.address)
-        vmax = None if word is None else rows.VMAX.decode(word)
+        mode, word = view(roles.RAMPMODE.address), view(roles.VMAX.address)
+        vmax = None if word is None else roles.VMAX.decode(word)
         if vmax == 0:
             return None
         used = tuple(one for one in self.quantities[axis] if one.at_start)
-        jumps = mode is not None and mode & 3 == rows.HOLD
+        jumps = mode is not None and mode & 3 == roles.HOLD
         if jumps:
             used = tuple(one for one in used if one.kind != "acceleration" and one.name != "VSTART")
-        if mode is not None and mode & rows.POSITIONING_BIT:
-            target, counter = view(rows.XTARGET.address), view(rows.XACTUAL.address)
-            position = None if target is None else rows.XTARGET.decode(target)
+        if mode is not None and mode & roles.POSITIONING_BIT:
+            target, counter = view(roles.XTARGET.address), view(roles.XACTUAL.address)
+            position = None if target is None else roles.XTARGET.decode(target)
             return Motion(used, positioning=True, target=position, jumps=jumps, counter=counter)
         return Motion(used, positioning=False, way=0 if vmax is None or mode is None else sign(vmax), jumps=jumps)
 
@@ -169,9 +169,9 @@ class SRampRules(ChipRules):
     async def learn(self) -> None:
         if not self.limits[0].given:
             return
-        decisive = (*rows.RAMP, rows.row("DSTOP"), rows.XTARGET, rows.CURRENT_CONF, SCALE_VALUES)
+        decisive = (*roles.RAMP, roles.row("DSTOP"), roles.XTARGET, roles.CURRENT_CONF, SCALE_VALUES)
         await self._registers.learn((*decisive, *SHADOW_ROWS.values(), *PIPES))
-        await self.look(rows.AXIS)
+        await self.look(roles.AXIS)
 
     # --- the watch ------------------------------------------------------------------------------
 
@@ -179,12 +179,12 @@ class SRampRules(ChipRules):
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             mode, target, acceleration, velocity, position = await io.values(
-                (rows.RAMPMODE, rows.XTARGET, rows.AACTUAL, rows.VACTUAL, rows.XACTUAL)
+                (roles.RAMPMODE, roles.XTARGET, roles.AACTUAL, roles.VACTUAL, roles.XACTUAL)
             )
             asked_s = io.asked_s
         self._link.session.saw_position(axis, position, asked_s)
         faster = self._told(self._memory.remembered_word)
-        going_to = target if mode & rows.POSITIONING_BIT else None
+        going_to = target if mode & roles.POSITIONING_BIT else None
         return Look(position, velocity * faster, acceleration * faster**2, going_to)
 
     def braking(self, axis: int, look: Look, view: View) -> float | None:
@@ -207,7 +207,7 @@ def _counts(name: str) -> Callable[[int], float]:
 
 def _piped(word: int, view: View) -> int | None:
     """A stage of the pipeline is a target, unless START_CONF makes something else of it and no target."""
-    conf = view(rows.START_CONF.address)
+    conf = view(roles.START_CONF.address)
     if conf is not None and not PIPE_USES[0].unpack(conf) and any(use.unpack(conf) for use in PIPE_USES):
         return None
     return to_signed(word & 0xFFFF_FFFF, 32)
@@ -215,7 +215,7 @@ def _piped(word: int, view: View) -> int | None:
 
 def _currents(full_scale_a: float) -> Iterable[Quantity]:
     def enabled(name: str) -> Field:
-        return rows.part(rows.CURRENT_CONF, name)
+        return roles.part(roles.CURRENT_CONF, name)
 
     drive, second, hold = (enabled(f"{name}_current_scale_en") for name in ("drive", "sec_drive", "hold"))
     closed = enabled("closed_loop_scale_en")
@@ -240,12 +240,12 @@ def _currents(full_scale_a: float) -> Iterable[Quantity]:
     # Two registers make one scale; each is judged by what the other holds.
     def by_values(view: View) -> float:
         word = view(SCALE_VALUES.address)
-        return full_scale_a * (share(view(rows.CURRENT_CONF.address), word) if word is not None else 1.0)
+        return full_scale_a * (share(view(roles.CURRENT_CONF.address), word) if word is not None else 1.0)
 
     yield Quantity(
         "current",
-        rows.CURRENT_CONF.name,
-        rows.CURRENT_CONF.address,
+        roles.CURRENT_CONF.name,
+        roles.CURRENT_CONF.address,
         lambda _: 1.0,
         by_values,
         1.0,

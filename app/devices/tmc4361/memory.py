@@ -11,7 +11,7 @@ from ...registers.tmc4361.general import RESET_CODE
 from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
-from . import rows
+from . import roles
 from .cruise import Cruise
 from .setting import Setting
 
@@ -28,7 +28,7 @@ class ChipMemory:
         self._link = link
         self._session = link.session
         self._cruise = cruise
-        self._remembered = frozenset(register.address for register in rows.REMEMBERED)
+        self._remembered = frozenset(register.address for register in roles.REMEMBERED)
         self._words: dict[int, int] = {}
         """As last seen, by address, of registers that are remembered."""
         self._unread: dict[int, int] = {}
@@ -50,11 +50,11 @@ class ChipMemory:
         self._words[register.address] = word
         if self._session.limiter is not None:
             self._session.limiter.saw(register.address, word)
-        if register is rows.VMAX:
+        if register is roles.VMAX:
             self._cruise.saw_vmax(register.decode(word))
-        elif register is rows.RAMPMODE:
+        elif register is roles.RAMPMODE:
             self._cruise.saw_mode(word)
-        elif register is rows.STEP_CONF:
+        elif register is roles.STEP_CONF:
             self._session.axes[0].microsteps_per_full_step = _microsteps(word)
 
     def saw_all(self, held: Snapshot) -> None:
@@ -67,10 +67,10 @@ class ChipMemory:
         if not register.access.readable:
             self._unread[register.address] = word
             self._words.pop(register.address, None)  # ENC_CONST follows from ENC_IN_RES
-        if register is rows.RESET and rows.part(rows.RESET, "RESET_REG").unpack(word) == RESET_CODE:
+        if register is roles.RESET and roles.part(roles.RESET, "RESET_REG").unpack(word) == RESET_CODE:
             self.forget_at_reset()
 
-    async def refresh(self, io: RegisterIO, registers: Sequence[Register] = rows.REMEMBERED) -> None:
+    async def refresh(self, io: RegisterIO, registers: Sequence[Register] = roles.REMEMBERED) -> None:
         """Read these again."""
         self.saw_all(Snapshot(registers, await io.read_many(registers)))
 
@@ -127,32 +127,32 @@ class ChipMemory:
 
     def as_set(self, register: Register, word: int) -> int:
         """`word`, read from `register`, as its user has set it: a stop or a rotation may have written over it."""
-        if register is rows.VMAX:
+        if register is roles.VMAX:
             return to_raw(self._cruise.speed, register.width)
-        if register is rows.RAMPMODE:
-            return word & ~rows.SHAPE.mask | self._cruise.shape << rows.SHAPE.lsb
+        if register is roles.RAMPMODE:
+            return word & ~roles.SHAPE.mask | self._cruise.shape << roles.SHAPE.lsb
         return word
 
     def setting(self) -> Setting | None:
         """The ramp as last seen; None before everything of it was seen once."""
-        if any(register.address not in self._words for register in rows.RAMP):
+        if any(register.address not in self._words for register in roles.RAMP):
             return None
         return Setting(dict(self._words))
 
     @property
     def microsteps(self) -> int:
         """Microsteps per full step; as after power-on while not seen."""
-        return _microsteps(self._words.get(rows.STEP_CONF.address, 0))
+        return _microsteps(self._words.get(roles.STEP_CONF.address, 0))
 
     def mechanics(self, axis: int) -> Mechanics:
         """Conversions of the axis; full steps and microsteps are the chip's own (STEP_CONF) where it knows them."""
         settings = self._session.axes[axis].settings
-        full_steps = rows.FULL_STEPS.unpack(self._words.get(rows.STEP_CONF.address, 0)) or settings.full_steps_per_rev
+        full_steps = roles.FULL_STEPS.unpack(self._words.get(roles.STEP_CONF.address, 0)) or settings.full_steps_per_rev
         return Mechanics(full_steps, self.microsteps, settings.gear_ratio, travel_mm_per_rev=settings.travel_mm_per_rev)
 
     def clock_warnings(self) -> list[str]:
         """What to know where the chip reckons with another clock than it has."""
-        told_hz, clock_hz = self._words.get(rows.CLK_FREQ.address), self._session.clock_hz
+        told_hz, clock_hz = self._words.get(roles.CLK_FREQ.address), self._session.clock_hz
         if told_hz is None or abs(told_hz / clock_hz - 1) <= CLOCK_TOLERANCE:
             return []
         told, real = f"{told_hz / 1e6:g} MHz", f"{clock_hz / 1e6:g} MHz"
@@ -162,4 +162,4 @@ class ChipMemory:
 
 def _microsteps(step_conf: int) -> int:
     """Microsteps per full step, of STEP_CONF: 0 stands for 256, 8 for full steps, and more has no meaning."""
-    return 256 >> min(rows.MICROSTEPS.unpack(step_conf), 8)
+    return 256 >> min(roles.MICROSTEPS.unpack(step_conf), 8)

@@ -18,7 +18,7 @@ from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
 from ..core.signs import Signs
-from . import rows
+from . import roles
 from . import signs as sign
 from .counter import tell_position
 from .cruise import Cruise
@@ -31,22 +31,22 @@ from .switches import home_level, stopped_by
 
 MODE_NAMES = ("velocity", "positioning")
 SHAPE_NAMES = ("hold", "trapezoid", "S-ramp", "S-ramp")
-LOOK = (rows.XACTUAL, rows.VACTUAL, rows.STATUS, rows.XTARGET)
+LOOK = (roles.XACTUAL, roles.VACTUAL, roles.STATUS, roles.XTARGET)
 STATE = (
-    rows.XACTUAL,
-    rows.ENC_POS,
-    rows.ENC_POS_DEV,
-    rows.MSCNT,
-    rows.V_ENC_MEAN,
-    rows.VACTUAL,
-    rows.AACTUAL,
-    rows.XTARGET,
-    rows.STATUS,
-    *rows.REMEMBERED,
+    roles.XACTUAL,
+    roles.ENC_POS,
+    roles.ENC_POS_DEV,
+    roles.MSCNT,
+    roles.V_ENC_MEAN,
+    roles.VACTUAL,
+    roles.AACTUAL,
+    roles.XTARGET,
+    roles.STATUS,
+    *roles.REMEMBERED,
 )
 
 
-OTHER_DRIVERS = frozenset(part.name for part in rows.STATUS.fields if "TMC23x" in part.when)
+OTHER_DRIVERS = frozenset(part.name for part in roles.STATUS.fields if "TMC23x" in part.when)
 """Flags of motor drivers that the chip is seldom used with, at bits that others have too."""
 
 
@@ -95,10 +95,10 @@ class Monitor(AxisMonitor):
         tell_position(self._session, held, asked_at_s)
         setting = Setting(held.words)
         value = held.value
-        position, velocity, target = value(rows.XACTUAL), value(rows.VACTUAL), value(rows.XTARGET)
-        flags = held.fields(rows.STATUS)
-        vmax_pps = setting.value(rows.VMAX) / 256
-        reference = held.fields(rows.REFERENCE_CONF)
+        position, velocity, target = value(roles.XACTUAL), value(roles.VACTUAL), value(roles.XTARGET)
+        flags = held.fields(roles.STATUS)
+        vmax_pps = setting.value(roles.VMAX) / 256
+        reference = held.fields(roles.REFERENCE_CONF)
         self.stalled = self._holds_stall(reference)
         moving = self._moving(setting, flags, velocity, COUNTER.way(target, position), reference)
         self._look(time_s, held, moving)
@@ -107,7 +107,7 @@ class Monitor(AxisMonitor):
             target_position=target if setting.positioning else None,
             velocity_pps=float(velocity),
             target_velocity_pps=None if setting.positioning else vmax_pps,
-            acceleration_pps2=float(value(rows.AACTUAL)),
+            acceleration_pps2=float(value(roles.AACTUAL)),
             position_reached=bool(flags["TARGET_REACHED_F"]),
             moving=moving,
             mode=f"{MODE_NAMES[setting.positioning]}, {SHAPE_NAMES[setting.mode & 3]}",
@@ -115,11 +115,11 @@ class Monitor(AxisMonitor):
                 bool(flags["STOPL_ACTIVE_F"]),
                 bool(flags["STOPR_ACTIVE_F"]),
                 home_level(
-                    held.word(rows.REFERENCE_CONF),
+                    held.word(roles.REFERENCE_CONF),
                     bool(flags["HOME_ERROR_F"]),
                     position,
-                    value(rows.X_HOME),
-                    value(rows.HOME_SAFETY_MARGIN),
+                    value(roles.X_HOME),
+                    value(roles.HOME_SAFETY_MARGIN),
                 ),
             ),
             flags=self._flags(flags),
@@ -138,21 +138,23 @@ class Monitor(AxisMonitor):
 
     def _encoder(self, held: Snapshot) -> Encoder:
         """What the encoder tells; nothing while ENC_IN_RES is not set and so none of its counts counts."""
-        if not held.word(rows.ENC_CONST):
+        if not held.word(roles.ENC_CONST):
             return {}
-        encoder, deviation = held.value(rows.ENC_POS), held.value(rows.ENC_POS_DEV)
+        encoder, deviation = held.value(roles.ENC_POS), held.value(roles.ENC_POS_DEV)
         return {
             "encoder_position": encoder,
             "deviation": float(deviation),
-            "encoder_velocity_pps": float(held.value(rows.V_ENC_MEAN)),
-            "load_angle_deg": self._load_angle(encoder, deviation, held.value(rows.MSCNT), held.word(rows.ENC_IN_CONF)),
+            "encoder_velocity_pps": float(held.value(roles.V_ENC_MEAN)),
+            "load_angle_deg": self._load_angle(
+                encoder, deviation, held.value(roles.MSCNT), held.word(roles.ENC_IN_CONF)
+            ),
         }
 
     def _load_angle(self, encoder: int, deviation: int, mscnt: int, enc_in_conf: int) -> float:
         """How far the field leads the rotor [deg electrical], by what the chip knows."""
-        if rows.REGULATION.unpack(enc_in_conf) == 1:
-            offset = rows.CL_OFFSET.decode(self._memory.known(rows.CL_OFFSET) or 0)
-            reversed_ = bool(rows.REVERSED.unpack(self._memory.known(rows.GENERAL_CONF) or 0))
+        if roles.REGULATION.unpack(enc_in_conf) == 1:
+            offset = roles.CL_OFFSET.decode(self._memory.known(roles.CL_OFFSET) or 0)
+            reversed_ = bool(roles.REVERSED.unpack(self._memory.known(roles.GENERAL_CONF) or 0))
             return load_angle_deg(mscnt, encoder, offset, reversed_=reversed_)
         return -deviation * 90 / self._memory.microsteps
 
@@ -168,7 +170,7 @@ class Monitor(AxisMonitor):
         """VACTUAL reads 0 below 1 pps too; then the flags of velocity and ramp tell."""
         if velocity or flags["VEL_STATE_F"] or flags["RAMP_STATE_F"]:
             return True
-        vmax = setting.value(rows.VMAX)
+        vmax = setting.value(roles.VMAX)
         wanted = (to_go if vmax else 0) if setting.positioning else vmax
         if not wanted or self.stalled or setting.gates()[0]:
             return False
@@ -185,7 +187,7 @@ class Monitor(AxisMonitor):
             for name, value in status.items()
             if not name.endswith("_STATE_F") and name not in OTHER_DRIVERS
         }
-        told |= {part.name: bool(part.unpack(self._events.present)) for part in rows.EVENTS.fields}
+        told |= {part.name: bool(part.unpack(self._events.present)) for part in roles.EVENTS.fields}
         return told
 
     # --- polling -------------------------------------------------------------------------------
@@ -199,7 +201,7 @@ class Monitor(AxisMonitor):
             held = await self._events.take(words, LOOK)
             time_s = words.time_s
         tell_position(self._session, held, asked_at_s)
-        moving = bool(held.word(rows.STATUS) & (rows.VEL_STATE.mask | rows.RAMP_STATE.mask))
+        moving = bool(held.word(roles.STATUS) & (roles.VEL_STATE.mask | roles.RAMP_STATE.mask))
         self._look(time_s, held, moving)
         rests = self._expected.watch.at_rest(self._session.device_time_s())
         if rests is not None:
@@ -207,20 +209,20 @@ class Monitor(AxisMonitor):
 
     def _look(self, time_s: float, held: Snapshot, moving: bool) -> None:
         """Tell the watch what was seen."""
-        velocity = held.value(rows.VACTUAL) or int(moving)
-        reached = bool(held.fields(rows.STATUS)["TARGET_REACHED_F"])
-        self._expected.watch.look(Look(time_s, held.value(rows.XACTUAL), velocity, reached))
+        velocity = held.value(roles.VACTUAL) or int(moving)
+        reached = bool(held.fields(roles.STATUS)["TARGET_REACHED_F"])
+        self._expected.watch.look(Look(time_s, held.value(roles.XACTUAL), velocity, reached))
 
     def _why(self, motion: UnderWay, rest: Look, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""
-        flags = held.fields(rows.STATUS)
+        flags = held.fields(roles.STATUS)
         if motion.stopped_s is not None:
             return "stop_command", "stopped on command"
         if self._events.has("FROZEN"):
             return "unknown", "NFREEZE went low: the chip is frozen until a reset"
         if self._events.has("STOP_ON_STALL") or flags["ACTIVE_STALL_F"]:
             return "stall", "the motor driver reported a stall (STOP_ON_STALL)"
-        reference = rows.REFERENCE_CONF.unpack(self._memory.known(rows.REFERENCE_CONF) or 0)
+        reference = roles.REFERENCE_CONF.unpack(self._memory.known(roles.REFERENCE_CONF) or 0)
         for way in (motion.direction,) if motion.direction else (-1, 1):
             stop = stopped_by(flags, reference, way)
             if stop:

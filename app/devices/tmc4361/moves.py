@@ -15,7 +15,7 @@ from ..core.events import MotionStarted
 from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted
-from . import prediction, rows
+from . import prediction, roles
 from .cruise import Cruise
 from .departure import COUNTER, Before, Departure, put
 from .expected_motion import ExpectedMotion
@@ -50,7 +50,7 @@ class Moves(VelocityJumps):
         What the user has set for moves is kept in mind, and comes back with the next one. Raises what `move` raises.
         """
         speed = None if velocity_pps is None else round(velocity_pps * 256)
-        return await self.go(AxisMove(axis, target, relative), rows.HOLD, speed)
+        return await self.go(AxisMove(axis, target, relative), roles.HOLD, speed)
 
     async def stand_ready(self, axis: int) -> None:
         """For procedures: positioning again with the user's ramps and speed limit, the target where the axis stands.
@@ -65,10 +65,10 @@ class Moves(VelocityJumps):
             if not before.stands:
                 raise WrongState(f"axis {axis} moves", "stop it first")
             self._session.commanded(axis, "stand_ready")
-            mode = rows.POSITIONING_BIT | self._cruise.shape
-            here, hold = put(rows.XTARGET, before.position), Write(rows.RAMPMODE, rows.POSITIONING_BIT)
-            writes = (here, hold, put(rows.VMAX, self._cruise.speed), Write(rows.RAMPMODE, mode))
-            checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
+            mode = roles.POSITIONING_BIT | self._cruise.shape
+            here, hold = put(roles.XTARGET, before.position), Write(roles.RAMPMODE, roles.POSITIONING_BIT)
+            writes = (here, hold, put(roles.VMAX, self._cruise.speed), Write(roles.RAMPMODE, mode))
+            checked = (roles.XTARGET, roles.VMAX, roles.RAMPMODE)
             self._memory.saw_all(Snapshot(checked, (await io.chain(*writes, checked))[0]))
 
     async def go(self, move: AxisMove, shape: int | None = None, speed: int | None = None) -> MoveStarted:
@@ -87,14 +87,14 @@ class Moves(VelocityJumps):
             before.warnings += before.setting.units.warnings("VMAX", speed / 256, positioning=True)
             if self._session.limiter is not None:
                 self._session.limiter.require_target(axis, COUNTER.shows(target), before.position)
-            mode = rows.POSITIONING_BIT | shape
+            mode = roles.POSITIONING_BIT | shape
             writes = self._writes_of_move(before, target, mode, speed)
             self._link.allow(writes)
             await self._departure.release(io, before)
             waits = before.setting.gates()[0]
             back = await self._departure.set_off(io, writes, "position", target)
             if not waits:
-                self._departure.check_back(back, ((rows.XTARGET, target), (rows.RAMPMODE, mode)))
+                self._departure.check_back(back, ((roles.XTARGET, target), (roles.RAMPMODE, mode)))
             plan = None if waits else self._plan_to(before, target, shape, speed)
             started_s = io.time_s
             self._expected.expect(started_s, before.position, plan)
@@ -123,12 +123,12 @@ class Moves(VelocityJumps):
 
     def _writes_of_move(self, before: Before, target: int, mode: int, speed: int) -> list[Write]:
         setting = before.setting
-        limit = put(rows.VMAX, speed)
-        other_speed = abs(setting.value(rows.VMAX)) != speed
+        limit = put(roles.VMAX, speed)
+        other_speed = abs(setting.value(roles.VMAX)) != speed
         if setting.positioning:
-            to_mode = [Write(rows.RAMPMODE, mode)] if setting.mode != mode else []
+            to_mode = [Write(roles.RAMPMODE, mode)] if setting.mode != mode else []
             # The speed behind the target: with VMAX 0 the old target would be gone to first.
-            return [*to_mode, put(rows.XTARGET, target), *([limit] if other_speed else [])]
+            return [*to_mode, put(roles.XTARGET, target), *([limit] if other_speed else [])]
         if setting.gates()[0]:
             raise WrongState(
                 "XTARGET waits for a start signal and the mode is velocity: it would set off to its old target",
@@ -136,11 +136,11 @@ class Moves(VelocityJumps):
             )
         if before.stands:
             # From here to the last datagram the target is where the axis stands, and nothing moves.
-            begin = [put(rows.XTARGET, before.position), Write(rows.RAMPMODE, mode)]
-            return [*begin, *([limit] if other_speed else []), put(rows.XTARGET, target)]
+            begin = [put(roles.XTARGET, before.position), Write(roles.RAMPMODE, mode)]
+            return [*begin, *([limit] if other_speed else []), put(roles.XTARGET, target)]
         # In velocity mode VMAX is the target velocity: until the mode is changed it keeps the direction.
-        faster = [put(rows.VMAX, speed if before.velocity >= 0 else -speed)] if other_speed else []
-        return [put(rows.XTARGET, target), *faster, Write(rows.RAMPMODE, mode)]
+        faster = [put(roles.VMAX, speed if before.velocity >= 0 else -speed)] if other_speed else []
+        return [put(roles.XTARGET, target), *faster, Write(roles.RAMPMODE, mode)]
 
     def _plan_to(self, before: Before, target: int, shape: int, speed: int) -> SRampPlan | None:
         if before.reference["circular_movement_en"]:

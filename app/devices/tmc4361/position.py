@@ -7,7 +7,7 @@ from ...registers.model import to_raw
 from ..core.capabilities import PositionFromEncoder, PositionSetting, Registers
 from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
-from . import rows
+from . import roles
 from .cruise import Cruise
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
@@ -58,60 +58,60 @@ class Position(PositionSetting, PositionFromEncoder):
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             asked = (
-                rows.XACTUAL,
-                rows.VACTUAL,
-                rows.AACTUAL,
-                rows.ENC_POS,
-                rows.ENC_IN_CONF,
-                rows.CL_OFFSET,
-                rows.GENERAL_CONF,
-                rows.RAMPMODE,
+                roles.XACTUAL,
+                roles.VACTUAL,
+                roles.AACTUAL,
+                roles.ENC_POS,
+                roles.ENC_IN_CONF,
+                roles.CL_OFFSET,
+                roles.GENERAL_CONF,
+                roles.RAMPMODE,
             )
             read = Snapshot(asked, await io.read_many(asked))
-            if read.word(rows.VACTUAL) or read.word(rows.AACTUAL):
+            if read.word(roles.VACTUAL) or read.word(roles.AACTUAL):
                 raise WrongState(f"axis {axis} moves", "stop it first")
-            before = read.value(rows.XACTUAL)
+            before = read.value(roles.XACTUAL)
             shift = before - position
-            turned = -shift if rows.REVERSED.unpack(read.word(rows.GENERAL_CONF)) else shift
-            offset = read.value(rows.CL_OFFSET) + turned
-            enc_in_conf, mode = read.word(rows.ENC_IN_CONF), read.word(rows.RAMPMODE) & 3
-            regulated = rows.REGULATION.unpack(enc_in_conf) != 0
+            turned = -shift if roles.REVERSED.unpack(read.word(roles.GENERAL_CONF)) else shift
+            offset = read.value(roles.CL_OFFSET) + turned
+            enc_in_conf, mode = read.word(roles.ENC_IN_CONF), read.word(roles.RAMPMODE) & 3
+            regulated = roles.REGULATION.unpack(enc_in_conf) != 0
             self._session.commanded(axis, "set_position", position=position)
             self._cruise.overwrite_mode(mode)
             self._cruise.overwrite_vmax(0)
             steps = [
-                Write(rows.VMAX, 0),
-                Write(rows.RAMPMODE, mode),
-                *([Write(rows.ENC_IN_CONF, rows.REGULATION.pack(0, enc_in_conf))] if regulated else []),
-                Write(rows.XACTUAL, to_raw(position, 32)),
-                Write(rows.XTARGET, to_raw(position, 32)),
+                Write(roles.VMAX, 0),
+                Write(roles.RAMPMODE, mode),
+                *([Write(roles.ENC_IN_CONF, roles.REGULATION.pack(0, enc_in_conf))] if regulated else []),
+                Write(roles.XACTUAL, to_raw(position, 32)),
+                Write(roles.XTARGET, to_raw(position, 32)),
                 *(
                     [
-                        Write(rows.ENC_POS, to_raw(read.value(rows.ENC_POS) - shift, 32)),
-                        Write(rows.CL_OFFSET, to_raw(_half_turn(offset), 32)),
+                        Write(roles.ENC_POS, to_raw(read.value(roles.ENC_POS) - shift, 32)),
+                        Write(roles.CL_OFFSET, to_raw(_half_turn(offset), 32)),
                     ]
                     if with_encoder
                     else []
                 ),
-                *([Write(rows.ENC_IN_CONF, enc_in_conf)] if regulated else []),
+                *([Write(roles.ENC_IN_CONF, enc_in_conf)] if regulated else []),
             ]
-            checked = (rows.XACTUAL, rows.XTARGET, rows.RAMPMODE, rows.VMAX)
+            checked = (roles.XACTUAL, roles.XTARGET, roles.RAMPMODE, roles.VMAX)
             back = Snapshot(checked, (await io.chain(*steps, checked))[0])
             self._memory.saw_all(back)
             self._expected.book.end(io.time_s, "the position was set")
-        for register in (rows.XACTUAL, rows.XTARGET):
+        for register in (roles.XACTUAL, roles.XTARGET):
             if back.value(register) != position:
                 raise WriteRefused(
-                    register.name, to_raw(position, 32), back.word(register), f"{rows.XACTUAL.name} was {before}"
+                    register.name, to_raw(position, 32), back.word(register), f"{roles.XACTUAL.name} was {before}"
                 )
         return shift
 
     async def position_from_encoder(self, axis: int) -> int:
         """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
         # Read, not remembered: a write of ENC_IN_RES changes it.
-        if not (await self._registers.read(rows.ENC_CONST.name, axis)).value:
+        if not (await self._registers.read(roles.ENC_CONST.name, axis)).value:
             raise WrongState("no encoder counts on this axis", "write ENC_IN_RES first")
-        encoder = (await self._registers.read(rows.ENC_POS.name, axis)).value
+        encoder = (await self._registers.read(roles.ENC_POS.name, axis)).value
         return await self.set_position(axis, encoder, with_encoder=False)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...registers.model import Register
 from ...registers.tmc4361.bits import event_names, selected_events
 from ..core.raw_datagrams import RawRules
-from . import rows
+from . import roles
 from .memory import ChipMemory
 from .writes import Writes
 
@@ -25,14 +25,14 @@ class DatagramsByHand(RawRules):
         return self._memory.known(register) if register.access.readable else self._memory.kept_word(register)
 
     async def moved_by_hand(self, register: Register) -> bool:
-        if register.address not in rows.MOVING:
+        if register.address not in roles.MOVING:
             return False
         await self._writes.predict_by_hand()
         return True
 
     def status_flags(self, status: int) -> dict[str, bool]:
         """The status byte's bits by the events that SPI_STATUS_SELECTION shows there; none before that was seen."""
-        selection = self._memory.known(rows.SPI_STATUS_SELECTION)
+        selection = self._memory.known(roles.SPI_STATUS_SELECTION)
         if selection is None:
             return {}
         return {

@@ -8,7 +8,7 @@ from ..core.events import MotionStarted
 from ..core.register_io import Write
 from ..core.register_link import RegisterLink
 from ..core.results import Rotating
-from . import prediction, rows
+from . import prediction, roles
 from .cruise import Cruise
 from .departure import Before, Departure, put
 from .expected_motion import ExpectedMotion
@@ -54,7 +54,7 @@ class Rotation:
             self._departure.warn_of_gates(before, ("VMAX", "RAMPMODE"))
             back = await self._departure.set_off(io, writes, "velocity", None, vmax)
             if not any(before.setting.gates()[1:]):
-                self._departure.check_back(back, ((rows.VMAX, vmax), (rows.RAMPMODE, self._cruise.shape)))
+                self._departure.check_back(back, ((roles.VMAX, vmax), (roles.RAMPMODE, self._cruise.shape)))
             started_s = io.time_s
             if vmax == 0:
                 self._expected.watch.stop_commanded(started_s)
@@ -83,11 +83,11 @@ class Rotation:
         return vmax
 
     def _writes_of_rotation(self, before: Before, vmax: int) -> list[Write]:
-        mode, speed = Write(rows.RAMPMODE, self._cruise.shape), put(rows.VMAX, vmax)
+        mode, speed = Write(roles.RAMPMODE, self._cruise.shape), put(roles.VMAX, vmax)
         if not before.setting.positioning:
             return [speed] if before.setting.mode == self._cruise.shape else [speed, mode]
         if before.stands:
             # At its target nothing moves, whatever VMAX is; the mode sets it off.
-            return [put(rows.XTARGET, before.position), speed, mode]
+            return [put(roles.XTARGET, before.position), speed, mode]
         # 0 must not be written while positioning (DS-TMC4361 8.2.2); any other VMAX only changes the limit.
         return [speed, mode] if vmax else [mode, speed]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...errors import WrongState
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
-from . import rows
+from . import roles
 from .cruise import Cruise
 from .events import Events
 from .memory import ChipMemory
@@ -24,7 +24,7 @@ def signs(memory: ChipMemory, cruise: Cruise, events: Events, axis: int, state: 
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(
-            Sign(cause, (Evidence(f"{rows.STATUS.name}.{name}", "1", state.time_s),))
+            Sign(cause, (Evidence(f"{roles.STATUS.name}.{name}", "1", state.time_s),))
             for name, cause in DRIVER_FAULTS.items()
             if state.flags.get(name)
         ),
@@ -33,7 +33,7 @@ def signs(memory: ChipMemory, cruise: Cruise, events: Events, axis: int, state: 
         holds=tuple(_holds(memory, state)),
         takes_encoder=True,
         resets=events.resets,
-        regulated=rows.REGULATION.unpack(memory.known(rows.ENC_IN_CONF) or 0) != 0,
+        regulated=roles.REGULATION.unpack(memory.known(roles.ENC_IN_CONF) or 0) != 0,
     )
 
 
@@ -41,12 +41,12 @@ def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> 
     found = []
     if state.flags.get("FROZEN"):
         cause = "NFREEZE went low: the chip is frozen until a reset"
-        found.append(Sign(cause, (Evidence(f"{rows.EVENTS.name}.FROZEN", "1", state.time_s),)))
+        found.append(Sign(cause, (Evidence(f"{roles.EVENTS.name}.FROZEN", "1", state.time_s),)))
     setting = memory.setting()
     if setting is None or state.moving:
         return found
     if cruise.speed == 0:
-        found.append(zero(rows.VMAX.name, axis, VELOCITY_PPS * 256 if setting.positioning else None, state.time_s))
+        found.append(zero(roles.VMAX.name, axis, VELOCITY_PPS * 256 if setting.positioning else None, state.time_s))
     try:
         setting.require_motion(cruise.shape)
     except WrongState as error:
@@ -56,22 +56,22 @@ def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> 
 
 def _stall(memory: ChipMemory, axis: int, state: AxisState, *, stalled: bool) -> Sign | None:
     evidence, helps = [], []
-    for register, name in ((rows.STATUS, "ACTIVE_STALL_F"), (rows.EVENTS, "STOP_ON_STALL")):
+    for register, name in ((roles.STATUS, "ACTIVE_STALL_F"), (roles.EVENTS, "STOP_ON_STALL")):
         if state.flags.get(name):
             evidence.append(Evidence(f"{register.name}.{name}", "1", state.time_s))
             helps = [clear_flags(axis, moves=True)]
     if not evidence and not stalled:
         return None
     name = "drv_after_stall"
-    if stalled and not rows.REFERENCE_CONF.unpack(memory.known(rows.REFERENCE_CONF) or 0)[name]:
-        evidence.append(Evidence(f"{rows.REFERENCE_CONF.name}.{name}", "0", state.time_s))
-        helps.append(write(rows.REFERENCE_CONF.name, axis, 1, name))
+    if stalled and not roles.REFERENCE_CONF.unpack(memory.known(roles.REFERENCE_CONF) or 0)[name]:
+        evidence.append(Evidence(f"{roles.REFERENCE_CONF.name}.{name}", "0", state.time_s))
+        helps.append(write(roles.REFERENCE_CONF.name, axis, 1, name))
     return Sign("the motor driver reported a stall", tuple(evidence), tuple(helps))
 
 
 def _holds(memory: ChipMemory, state: AxisState) -> list[Sign]:
     flags = {name: int(value) for name, value in state.flags.items()}
-    reference = rows.REFERENCE_CONF.unpack(memory.known(rows.REFERENCE_CONF) or 0)
+    reference = roles.REFERENCE_CONF.unpack(memory.known(roles.REFERENCE_CONF) or 0)
     found = []
     for way, free in ((-1, "to greater positions"), (1, "to smaller positions")):
         stop = stopped_by(flags, reference, way)

@@ -20,14 +20,14 @@ from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import StopMode, StopOutcome
 from ..core.stop_each import stop_each
-from . import prediction, rows
+from . import prediction, roles
 from .cruise import Cruise
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
 from .setting import Setting
 
-STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL)
-GATES = rows.GATE_VMAX.mask | rows.GATE_RAMPMODE.mask
+STATE = (roles.XACTUAL, roles.VACTUAL, roles.AACTUAL)
+GATES = roles.GATE_VMAX.mask | roles.GATE_RAMPMODE.mask
 
 
 class Stops:
@@ -66,29 +66,29 @@ class Stops:
 
     async def _look_before_stop(self, io: RegisterIO) -> bool:
         """Whether the axis stands; the ramp is read along."""
-        asked = (*STATE, *rows.RAMP)
+        asked = (*STATE, *roles.RAMP)
         held = Snapshot(asked, await io.read_many(asked))
         self._memory.saw_all(held)
-        return held.word(rows.VACTUAL) == held.word(rows.AACTUAL) == 0
+        return held.word(roles.VACTUAL) == held.word(roles.AACTUAL) == 0
 
     async def _send_stop(self, io: RegisterIO, mode: StopMode, *, stands: bool) -> BenchError | None:
         setting = self._memory.setting()
         at_once = mode == "immediate" or (setting is not None and setting.never_slows())
-        shape = rows.HOLD if at_once else self._cruise.shape
-        slow, to_mode, to_zero = Write(rows.VMAX, 1), Write(rows.RAMPMODE, shape), Write(rows.VMAX, 0)
-        gates = 0 if setting is None else setting.value(rows.START_CONF) & GATES
-        ungate = [Write(rows.START_CONF, setting.value(rows.START_CONF) & ~GATES)] if setting and gates else []
+        shape = roles.HOLD if at_once else self._cruise.shape
+        slow, to_mode, to_zero = Write(roles.VMAX, 1), Write(roles.RAMPMODE, shape), Write(roles.VMAX, 0)
+        gates = 0 if setting is None else setting.value(roles.START_CONF) & GATES
+        ungate = [Write(roles.START_CONF, setting.value(roles.START_CONF) & ~GATES)] if setting and gates else []
         self._cruise.overwrite_mode(shape)
         self._cruise.overwrite_vmax(0)
-        checked = (rows.RAMPMODE, rows.VMAX, *STATE)
+        checked = (roles.RAMPMODE, roles.VMAX, *STATE)
         order = (to_zero, to_mode) if stands else (slow, to_mode, to_zero)
         held = Snapshot(checked, (await io.chain(*ungate, *order, checked))[0])
         self._expected.watch.stop_commanded(io.time_s)
-        if held.value(rows.RAMPMODE) != shape or held.value(rows.VMAX) != 0:
+        if held.value(roles.RAMPMODE) != shape or held.value(roles.VMAX) != 0:
             # One flipped bit on the way back looks like a refused write; a stop may be sent twice.
             held = Snapshot(checked, (await io.chain(*ungate, *order, checked, again=True))[0])
         self._memory.saw_all(held)
-        for register, wanted in ((rows.RAMPMODE, shape), (rows.VMAX, 0)):
+        for register, wanted in ((roles.RAMPMODE, shape), (roles.VMAX, 0)):
             if held.value(register) != wanted:
                 return WriteRefused(register.name, wanted, held.word(register), "stop again, or cut the power")
         self._expect_stop(io.time_s, setting, shape, held)
@@ -96,7 +96,7 @@ class Stops:
 
     def _expect_stop(self, time_s: float, setting: Setting | None, shape: int, held: Snapshot) -> None:
         plan = None
-        velocity = held.value(rows.VACTUAL)
+        velocity = held.value(roles.VACTUAL)
         if setting is not None and velocity:
-            plan = prediction.to_velocity(setting, shape, 0.0, velocity, held.value(rows.AACTUAL))
-        self._expected.expect(time_s, held.value(rows.XACTUAL), plan)
+            plan = prediction.to_velocity(setting, shape, 0.0, velocity, held.value(roles.AACTUAL))
+        self._expected.expect(time_s, held.value(roles.XACTUAL), plan)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import rows
+from . import roles
 
 SWITCH_FLAGS = {
     "left switch": ("STOPL_ACTIVE_F", "stop_left_en", -1),
@@ -40,7 +40,7 @@ def home_level(reference_conf: int, error: bool, position: int, x_home: int, mar
     Within HOME_SAFETY_MARGIN of X_HOME the level is not judged (DS-TMC4361 9). Outside, a switch that tells the side
     has the level of the side unless there is an error, and one with an active zone is active only where there is one.
     """
-    code = rows.HOME_EVENT.unpack(reference_conf)
+    code = roles.HOME_EVENT.unpack(reference_conf)
     away = position - x_home
     if abs(away) <= margin:
         return None

@@ -11,10 +11,10 @@ from ..core.register_file import RegisterRules
 from ..core.register_link import RegisterLink
 from ..core.results import HeldMslut
 from ..core.unread_registers import tell_table
-from . import rows
+from . import roles
 from .memory import ChipMemory
 
-TABLE = (*rows.MSLUT, rows.MSLUTSEL, rows.MSLUTSTART)
+TABLE = (*roles.MSLUT, roles.MSLUTSEL, roles.MSLUTSTART)
 
 
 class MicrostepTable(MslutTable):
@@ -26,16 +26,16 @@ class MicrostepTable(MslutTable):
         self._memory = memory
         self._rules = rules
 
-    async def read_mslut(self, axis: int = rows.AXIS) -> HeldMslut:
+    async def read_mslut(self, axis: int = roles.AXIS) -> HeldMslut:
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn() as turn:
-            mscnt, currents = await self._link.io(turn).read_many((rows.MSCNT, rows.CURRENTS))
-        shown = rows.CURRENTS.unpack(currents)
+            mscnt, currents = await self._link.io(turn).read_many((roles.MSCNT, roles.CURRENTS))
+        shown = roles.CURRENTS.unpack(currents)
         return HeldMslut(
             self._table(),
             all(self._memory.kept_word(register) is not None for register in TABLE),
-            rows.MSCNT.decode(mscnt),
+            roles.MSCNT.decode(mscnt),
             shown["CURRENTA"],
             shown["CURRENTB"],
         )
@@ -46,9 +46,9 @@ class MicrostepTable(MslutTable):
 
     async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
         """Raises BadReply where the link shows that a word may have arrived otherwise; then write it again."""
-        self._session.axis(axis or rows.AXIS)
+        self._session.axis(axis or roles.AXIS)
         self._session.require_connected()
-        with_offset = registers.with_dac_offset(rows.DAC_OFFSET.unpack(self._table().start))
+        with_offset = registers.with_dac_offset(roles.DAC_OFFSET.unpack(self._table().start))
         written = tuple(zip(TABLE, (*with_offset.words, with_offset.select, with_offset.start), strict=True))
         async with self._link.turn() as turn:
             arrived = await self._link.io(turn).write_many(written)

@@ -18,7 +18,7 @@ from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked, field, number, residual, words_plan
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
-from . import rows
+from . import roles
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
@@ -26,27 +26,27 @@ from .switches import BY_LEVEL, BY_ZONE
 
 MICROSTEPS = "microsteps"
 DIRECT: dict[str, tuple[Register, str]] = {
-    "position": (rows.XACTUAL, MICROSTEPS),
-    "target_position": (rows.XTARGET, MICROSTEPS),
-    "velocity": (rows.VACTUAL, "pps"),
-    "acceleration": (rows.AACTUAL, "pps^2"),
-    "encoder_position": (rows.ENC_POS, MICROSTEPS),
-    "deviation": (rows.ENC_POS_DEV, MICROSTEPS),
-    "encoder_velocity": (rows.V_ENC_MEAN, "pps"),
-    "mscnt": (rows.MSCNT, "1/1024 turn"),
-    "current_scale": (rows.SCALE, "1/256"),
-    "status": (rows.STATUS, "bits"),
+    "position": (roles.XACTUAL, MICROSTEPS),
+    "target_position": (roles.XTARGET, MICROSTEPS),
+    "velocity": (roles.VACTUAL, "pps"),
+    "acceleration": (roles.AACTUAL, "pps^2"),
+    "encoder_position": (roles.ENC_POS, MICROSTEPS),
+    "deviation": (roles.ENC_POS_DEV, MICROSTEPS),
+    "encoder_velocity": (roles.V_ENC_MEAN, "pps"),
+    "mscnt": (roles.MSCNT, "1/1024 turn"),
+    "current_scale": (roles.SCALE, "1/256"),
+    "status": (roles.STATUS, "bits"),
 }
 """Channels that are one register."""
 FROM_ENCODER = ("encoder_position", "deviation", "encoder_velocity")
 FLAGS = {
-    "switch_left": rows.part(rows.STATUS, "STOPL_ACTIVE_F"),
-    "switch_right": rows.part(rows.STATUS, "STOPR_ACTIVE_F"),
-    "position_reached": rows.part(rows.STATUS, "TARGET_REACHED_F"),
+    "switch_left": roles.part(roles.STATUS, "STOPL_ACTIVE_F"),
+    "switch_right": roles.part(roles.STATUS, "STOPR_ACTIVE_F"),
+    "position_reached": roles.part(roles.STATUS, "TARGET_REACHED_F"),
 }
 CURRENTS = {
-    "current_a": rows.part(rows.CURRENTS, "CURRENTA"),
-    "current_b": rows.part(rows.CURRENTS, "CURRENTB"),
+    "current_a": roles.part(roles.CURRENTS, "CURRENTA"),
+    "current_b": roles.part(roles.CURRENTS, "CURRENTB"),
 }
 FROM_PREDICTION = ("predicted_position", "predicted_velocity", "predicted_acceleration", "residual")
 QUANTITIES = {
@@ -75,8 +75,8 @@ QUANTITIES = {
     "residual": MICROSTEPS,
 }
 """Every channel quantity and its unit."""
-HOME_ERROR = rows.part(rows.STATUS, "HOME_ERROR_F")
-ARRIVAL = rows.part(rows.STATUS, "TARGET_REACHED_F")
+HOME_ERROR = roles.part(roles.STATUS, "HOME_ERROR_F")
+ARRIVAL = roles.part(roles.STATUS, "TARGET_REACHED_F")
 
 
 class ChipTelemetry(RowTelemetry):
@@ -93,10 +93,10 @@ class ChipTelemetry(RowTelemetry):
         chosen = self.chosen(channels)
         asked = Asked()
         if any(channel.quantity in FROM_PREDICTION for channel in chosen):
-            asked.column(rows.VACTUAL)  # it tells where something stopped the motor that no command told of
+            asked.column(roles.VACTUAL)  # it tells where something stopped the motor that no command told of
         decoders = tuple(self._decoder(channel.quantity, asked) for channel in chosen)
         if not asked.registers:  # events alone: any register brings the status byte
-            asked.column(rows.STATUS)
+            asked.column(roles.STATUS)
         return words_plan(self._access, asked, chosen, decoders, partial(self._saw_rows, tuple(asked.registers)))
 
     # --- channels -------------------------------------------------------------------------------
@@ -106,11 +106,11 @@ class ChipTelemetry(RowTelemetry):
             direct = number(asked.column(DIRECT[quantity][0]), DIRECT[quantity][0])
             return self._if_encoder(direct) if quantity in FROM_ENCODER else direct
         if quantity in FLAGS:
-            return field(asked.column(rows.STATUS), FLAGS[quantity])
+            return field(asked.column(roles.STATUS), FLAGS[quantity])
         if quantity in CURRENTS:
-            return field(asked.column(rows.CURRENTS), CURRENTS[quantity])
+            return field(asked.column(roles.CURRENTS), CURRENTS[quantity])
         if quantity == "target_velocity":
-            vmax = number(asked.column(rows.VMAX), rows.VMAX)
+            vmax = number(asked.column(roles.VMAX), roles.VMAX)
             return lambda times_s, words, status: vmax(times_s, words, status) / 256
         if quantity == "load_angle":
             return self._if_encoder(self._load_angles(asked))
@@ -124,23 +124,23 @@ class ChipTelemetry(RowTelemetry):
         """NaN while ENC_IN_RES is not set and so no count of an encoder counts."""
 
         def decoded(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
-            if self._memory.known(rows.ENC_CONST) == 0:
+            if self._memory.known(roles.ENC_CONST) == 0:
                 return np.full(len(times_s), np.nan)
             return decode(times_s, words, status)
 
         return decoded
 
     def _load_angles(self, asked: Asked) -> Decoder:
-        encoder = number(asked.column(rows.ENC_POS), rows.ENC_POS)
-        deviation = number(asked.column(rows.ENC_POS_DEV), rows.ENC_POS_DEV)
-        mscnt = number(asked.column(rows.MSCNT), rows.MSCNT)
+        encoder = number(asked.column(roles.ENC_POS), roles.ENC_POS)
+        deviation = number(asked.column(roles.ENC_POS_DEV), roles.ENC_POS_DEV)
+        mscnt = number(asked.column(roles.MSCNT), roles.MSCNT)
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             block = (times_s, words, status)
-            if rows.REGULATION.unpack(self._memory.known(rows.ENC_IN_CONF) or 0) != 1:
+            if roles.REGULATION.unpack(self._memory.known(roles.ENC_IN_CONF) or 0) != 1:
                 return -deviation(*block) * 90 / self._memory.microsteps
-            way = -1 if rows.REVERSED.unpack(self._memory.known(rows.GENERAL_CONF) or 0) else 1
-            offset = rows.CL_OFFSET.decode(self._memory.known(rows.CL_OFFSET) or 0)
+            way = -1 if roles.REVERSED.unpack(self._memory.known(roles.GENERAL_CONF) or 0) else 1
+            offset = roles.CL_OFFSET.decode(self._memory.known(roles.CL_OFFSET) or 0)
             lead = way * (mscnt(*block) - way * encoder(*block) - offset)
             return np.asarray(((lead + 512) % 1024 - 512) * 360 / 1024)
 
@@ -148,12 +148,12 @@ class ChipTelemetry(RowTelemetry):
 
     def _home_levels(self, asked: Asked) -> Decoder:
         """As `switches.home_level`, a column at a time."""
-        error = field(asked.column(rows.STATUS), HOME_ERROR)
-        position = number(asked.column(rows.XACTUAL), rows.XACTUAL)
+        error = field(asked.column(roles.STATUS), HOME_ERROR)
+        position = number(asked.column(roles.XACTUAL), roles.XACTUAL)
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
-            code = rows.HOME_EVENT.unpack(self._memory.known(rows.REFERENCE_CONF) or 0)
-            away = position(times_s, words, status) - rows.X_HOME.decode(self._memory.known(rows.X_HOME) or 0)
+            code = roles.HOME_EVENT.unpack(self._memory.known(roles.REFERENCE_CONF) or 0)
+            away = position(times_s, words, status) - roles.X_HOME.decode(self._memory.known(roles.X_HOME) or 0)
             wrong = error(times_s, words, status) > 0
             if code in BY_LEVEL:
                 high = ((away > 0) == BY_LEVEL[code]) != wrong
@@ -161,7 +161,7 @@ class ChipTelemetry(RowTelemetry):
                 high = wrong == BY_ZONE[code]
             else:
                 return np.full(len(times_s), np.nan)
-            margin = self._memory.known(rows.HOME_SAFETY_MARGIN) or 0
+            margin = self._memory.known(roles.HOME_SAFETY_MARGIN) or 0
             return np.where(np.abs(away) <= margin, np.nan, high.astype(np.float64))
 
         return decode
@@ -181,7 +181,7 @@ class ChipTelemetry(RowTelemetry):
             return lambda times_s, _, __: self._expected.book.at(times_s)[1]
         if quantity == "predicted_acceleration":
             return lambda times_s, _, __: self._expected.accelerations(times_s)
-        position = number(asked.column(rows.XACTUAL), rows.XACTUAL)
+        position = number(asked.column(roles.XACTUAL), roles.XACTUAL)
         return residual(position, self._expected.book.at, POSITION_BITS)
 
     # --- what rows tell besides -----------------------------------------------------------------
@@ -190,24 +190,24 @@ class ChipTelemetry(RowTelemetry):
         """A block of samples of a plan that asks for these registers is about to be decoded."""
         for row in np.flatnonzero(np.diff(status, prepend=0)):
             self._events.saw_status(float(times_s[row]), int(status[row]))
-        if rows.XACTUAL in asked:
-            position = number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
+        if roles.XACTUAL in asked:
+            position = number(asked.index(roles.XACTUAL), roles.XACTUAL)(times_s, words, status)
             encoder = None
-            if rows.ENC_POS in asked and self._memory.known(rows.ENC_CONST):
-                encoder = int(number(asked.index(rows.ENC_POS), rows.ENC_POS)(times_s, words, status)[-1])
-            self._session.saw_position(rows.AXIS, int(position[-1]), float(times_s[-1]), encoder)
-        if rows.VACTUAL not in asked:
+            if roles.ENC_POS in asked and self._memory.known(roles.ENC_CONST):
+                encoder = int(number(asked.index(roles.ENC_POS), roles.ENC_POS)(times_s, words, status)[-1])
+            self._session.saw_position(roles.AXIS, int(position[-1]), float(times_s[-1]), encoder)
+        if roles.VACTUAL not in asked:
             return
-        velocity = words[:, asked.index(rows.VACTUAL)]
+        velocity = words[:, asked.index(roles.VACTUAL)]
         if self._expected.book.present() is not None:
             _, expected = self._expected.book.at(times_s)
             # NaN, where nothing is expected, compares false, and so does a speed that reads 0 itself.
             self._expected.book.observe(times_s, (velocity == 0) & (np.abs(expected) > 1))
-        if rows.XACTUAL in asked and rows.STATUS in asked:
-            state = words[:, asked.index(rows.STATUS)]
-            moving = (state & (rows.VEL_STATE.mask | rows.RAMP_STATE.mask) != 0) | (velocity != 0)
-            position = number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
-            speed = number(asked.index(rows.VACTUAL), rows.VACTUAL)(times_s, words, status)
+        if roles.XACTUAL in asked and roles.STATUS in asked:
+            state = words[:, asked.index(roles.STATUS)]
+            moving = (state & (roles.VEL_STATE.mask | roles.RAMP_STATE.mask) != 0) | (velocity != 0)
+            position = number(asked.index(roles.XACTUAL), roles.XACTUAL)(times_s, words, status)
+            speed = number(asked.index(roles.VACTUAL), roles.VACTUAL)(times_s, words, status)
             wanted = moving if self._expected.watch.under_way is None else np.ones(len(times_s), dtype=np.bool_)
             for row in np.flatnonzero(wanted):
                 reached = bool(ARRIVAL.unpack(int(state[row])))

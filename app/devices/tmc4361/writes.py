@@ -12,15 +12,15 @@ from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import RegisterWritten
 from ..core.unread_registers import arrived_unread
-from . import prediction, rows
+from . import prediction, roles
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
 from .setting import Setting
 
-STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.XTARGET)
-ELSEWHERE = (rows.XACTUAL, rows.VACTUAL)
-GATES = {"XTARGET": rows.GATE_XTARGET, "VMAX": rows.GATE_VMAX, "RAMPMODE": rows.GATE_RAMPMODE}
+STATE = (roles.XACTUAL, roles.VACTUAL, roles.AACTUAL, roles.XTARGET)
+ELSEWHERE = (roles.XACTUAL, roles.VACTUAL)
+GATES = {"XTARGET": roles.GATE_XTARGET, "VMAX": roles.GATE_VMAX, "RAMPMODE": roles.GATE_RAMPMODE}
 BY_ITSELF = {"REFERENCE_CONF": "start_home_tracking", "ENC_IN_CONF": "clr_latch_once_on_n"}
 """Bits that return to 0 by themselves."""
 
@@ -48,15 +48,15 @@ class Writes(RegisterRules):
 
     def sent(self, register: Register, word: int) -> None:
         self._memory.sent(register, word)
-        if register.address in rows.MOVING:
-            self._session.commanded(rows.AXIS, register.name)
+        if register.address in roles.MOVING:
+            self._session.commanded(roles.AXIS, register.name)
         self._events.saw(register, word)
-        if register.address in rows.MOVING:
+        if register.address in roles.MOVING:
             position, velocity, _ = self._before
             self._before = (position, velocity, self._session.port.last_exchange_s)
 
     async def read_alone(self, register: Register) -> int | None:
-        return await self._events.read_by_name() if register is rows.EVENTS else None
+        return await self._events.read_by_name() if register is roles.EVENTS else None
 
     def kept_word(self, register: Register) -> int | None:
         return self._memory.kept_word(register)
@@ -70,43 +70,43 @@ class Writes(RegisterRules):
     # --- side effects ---------------------------------------------------------------------------
 
     async def before_write(self, io: RegisterIO, register: Register, word: int) -> list[str]:
-        if register.address not in rows.MOVING:
+        if register.address not in roles.MOVING:
             return []
-        read = await io.values((*ELSEWHERE, rows.RAMPMODE, rows.XTARGET))
+        read = await io.values((*ELSEWHERE, roles.RAMPMODE, roles.XTARGET))
         position, velocity, mode, target = read
         self._before = (position, velocity, io.time_s)
-        positioning = bool(mode & rows.POSITIONING_BIT)
+        positioning = bool(mode & roles.POSITIONING_BIT)
         notes = []
-        if register is rows.VMAX and word == 0 and positioning and mode & 3 == rows.S_SHAPED and velocity:
+        if register is roles.VMAX and word == 0 and positioning and mode & 3 == roles.S_SHAPED and velocity:
             notes.append("VMAX 0 alone must not be written while an S-ramp is positioning: stop it (DS-TMC4361 8.2.2)")
-        elif register is rows.XACTUAL and positioning and register.decode(word) != target:
+        elif register is roles.XACTUAL and positioning and register.decode(word) != target:
             notes.append("while positioning the motor now drives to XTARGET")
-        elif register is rows.RAMPMODE and word & rows.POSITIONING_BIT and not positioning and target != position:
+        elif register is roles.RAMPMODE and word & roles.POSITIONING_BIT and not positioning and target != position:
             notes.append(f"the motor now drives to XTARGET, {target}")
-        elif register in (rows.AMAX, rows.DMAX, *rows.BOWS) and positioning and velocity:
+        elif register in (roles.AMAX, roles.DMAX, *roles.BOWS) and positioning and velocity:
             notes.append("changed while positioning: XTARGET may be overshot, and is come back to (DS-TMC4361 8.2.2)")
         return notes
 
     async def explain(self, io: RegisterIO, register: Register, word: int, back: int) -> str | None:
-        if register is rows.XACTUAL:
-            velocity = await io.value(rows.VACTUAL)
+        if register is roles.XACTUAL:
+            velocity = await io.value(roles.VACTUAL)
             return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
-        if register is rows.CL_OFFSET and not rows.part(rows.ENC_IN_CONF, "cl_calibration_en").unpack(
-            await io.read(rows.ENC_IN_CONF)
+        if register is roles.CL_OFFSET and not roles.part(roles.ENC_IN_CONF, "cl_calibration_en").unpack(
+            await io.read(roles.ENC_IN_CONF)
         ):
             return None
-        if register in (rows.XTARGET, rows.VMAX, rows.RAMPMODE):
-            gates = await io.read(rows.START_CONF)
+        if register in (roles.XTARGET, roles.VMAX, roles.RAMPMODE):
+            gates = await io.read(roles.START_CONF)
             return "it waits for a start signal (START_CONF)" if GATES[register.name].unpack(gates) else None
-        if register in (rows.REFERENCE_CONF, rows.ENC_IN_CONF):
+        if register in (roles.REFERENCE_CONF, roles.ENC_IN_CONF):
             by_itself = BY_ITSELF[register.name]
-            if (word ^ back) & register.mask & ~rows.part(register, by_itself).mask:
+            if (word ^ back) & register.mask & ~roles.part(register, by_itself).mask:
                 return None
             return f"{by_itself} has returned to 0 by itself"
         return changes_by_itself(register, back)
 
     async def after_write(self, register: Register) -> None:
-        if register.address not in rows.MOVING:
+        if register.address not in roles.MOVING:
             return
         try:
             await self._predict()
@@ -117,7 +117,7 @@ class Writes(RegisterRules):
     async def _predict(self) -> None:
         """Begin the prediction for whatever the axis does now."""
         before_position, before_velocity, sent_s = self._before
-        asked = (*rows.RAMP, *STATE)
+        asked = (*roles.RAMP, *STATE)
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             held = Snapshot(asked, await io.read_many(asked))
@@ -128,9 +128,9 @@ class Writes(RegisterRules):
         if before_velocity == 0 and position == before_position:
             # From rest the start is known exactly: it was when the datagram went out.
             velocity, acceleration, time_s = 0, 0, min(time_s, sent_s) or time_s
-        vmax_pps = setting.value(rows.VMAX) / 256
+        vmax_pps = setting.value(roles.VMAX) / 256
         moves = target != position and vmax_pps if setting.positioning else vmax_pps or velocity
-        if not moves or rows.SDIN_MODE.unpack(held.word(rows.GENERAL_CONF)):
+        if not moves or roles.SDIN_MODE.unpack(held.word(roles.GENERAL_CONF)):
             self._expected.book.end(time_s, "a register was written")
             return
         if setting.positioning:
@@ -145,7 +145,7 @@ class Writes(RegisterRules):
         else:
             self._expected.watch.began("velocity", time_s)
         if before_velocity == 0:
-            self._session.tell(MotionStarted(rows.AXIS, time_s))
+            self._session.tell(MotionStarted(roles.AXIS, time_s))
 
     async def predict_by_hand(self) -> None:
         """A raw datagram has written something that may move the axis."""

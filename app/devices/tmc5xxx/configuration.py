@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...registers.model import Register
 from ..core.capabilities import ConfigurationRules, Registers
 from ..core.results import AxisState
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 
 

@@ -16,9 +16,9 @@ from ..core.register_io import Snapshot
 from ..core.results import DeviceState, EventPage
 from ..core.session import Session
 from ..core.timeline import Timeline
-from . import rows as r
+from . import roles as r
 from .flags import GSTAT_LSB, AxisFlags
-from .rows import ChipRows
+from .roles import ChipRoles
 
 
 class Events(EventLog):
@@ -27,7 +27,7 @@ class Events(EventLog):
     on_reset : who has to hear of a reset of the chip, in this order
     """
 
-    def __init__(self, session: Session, chip: ChipRows, on_reset: Sequence[Callable[[], None]]) -> None:
+    def __init__(self, session: Session, chip: ChipRoles, on_reset: Sequence[Callable[[], None]]) -> None:
         self.resets = 0
         """How often a reset of the chip was seen, that of its power-on included where nobody had taken notice of it."""
         self.acquainted = False

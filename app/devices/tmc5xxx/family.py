@@ -37,7 +37,7 @@ from .predictions import Predictions
 from .preparation import Preparation
 from .raw import DatagramsByHand
 from .reader import ChipReader
-from .rows import rows_of
+from .roles import roles_of
 from .setting import ChipSetting
 from .stall import ChipStall
 from .standstill import Standstill
@@ -56,7 +56,7 @@ def compose(
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
     tasks = BackgroundTasks()
     # What is known, and what is expected.
-    memory = ChipMemory(link, rows_of(config.model))
+    memory = ChipMemory(link, roles_of(config.model))
     setting = ChipSetting(session, memory)
     predictions = Predictions(session)
     log = Events(session, memory.chip, (memory.was_reset, predictions.was_reset))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .rows import AxisRows, ChipRows, part
+from .roles import AxisRoles, ChipRoles, part
 
 GSTAT_LSB = 16
 LATCHING = ("status_latch_l", "status_latch_r", "event_stop_sg", "event_pos_reached", "second_move")
@@ -30,7 +30,7 @@ class AxisFlags:
     reset: int
 
     @classmethod
-    def of(cls, chip: ChipRows, rows: AxisRows) -> AxisFlags:
+    def of(cls, chip: ChipRoles, rows: AxisRoles) -> AxisFlags:
         stat = {part(rows.ramp_stat, name).lsb: name for name in (*LATCHING, *LASTING)}
         errors = {"drv_err", f"drv_err{rows.axis + 1}"}
         gstat = {

@@ -20,7 +20,7 @@ from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of
 from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 
 SPEEDS = ("VMAX", "VSTART", "VSTOP")

@@ -12,13 +12,13 @@ from ...registers.model import Register
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
-from .rows import AxisRows, ChipRows
+from .roles import AxisRoles, ChipRoles
 
 
 class ChipMemory:
     """Words by register: seen, written, as after a reset, and written over."""
 
-    def __init__(self, link: RegisterLink, chip: ChipRows) -> None:
+    def __init__(self, link: RegisterLink, chip: ChipRoles) -> None:
         self.chip = chip
         self.table = link.table
         self.fresh = False
@@ -36,7 +36,7 @@ class ChipMemory:
         self._overwritten: dict[int, int | None] = {}
         """VMAX and AMAX as the user wants them, by address, where a command has written something else over them."""
 
-    def rows(self, axis: int) -> AxisRows:
+    def rows(self, axis: int) -> AxisRoles:
         """The registers of an axis by their roles."""
         return self.chip.axes[axis]
 

@@ -17,7 +17,7 @@ from ..core.register_link import RegisterLink
 from ..core.results import AxisState, MotionEnd, StopReason, Switches
 from ..core.session import Session
 from ..core.signs import Signs
-from . import rows as r
+from . import roles as r
 from .events import Events
 from .memory import ChipMemory
 from .motions import Motions

@@ -27,12 +27,12 @@ from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
 from .preparation import Before, Preparation
-from .rows import HIGHEST, LOWEST, signed
+from .roles import HIGHEST, LOWEST, signed
 from .setting import ChipSetting
 from .stops import Stops
 

@@ -13,7 +13,7 @@ from ..core.register_link import RegisterLink
 from ..core.session import Session
 from .memory import ChipMemory
 from .predictions import Predictions
-from .rows import HIGHEST, LOWEST
+from .roles import HIGHEST, LOWEST
 from .setting import ChipSetting
 from .standstill import Standstill
 

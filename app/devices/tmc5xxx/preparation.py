@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ..core.register_io import RegisterIO, Snapshot
-from . import rows as r
+from . import roles as r
 from .events import Events
 from .memory import ChipMemory
 from .ramp import Ramp

@@ -14,7 +14,7 @@ from ...calc.ramps.sixpoint_registers import EIGHT_POINT, REGISTERS, findings, r
 from ...calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
 from ...calc.units.tmc5xxx_times import zero_wait_s
 from ...errors import CannotMove
-from .rows import FURTHER, RAMP
+from .roles import FURTHER, RAMP
 
 LONG_WAIT_S = 0.5
 """From this TZEROWAIT on a move tells of it [s]."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from ...registers.model import Register
 from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
-from . import rows as r
+from . import roles as r
 from .events import Events
 from .memory import ChipMemory
 from .setting import ChipSetting

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...calc.units.mechanics import Mechanics
 from ..core.register_io import Snapshot
 from ..core.session import Session
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 from .ramp import Ramp
 

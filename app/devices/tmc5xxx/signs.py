@@ -12,7 +12,7 @@ from ...calc.units.tmc5xxx import (
 )
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 from .start_up import CHOPCONF
 

@@ -6,7 +6,7 @@ from ...errors import BadReply
 from ...registers.model import Register
 from ..core.register_io import RegisterIO
 from ..core.session import Session
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 
 

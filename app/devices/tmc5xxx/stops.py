@@ -22,7 +22,7 @@ from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
 from ..core.sixpoint_plans import turn_plan
 from ..core.stop_each import stop_each
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions

@@ -19,12 +19,12 @@ from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked, field, number, residual, words_plan
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
-from . import rows as r
+from . import roles as r
 from .events import Events
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
-from .rows import AxisRows, ChipRows
+from .roles import AxisRoles, ChipRoles
 from .setting import ChipSetting
 
 MICROSTEPS = "microsteps"
@@ -61,7 +61,7 @@ there."""
 SINGLE_PINS = {"switch_left": "REFL_STEP", "switch_right": "REFR_DIR"}
 
 
-def quantities(rows: AxisRows) -> dict[str, str]:
+def quantities(rows: AxisRoles) -> dict[str, str]:
     """The channel quantities of an axis, and their units."""
     missing = set() if rows.x_enc is not None else set(FROM_ENCODER)
     if rows.tstep is None:
@@ -83,7 +83,7 @@ class SixPointTelemetry(RowTelemetry):
     ) -> None:
         super().__init__(link.session, [quantities(rows) for rows in memory.chip.axes])
         self._access = link.access
-        self._chip: ChipRows = memory.chip
+        self._chip: ChipRoles = memory.chip
         self._memory = memory
         self._setting = setting
         self._log = log
@@ -103,7 +103,7 @@ class SixPointTelemetry(RowTelemetry):
 
     # --- channels -------------------------------------------------------------------------------
 
-    def _decoder(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
+    def _decoder(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
         unit_pps = self._setting.ramp(rows.axis).velocity_unit_pps
         position = rows.xactual
         if quantity in ("position", "target_position"):
@@ -134,7 +134,7 @@ class SixPointTelemetry(RowTelemetry):
             return self._arrival(rows, asked)
         return self._expected(quantity, rows, asked)
 
-    def _target_velocity(self, rows: AxisRows, unit_pps: float, asked: Asked) -> Decoder:
+    def _target_velocity(self, rows: AxisRoles, unit_pps: float, asked: Asked) -> Decoder:
         """Of velocity mode, by VMAX as it was written; NaN in other modes and where nobody knows VMAX."""
         column = asked.column(rows.rampmode)
 
@@ -147,7 +147,7 @@ class SixPointTelemetry(RowTelemetry):
 
         return decode
 
-    def _encoder_column(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
+    def _encoder_column(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
         """NaN while nobody has set how the encoder's counts count."""
         assert rows.x_enc is not None  # there is no such channel otherwise
         encoder = number(asked.column(rows.x_enc), rows.x_enc)
@@ -161,7 +161,7 @@ class SixPointTelemetry(RowTelemetry):
 
         return decode
 
-    def _switch(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
+    def _switch(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
         left = quantity == "switch_left"
         if not self._chip.clears_on_read:
             name = "status_stop_l" if left else "status_stop_r"
@@ -173,7 +173,7 @@ class SixPointTelemetry(RowTelemetry):
             return lambda _, __, status: (status >> bit & 1).astype(np.float64)
         return lambda times_s, _, __: np.full(len(times_s), self._switch_seen(rows.axis, left=left))
 
-    def _by_pin(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
+    def _by_pin(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
         """Of one axis by the level of the pin. Polarity is the pin's, and the sides change places behind it: a reading,
         as the data sheets give each no more than a sentence."""
         levels = {
@@ -198,11 +198,11 @@ class SixPointTelemetry(RowTelemetry):
         known = stat is not None and (left or self._setting.has_right_switch())
         return float((stat or 0) >> (0 if left else 1) & 1) if known else float("nan")
 
-    def _arrival(self, rows: AxisRows, asked: Asked) -> Decoder:
+    def _arrival(self, rows: AxisRoles, asked: Asked) -> Decoder:
         position, target = (number(asked.column(row), row) for row in (rows.xactual, rows.xtarget))
         return lambda *block: (position(*block) == target(*block)).astype(np.float64)
 
-    def _expected(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
+    def _expected(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
         book = self._predictions.book(rows.axis)
         if quantity == "predicted_position":
             return lambda times_s, _, __: book.at(times_s)[0]
@@ -233,10 +233,10 @@ class SixPointTelemetry(RowTelemetry):
         """A block of samples of a plan that asks for these registers is about to be decoded."""
         reset = bool(status[-1] & 1)  # then the counter does not count what it did
         for rows in self._chip.axes:
-            self._saw_axis_rows(rows, times_s, words, asked, reset=reset)
+            self._saw_axis_roles(rows, times_s, words, asked, reset=reset)
 
-    def _saw_axis_rows(
-        self, rows: AxisRows, times_s: FloatArray, words: IntArray, asked: Sequence[Register], *, reset: bool
+    def _saw_axis_roles(
+        self, rows: AxisRoles, times_s: FloatArray, words: IntArray, asked: Sequence[Register], *, reset: bool
     ) -> None:
         none = np.zeros(0, dtype=np.int64)
 

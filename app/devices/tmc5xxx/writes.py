@@ -10,7 +10,7 @@ from ..core.register_io import RegisterIO
 from ..core.results import RegisterWritten
 from ..core.session import Session
 from ..core.unread_registers import arrived_unread
-from . import rows as r
+from . import roles as r
 from .events import Events
 from .memory import ChipMemory
 from .reader import ChipReader

@@ -10,11 +10,11 @@ from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
-from . import rows as r
+from . import roles as r
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
-from .rows import AxisRows, signed
+from .roles import AxisRoles, signed
 from .setting import ChipSetting
 
 
@@ -39,7 +39,7 @@ class WrittenMotion:
         self._before: tuple[int, int, float] = (0, 1, 0.0)
         """XACTUAL and VACTUAL right before a write, and when the write went out."""
 
-    async def look_before(self, io: RegisterIO, rows: AxisRows) -> Snapshot:
+    async def look_before(self, io: RegisterIO, rows: AxisRoles) -> Snapshot:
         """XACTUAL, VACTUAL, RAMPMODE and XTARGET right before a write that may move the axis."""
         asked = (rows.xactual, rows.vactual, rows.rampmode, rows.xtarget)
         held = Snapshot(asked, await io.read_many(asked))
@@ -53,7 +53,7 @@ class WrittenMotion:
         position, velocity, _ = self._before
         self._before = (position, velocity, self.session.port.last_exchange_s)
 
-    async def written(self, rows: AxisRows, register: Register) -> None:
+    async def written(self, rows: AxisRoles, register: Register) -> None:
         """The write is done."""
         try:
             await self._predict(rows)
@@ -61,7 +61,7 @@ class WrittenMotion:
             # The write itself is done and judged; that the next reading failed is not its failure.
             self.predictions.end(rows.axis, self.session.port.last_exchange_s, f"{register.name} was written")
 
-    async def written_by_frame(self, rows: AxisRows) -> None:
+    async def written_by_frame(self, rows: AxisRoles) -> None:
         """A raw datagram has written something that may move the axis."""
         self._before = (0, 1, self.session.port.last_exchange_s)
         try:
@@ -69,7 +69,7 @@ class WrittenMotion:
         except LinkError as error:
             self.motions.uncertain(rows.axis, str(error))
 
-    async def _predict(self, rows: AxisRows) -> None:
+    async def _predict(self, rows: AxisRoles) -> None:
         """Begin the prediction for whatever the axis does now."""
         axis = rows.axis
         before_position, before_velocity, sent_s = self._before

@@ -27,7 +27,7 @@ from .monitor import FlagClearing, Monitor, PlaceInTable
 from .motion import DriverMotion
 from .reader import Reader
 from .resets import Resets
-from .rows import DriverRows
+from .roles import DriverRoles
 from .start_up import plan
 from .telemetry import DriverTelemetry
 from .writes import DatagramsByHand, Writes
@@ -41,7 +41,7 @@ def compose(
     """A device of this family, of its parts."""
     session = Session(device_id, config, port, clock, lambda what: False, queue)
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
-    memory = DriverMemory(link, DriverRows(session.family))
+    memory = DriverMemory(link, DriverRoles(session.family))
     resets = Resets(memory)
     reader = Reader(link, memory, resets)
     writes = Writes(link, memory, resets)

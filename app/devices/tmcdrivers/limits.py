@@ -14,7 +14,7 @@ from ..core.limit_rules.rules import Look
 from ..core.register_file import RegisterFile
 from .memory import DriverMemory
 from .reader import Reader
-from .rows import FINEST, part
+from .roles import FINEST, part
 
 
 class DriverRules(ChipRules):

@@ -13,13 +13,13 @@ from ...registers.model import Register
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
-from .rows import FINEST, DriverRows
+from .roles import FINEST, DriverRoles
 
 
 class DriverMemory:
     """Words by register: seen, written, as after a reset."""
 
-    def __init__(self, link: RegisterLink, rows: DriverRows) -> None:
+    def __init__(self, link: RegisterLink, rows: DriverRoles) -> None:
         self.rows = rows
         self.table = link.table
         self.fresh = False

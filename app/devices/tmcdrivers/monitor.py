@@ -17,7 +17,7 @@ from ..core.signs import Signs
 from .memory import DriverMemory
 from .reader import Reader
 from .resets import Resets
-from .rows import FINEST
+from .roles import FINEST
 from .signs import signs
 
 NUMBERS = frozenset({"SG_RESULT", "CS_ACTUAL"})

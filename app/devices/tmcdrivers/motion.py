@@ -23,7 +23,7 @@ from ..core.session import Session
 from ..core.stop_each import stop_each
 from .memory import DriverMemory
 from .reader import Reader
-from .rows import part
+from .roles import part
 
 STEPPED = "it is stepped from outside (STEP), which no register ends"
 HOW_TO_STOP = "stop what gives the steps, or switch the bridges off: CHOPCONF.toff 0"

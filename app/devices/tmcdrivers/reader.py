@@ -11,7 +11,7 @@ from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from .memory import DriverMemory
 from .resets import Resets
-from .rows import FINEST, STANDS
+from .roles import FINEST, STANDS
 
 
 @dataclass(frozen=True, slots=True)

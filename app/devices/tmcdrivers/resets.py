@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...registers.model import Register
 from ..core.register_io import RegisterIO
 from .memory import DriverMemory
-from .rows import part
+from .roles import part
 
 
 class Resets:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write
 from .memory import DriverMemory
-from .rows import part
+from .roles import part
 
 GSTAT_FAULTS = {
     "uv_cp": "the charge pump has too little voltage, and the driver is off",

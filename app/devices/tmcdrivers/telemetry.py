@@ -11,7 +11,7 @@ from ..core.register_samples import Asked, field, number, words_plan
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
 from .memory import DriverMemory
-from .rows import FINEST, STANDS, part
+from .roles import FINEST, STANDS, part
 
 QUANTITIES = {
     "velocity": "pps",

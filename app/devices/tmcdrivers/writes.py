@@ -14,7 +14,7 @@ from ..core.results import RegisterWritten
 from ..core.unread_registers import arrived_unread
 from .memory import DriverMemory
 from .resets import Resets
-from .rows import part
+from .roles import part
 
 STATUS = ("reset_flag", "driver_error", "sg2", "standstill")
 """Bits of the SPI status byte, from the lowest."""

@@ -6,7 +6,7 @@ import pytest
 
 from app.devices.core.results import ChipEvents
 from app.devices.core.timeline import KEPT, Timeline
-from app.devices.tmc4361 import rows
+from app.devices.tmc4361 import roles
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
 from app.registers.tmc4361.bits import EVENT_MASK, event_names
 from tests.devices.tmc4361.bench import bench
@@ -50,7 +50,7 @@ async def test_no_reading_of_events_clears_what_was_not_told() -> None:
                 kept = int.from_bytes(frame[1:], "big")
             elif frame[0] == EVENTS:
                 assert kept, "a reading that clears everything"
-                assert not ~kept & rows.BLOCKING
+                assert not ~kept & roles.BLOCKING
 
 
 async def test_an_event_between_peek_and_clear_is_told() -> None:

@@ -6,7 +6,7 @@ from app.clock import VirtualClock
 from app.devices.core.config import DeviceConfig
 from app.devices.core.register_link import RegisterLink
 from app.devices.core.session import Session
-from app.devices.tmc4361 import rows
+from app.devices.tmc4361 import roles
 from app.devices.tmc4361.cruise import Cruise
 from app.devices.tmc4361.events import Events
 from app.devices.tmc4361.expected_motion import ExpectedMotion
@@ -28,21 +28,21 @@ def a_link() -> RegisterLink:
 def test_memory_forgets_words_with_the_link_but_not_what_was_written() -> None:
     link = a_link()
     memory = ChipMemory(link, Cruise())
-    pid_p = link.table.get("PID_P", rows.AXIS)
-    memory.saw(rows.AMAX, 77)
+    pid_p = link.table.get("PID_P", roles.AXIS)
+    memory.saw(roles.AMAX, 77)
     memory.sent(pid_p, 99)
     link.session.set_state("failed", LinkDown("x", "gone"))
-    assert (memory.known(rows.AMAX), memory.kept_word(pid_p)) == (None, 99)
+    assert (memory.known(roles.AMAX), memory.kept_word(pid_p)) == (None, 99)
 
 
 def test_a_reset_by_hand_clears_the_shadow_and_tells_the_hooks_once() -> None:
     link = a_link()
     memory, told = ChipMemory(link, Cruise()), list[str]()
     memory.reset_hooks.append(lambda: told.append("reset"))
-    pid_p = link.table.get("PID_P", rows.AXIS)
+    pid_p = link.table.get("PID_P", roles.AXIS)
     memory.sent(pid_p, 99)
     assert memory.word_unread(pid_p) == 99
-    memory.sent(rows.RESET, rows.part(rows.RESET, "RESET_REG").pack(RESET_CODE))
+    memory.sent(roles.RESET, roles.part(roles.RESET, "RESET_REG").pack(RESET_CODE))
     assert told == ["reset"]
     assert memory.kept_word(pid_p) is None
     assert memory.word_unread(pid_p) == pid_p.reset
@@ -51,12 +51,12 @@ def test_a_reset_by_hand_clears_the_shadow_and_tells_the_hooks_once() -> None:
 def test_what_a_command_writes_over_vmax_is_not_what_the_user_wants() -> None:
     cruise = Cruise()
     memory = ChipMemory(a_link(), cruise)
-    memory.saw(rows.VMAX, 5_000)
+    memory.saw(roles.VMAX, 5_000)
     cruise.overwrite_vmax(0)
-    memory.saw(rows.VMAX, 0)
-    assert memory.as_set(rows.VMAX, 0) == 5_000
-    memory.saw(rows.VMAX, 700)
-    assert memory.as_set(rows.VMAX, 700) == 700
+    memory.saw(roles.VMAX, 0)
+    assert memory.as_set(roles.VMAX, 0) == 5_000
+    memory.saw(roles.VMAX, 700)
+    assert memory.as_set(roles.VMAX, 700) == 700
 
 
 async def test_peeking_at_events_clears_none_and_clearing_tells_first() -> None:
@@ -69,7 +69,7 @@ async def test_peeking_at_events_clears_none_and_clearing_tells_first() -> None:
         assert events.has("RST_EV")
         await events.peek(io)
         assert events.present == seen
-        await events.clear(io, rows.event("RST_EV"))
+        await events.clear(io, roles.event("RST_EV"))
         await events.peek(io)
     assert not events.has("RST_EV")
     assert events._owed is None

@@ -18,7 +18,7 @@ from app.devices.tmc5xxx.memory import ChipMemory
 from app.devices.tmc5xxx.motions import Motions
 from app.devices.tmc5xxx.predictions import Predictions
 from app.devices.tmc5xxx.reader import ChipReader
-from app.devices.tmc5xxx.rows import FORWARD, part, rows_of
+from app.devices.tmc5xxx.roles import FORWARD, part, roles_of
 from app.devices.tmc5xxx.setting import ChipSetting
 from app.devices.tmc5xxx.signs import signs
 from app.devices.tmc5xxx.standstill import Standstill
@@ -39,7 +39,7 @@ def a_link(model: str) -> RegisterLink:
 
 
 def test_a_word_that_cannot_be_read_is_known_once_it_was_written_or_the_chip_was_reset() -> None:
-    memory = ChipMemory(a_link("tmc5130"), rows_of("tmc5130"))
+    memory = ChipMemory(a_link("tmc5130"), roles_of("tmc5130"))
     amax, mslutsel = memory.rows(0).amax, memory.rows(0).mslut[8]
     assert memory.word(amax) is None
     memory.sent(amax, 700)
@@ -66,7 +66,7 @@ async def test_a_remedy_for_an_unset_ramp_asks_no_more_than_the_clock_gives(cloc
 
 
 def test_what_a_command_writes_over_vmax_is_not_what_the_user_wants() -> None:
-    memory = ChipMemory(a_link("tmc5160"), rows_of("tmc5160"))
+    memory = ChipMemory(a_link("tmc5160"), roles_of("tmc5160"))
     vmax = memory.rows(0).vmax
     memory.sent(vmax, 900)
     memory.overwrite(vmax, 0)
@@ -79,7 +79,7 @@ def test_what_a_command_writes_over_vmax_is_not_what_the_user_wants() -> None:
 
 
 def test_memory_forgets_with_the_link_what_can_be_read_again() -> None:
-    memory = ChipMemory(a_link("tmc5160"), rows_of("tmc5160"))
+    memory = ChipMemory(a_link("tmc5160"), roles_of("tmc5160"))
     rows = memory.rows(0)
     memory.saw_word(rows.rampmode, FORWARD)
     memory.sent(rows.vmax, 900)
@@ -89,7 +89,7 @@ def test_memory_forgets_with_the_link_what_can_be_read_again() -> None:
 
 @pytest.mark.parametrize("model", ["tmc5072", "tmc5160"])
 def test_a_flag_that_the_driver_took_is_owed_until_its_user_has_it(model: str) -> None:
-    link, chip, resets = a_link(model), rows_of(model), list[str]()
+    link, chip, resets = a_link(model), roles_of(model), list[str]()
     log = Events(link.session, chip, (lambda: resets.append("first"), lambda: resets.append("second")))
     reset, stat = part(chip.gstat, "reset").mask, chip.axes[0].ramp_stat
     arrived = part(stat, "event_pos_reached").mask
@@ -111,7 +111,7 @@ def test_a_flag_that_the_driver_took_is_owed_until_its_user_has_it(model: str) -
 
 async def test_ramp_stat_is_left_alone_while_a_stall_may_hold_an_axis_that_would_go_on() -> None:
     link = a_link("tmc5130")
-    memory = ChipMemory(link, rows_of("tmc5130"))
+    memory = ChipMemory(link, roles_of("tmc5130"))
     setting = ChipSetting(link.session, memory)
     log = Events(link.session, memory.chip, (memory.was_reset,))
     reader = ChipReader(link, memory, setting, log)

@@ -7,7 +7,7 @@ import pytest
 
 from app.devices.core.counter import PositionSeen
 from app.devices.core.sample_plan import FloatArray
-from app.devices.tmc5xxx.rows import rows_of
+from app.devices.tmc5xxx.roles import roles_of
 from app.devices.tmc5xxx.telemetry import quantities
 from app.emulators.tmc5xxx import Tmc5xxxPatch
 from app.errors import UnknownThing, UsageError
@@ -57,7 +57,7 @@ async def test_every_channel_has_a_column_of_numbers(model: str) -> None:
 
 def test_channels_are_those_of_the_chip() -> None:
     def names(model: str) -> set[str]:
-        return set(quantities(rows_of(model).axes[0]))
+        return set(quantities(roles_of(model).axes[0]))
 
     assert names("tmc5160") - names("tmc5072") == {"tstep"}
     assert names("tmc5072") - names("tmc5031") == {"encoder_position", "deviation"}

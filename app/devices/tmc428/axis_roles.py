@@ -12,7 +12,7 @@ RAMP_MODE, SOFT_MODE, VELOCITY_MODE, HOLD_MODE = range(4)
 
 
 @dataclass(frozen=True, slots=True)
-class AxisRows:
+class AxisRoles:
     """Rows and fields of one axis of a ramp generator that TMC428 and TMC4210 share."""
 
     x_target: Register
@@ -43,8 +43,10 @@ class AxisRows:
     usrs: Field | None
 
     @classmethod
-    def of(cls, table: RegisterTable, axis: int, reference: str, dividers: str, interrupts: str, mode: str) -> AxisRows:
-        """Rows of `axis`; the four names are those that differ between the chips' data sheets."""
+    def of(
+        cls, table: RegisterTable, axis: int, reference: str, dividers: str, interrupts: str, mode: str
+    ) -> AxisRoles:
+        """Registers of `axis` by role; the four names are those that differ between the chips' data sheets."""
         reference_row, dividers_row = table.get(reference, axis), table.get(dividers, axis)
         proportionality = table.get("pmul_pdiv", axis)
         return cls(

@@ -1,4 +1,4 @@
-"""Rows of the register tables that the driver itself needs, by what they are: the same for all chips.
+"""Registers that the driver itself needs, by their roles: the same for all chips.
 
 The second axis has rows of its own, at other addresses; global rows are the same for both.
 """
@@ -44,7 +44,7 @@ def _row(table: RegisterTable, axis: int | None, *names: str) -> Register | None
 
 
 @dataclass(frozen=True)
-class AxisRows:
+class AxisRoles:
     """The rows of one axis."""
 
     table: RegisterTable
@@ -132,11 +132,11 @@ FURTHER = ("TVMAX", "V2", "A2", "D2")
 
 
 @dataclass(frozen=True)
-class ChipRows:
+class ChipRoles:
     """The rows of a chip that belong to all of it, and those of its axes."""
 
     table: RegisterTable
-    axes: tuple[AxisRows, ...]
+    axes: tuple[AxisRoles, ...]
 
     def get(self, name: str) -> Register:
         """A row of the whole chip. Raises KeyError."""
@@ -166,7 +166,7 @@ class ChipRows:
     def settings(self) -> tuple[Register, ...]:
         return tuple(row for axis in self.axes for row in axis.settings)
 
-    def moved_by(self, register: Register) -> AxisRows | None:
+    def moved_by(self, register: Register) -> AxisRoles | None:
         """The axis that a write to `register` may move."""
         for rows in self.axes:
             if register.axis == rows.axis and register.access.writable and register.address in rows.moving:
@@ -184,7 +184,7 @@ class ChipRows:
 
 
 @cache
-def rows_of(model: str) -> ChipRows:
+def roles_of(model: str) -> ChipRoles:
     """The rows of a model. Raises KeyError."""
     table = TABLES[model]
-    return ChipRows(table, tuple(AxisRows(table, axis) for axis in range(AXES[model])))
+    return ChipRoles(table, tuple(AxisRoles(table, axis) for axis in range(AXES[model])))

@@ -1,4 +1,4 @@
-"""Rows of the register tables that the driver itself needs, by what they are."""
+"""Registers that the driver itself needs, by their roles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BY_PINS = (8, 32, 64, 16)
 
 
 @dataclass(frozen=True)
-class DriverRows:
+class DriverRoles:
     """The rows of one driver."""
 
     model: Model

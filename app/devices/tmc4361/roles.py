@@ -1,4 +1,4 @@
-"""Rows of the register table that the driver itself needs, by what they are."""
+"""Registers that the driver itself needs, by their roles."""
 
 from __future__ import annotations
 
