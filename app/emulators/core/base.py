@@ -56,7 +56,7 @@ ChangeT = TypeVar("ChangeT", bound=Change)
 StateT = TypeVar("StateT", bound=BaseModel)
 
 
-class FarEnd(ABC, Generic[ChangeT, StateT]):
+class EmulatorBase(ABC, Generic[ChangeT, StateT]):
     """Lives by `clock`, `time_scale` times as fast, and never by itself: whoever asks makes it catch up first."""
 
     def __init__(self, clock: Clock, time_scale: float, faults: ChipFaults) -> None:

@@ -7,7 +7,7 @@ from typing import Generic, Protocol, TypeVar
 
 from ...clock import Clock
 from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
-from .base import ChangeT, ChipFaults, FarEnd, StateT
+from .base import ChangeT, ChipFaults, EmulatorBase, StateT
 from .uart_end import UartChip, UartEnd
 
 
@@ -49,7 +49,7 @@ ChipT = TypeVar("ChipT", bound=Chip40)
 UartChipT = TypeVar("UartChipT", bound=UartChip40)
 
 
-class FarEnd40(FarEnd[ChangeT, StateT], Generic[ChipT, ChangeT, StateT]):
+class EmulatorBase40(EmulatorBase[ChangeT, StateT], Generic[ChipT, ChangeT, StateT]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, clock: Clock, time_scale: float, chip: ChipT, clock_hz: float, seed: int) -> None:
@@ -106,7 +106,7 @@ class FarEnd40(FarEnd[ChangeT, StateT], Generic[ChipT, ChangeT, StateT]):
         return self._chip.quiet
 
 
-class UartFarEnd40(FarEnd40[UartChipT, ChangeT, StateT]):
+class UartEmulatorBase40(EmulatorBase40[UartChipT, ChangeT, StateT]):
     """The same of chips of which some have a UART: `uart` is its single wire; `read` and `write` are what both buses
     reach, for an evaluation board whose firmware does the framing."""
 

@@ -17,11 +17,11 @@ from ...registers.listed.ramp import BACKWARD, FORWARD, POSITION, Ramp, ramps_of
 from ...registers.model import Access, Register, to_raw
 from .axis import Axis
 from .board import BoardEnd
-from .far_end import ACCELERATION, SPEED, PlainFarEnd
 from .options import PLAIN_CHIP, ListedOptions, ListedState
+from .plain_emulator import ACCELERATION, SPEED, PlainEmulatorBase
 
 
-class PlainChip(PlainFarEnd):
+class PlainChip(PlainEmulatorBase):
     """Registers, and what leads to them: datagrams of 40 bits, a UART, an evaluation board. Safe to use from several
     threads."""
 

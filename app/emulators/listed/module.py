@@ -18,8 +18,8 @@ from ...registers.model import Register, Space
 from ...registers.tmcl.commands import Opcode, Status
 from ..core.noise import cut, flip
 from .axis import Axis
-from .far_end import ACCELERATION, SPEED, PlainFarEnd
 from .options import PLAIN, ListedOptions, ListedState
+from .plain_emulator import ACCELERATION, SPEED, PlainEmulatorBase
 
 HOST = 2
 """Whom a module answers as it comes (global parameter 76)."""
@@ -41,7 +41,7 @@ class Refused(Exception):
         self.status = status
 
 
-class ListedModule(PlainFarEnd):
+class ListedModule(PlainEmulatorBase):
     """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads."""
 
     reply_pause_s = 0.0

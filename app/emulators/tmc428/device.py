@@ -9,7 +9,7 @@ from dataclasses import asdict
 from ...clock import Clock
 from ...errors import OutOfRange
 from ...links.datagram32 import FRAME_BYTES
-from ..core.base import ChipFaults, FarEnd
+from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState
 from . import stage
@@ -23,7 +23,7 @@ from .tmc4210 import Tmc4210
 CHIPS: Mapping[str, type[Tmc428 | Tmc4210]] = {"tmc428": Tmc428, "tmc429": Tmc429, "tmc4210": Tmc4210}
 
 
-class EmulatedDevice(FarEnd[EmulatorPatch, EmulatorState]):
+class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, model: str, clock: Clock, options: EmulatorOptions) -> None:

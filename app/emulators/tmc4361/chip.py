@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
-from ..core.chip40 import FarEnd40
+from ..core.chip40 import EmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
 from . import world
@@ -16,7 +16,7 @@ from .state import Tmc4361State
 MODEL = "tmc4361"
 
 
-class EmulatedTmc4361(FarEnd40[Chip, Tmc4361Patch, Tmc4361State]):
+class EmulatedTmc4361(EmulatorBase40[Chip, Tmc4361Patch, Tmc4361State]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, clock: Clock, options: Tmc4361Options | None = None) -> None:

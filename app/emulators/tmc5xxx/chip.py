@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
-from ..core.chip40 import UartFarEnd40
+from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
 from . import world
@@ -15,7 +15,7 @@ from .registers import Chip
 from .state import Tmc5xxxState
 
 
-class EmulatedTmc5xxx(UartFarEnd40[Chip, Tmc5xxxPatch, Tmc5xxxState]):
+class EmulatedTmc5xxx(UartEmulatorBase40[Chip, Tmc5xxxPatch, Tmc5xxxState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
     `exchange` and `transfer` are its SPI, `uart` is its single wire. Both go by the same registers.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
-from ..core.chip40 import UartFarEnd40
+from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth, motor_state, truth_state
 from ..motor_documents import change_load, require_physics
@@ -15,7 +15,7 @@ from .registers import Chip
 from .state import DriverPinsState, DriverUartState, TmcDriverState
 
 
-class EmulatedDriver(UartFarEnd40[Chip, TmcDriverPatch, TmcDriverState]):
+class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
     What it has of buses its `Kind` says; of a chip with a UART alone `exchange` is that.

@@ -9,7 +9,7 @@ from pathlib import Path
 from ...clock import Clock
 from ...errors import WrongState
 from ...links.tmcl import FRAME_BYTES
-from ..core.base import FarEnd
+from ..core.base import EmulatorBase
 from ..core.ground_truth import GroundTruth, ProgramTruth
 from ..drive import Drive
 from ..drive.bench import ground_truth
@@ -24,7 +24,7 @@ from .refused import Refused
 from .state import TmclState
 
 
-class EmulatedModule(FarEnd[TmclPatch, TmclState]):
+class EmulatedModule(EmulatorBase[TmclPatch, TmclState]):
     """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads.
 
     The module never runs by itself: whoever asks makes it catch up first. Behind a serial line `receive` and

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 
 from ...clock import Clock
 from ...registers.entry import Model
-from ..core.base import ChipFaults, FarEnd
+from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
 from ..wire_documents import WireFaultsState
 from .axis import Axis
@@ -28,7 +28,7 @@ class ListedFaults(ChipFaults):
     half_frame_rate: float = 0.0
 
 
-class PlainFarEnd(FarEnd[ListedPatch, ListedState]):
+class PlainEmulatorBase(EmulatorBase[ListedPatch, ListedState]):
     """Axes that move by their own speed and acceleration, each worked out at once however long it was."""
 
     faults: ListedFaults
