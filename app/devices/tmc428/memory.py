@@ -9,7 +9,7 @@ from ...registers.model import Register
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .axis_roles import AxisRoles
-from .setting import Setting
+from .ramp_parameters import RampParameters
 
 MICROSTEPS_MAX_CODE = 6
 """usrs 7 has no meaning (DS-TMC428 Table 8-8)."""
@@ -32,7 +32,7 @@ class RampMemory:
             register.address
             for registers in (
                 self._besides,
-                *((*Setting.rows(rows), rows.x_target, rows.v_target) for rows in self.rows),
+                *((*RampParameters.rows(rows), rows.x_target, rows.v_target) for rows in self.rows),
             )
             for register in registers
         )
@@ -68,12 +68,12 @@ class RampMemory:
 
     # --- what words mean ------------------------------------------------------------------------
 
-    def setting(self, axis: int) -> Setting | None:
-        """The setting of an axis as last seen; None before everything of it was seen once."""
+    def ramp(self, axis: int) -> RampParameters | None:
+        """The ramp parameters of an axis as last seen; None before everything of it was seen once."""
         rows = self.rows[axis]
-        if any(register.address not in self._words for register in Setting.rows(rows)):
+        if any(register.address not in self._words for register in RampParameters.rows(rows)):
             return None
-        return Setting.of(rows, self._words)
+        return RampParameters.of(rows, self._words)
 
     @property
     def drives_chain(self) -> bool:
@@ -103,18 +103,18 @@ class RampMemory:
 
     # --- reading --------------------------------------------------------------------------------
 
-    async def read_setting(self, io: RegisterIO, axis: int, seen: Collection[Register] = ()) -> Setting:
-        """The setting of an axis, read in this turn; `seen` are registers that this turn has read already."""
+    async def read_ramp(self, io: RegisterIO, axis: int, seen: Collection[Register] = ()) -> RampParameters:
+        """The ramp parameters of an axis, read in this turn; `seen` are registers that this turn has read already."""
         rows = self.rows[axis]
-        for register in Setting.rows(rows):
+        for register in RampParameters.rows(rows):
             if register not in seen:
                 self.saw(register, await io.read(register))
-        return Setting.of(rows, self._words)
+        return RampParameters.of(rows, self._words)
 
     async def refresh(self) -> None:
         """Read all of it that decides a motion, a turn each register: others want to ask too."""
         for rows in self.rows:
-            for register in Setting.rows(rows):
+            for register in RampParameters.rows(rows):
                 async with self._link.turn() as turn:
                     self.saw(register, await self._link.io(turn).read(register))
         for register in self._besides:

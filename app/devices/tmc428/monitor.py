@@ -17,8 +17,8 @@ from . import signs as ramp_signs
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
 from .memory import RampMemory
 from .prediction import TickedBook
+from .ramp_parameters import RampParameters, distance
 from .resets import Resets
-from .setting import Setting, distance
 from .switching import Switching
 
 
@@ -46,7 +46,7 @@ class RampMonitor(AxisMonitor):
         rows = self._memory.rows[axis]
         async with self._session.queue.turn(priority) as turn:
             io = self._link.io(turn)
-            setting = await self._memory.read_setting(io, axis)
+            ramp = await self._memory.read_ramp(io, axis)
             interrupts = await io.read(rows.interrupts)
             left, right = await self._switching.read(io, axis)
             x_target = await io.value(rows.x_target)
@@ -63,21 +63,21 @@ class RampMonitor(AxisMonitor):
         flags |= {
             part.name: bool(part.unpack(interrupts)) for part in rows.interrupts.fields if part.access is Access.R_W1C
         }
-        flags[rows.latch_waiting.name] = bool(rows.latch_waiting.unpack(setting.reference))
+        flags[rows.latch_waiting.name] = bool(rows.latch_waiting.unpack(ramp.reference))
         to_go = distance(x_target, x_actual)
-        moving = self._moving(rows, setting, v_actual, v_target, to_go, left, right)
-        if not moving and (to_go if setting.mode in POSITIONING_MODES else v_target):
+        moving = self._moving(rows, ramp, v_actual, v_target, to_go, left, right)
+        if not moving and (to_go if ramp.mode in POSITIONING_MODES else v_target):
             self._books[axis].end(time_s, "the motor stands: a switch stopped it")
-        home = right if rows.reference_right.unpack(setting.reference) else left
+        home = right if rows.reference_right.unpack(ramp.reference) else left
         return AxisState(
             position=x_actual,
             target_position=x_target,
-            velocity_pps=pulse_rate_hz(v_actual, setting.pulse_div, self._session.clock_hz),
-            target_velocity_pps=pulse_rate_hz(v_target, setting.pulse_div, self._session.clock_hz),
-            acceleration_pps2=self._acceleration(a_actual, setting),
+            velocity_pps=pulse_rate_hz(v_actual, ramp.pulse_div, self._session.clock_hz),
+            target_velocity_pps=pulse_rate_hz(v_target, ramp.pulse_div, self._session.clock_hz),
+            acceleration_pps2=self._acceleration(a_actual, ramp),
             position_reached=reached,
             moving=moving,
-            mode=rows.mode.values[setting.mode],
+            mode=rows.mode.values[ramp.mode],
             switches=Switches(left, right, home),
             flags=flags,
             time_s=time_s,
@@ -85,21 +85,21 @@ class RampMonitor(AxisMonitor):
 
     def signs(self, axis: int, state: AxisState) -> Signs:
         index = self._session.axis(axis).index
-        told = ramp_signs.signs(self._memory.rows[index], index, self._memory.setting(index), state)
+        told = ramp_signs.signs(self._memory.rows[index], index, self._memory.ramp(index), state)
         return replace(told, resets=self._resets.count(index))
 
     def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
         self._session.axis(axis)
         return ()  # nothing tells why such a motor came to rest
 
-    def _acceleration(self, a_actual: int, setting: Setting) -> float:
+    def _acceleration(self, a_actual: int, ramp: RampParameters) -> float:
         # a_actual is drawn with 12 signed bits; its extreme -2048 is no value that a_max can make.
-        return acceleration_hz_s(max(-2047, a_actual), setting.pulse_div, setting.ramp_div, self._session.clock_hz)
+        return acceleration_hz_s(max(-2047, a_actual), ramp.pulse_div, ramp.ramp_div, self._session.clock_hz)
 
     @staticmethod
     def _moving(
         rows: AxisRoles,
-        setting: Setting,
+        ramp: RampParameters,
         v_actual: int,
         v_target: int,
         to_go: int,
@@ -109,7 +109,7 @@ class RampMonitor(AxisMonitor):
         """v_actual reads 0 below one chip unit too, so 0 alone does not say that the motor rests (DS-TMC428 8.6)."""
         if v_actual:
             return True
-        if not setting.v_max or not setting.a_max or setting.mode == HOLD_MODE:
+        if not ramp.v_max or not ramp.a_max or ramp.mode == HOLD_MODE:
             return False
-        wanted = to_go if setting.mode in POSITIONING_MODES else v_target
-        return bool(wanted) and not setting.blocked(rows, 1 if wanted > 0 else -1, left, right)
+        wanted = to_go if ramp.mode in POSITIONING_MODES else v_target
+        return bool(wanted) and not ramp.blocked(rows, 1 if wanted > 0 else -1, left, right)

@@ -20,7 +20,7 @@ from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcom
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRoles
 from .memory import RampMemory
 from .prediction import Origin, TickedBook, TickedPrediction
-from .setting import Setting, checked_target, distance
+from .ramp_parameters import RampParameters, checked_target, distance
 from .stops import RampStops
 from .switching import Switching
 from .velocity_units import one_chip_unit, to_chip_velocity
@@ -35,7 +35,7 @@ class _Prepared:
 
     axis: int
     rows: AxisRoles
-    setting: Setting
+    ramp: RampParameters
     x_actual: int
     v_actual: int
     target: int
@@ -44,12 +44,12 @@ class _Prepared:
 
     @property
     def positioning(self) -> bool:
-        return self.setting.mode in POSITIONING_MODES
+        return self.ramp.mode in POSITIONING_MODES
 
     @property
     def mode(self) -> int:
         """The ramp mode that the move uses."""
-        return self.setting.mode if self.positioning else RAMP_MODE
+        return self.ramp.mode if self.positioning else RAMP_MODE
 
 
 class RampMotion(Motion):
@@ -122,9 +122,9 @@ class RampMotion(Motion):
         """On the way to a target only the target is written: half the datagrams, and no ramp is worked out ahead."""
         self._session.axis(axis)
         self._session.require_connected()
-        rows, setting, not_stopped = (
+        rows, ramp, not_stopped = (
             self._memory.rows[axis],
-            self._memory.setting(axis),
+            self._memory.ramp(axis),
             self._session.stop_guard([axis]),
         )
         async with self._session.queue.turn(Priority.COMMAND, not_stopped) as turn:
@@ -133,10 +133,10 @@ class RampMotion(Motion):
             v_actual = await io.value(rows.v_actual)
             x_actual = await io.value(rows.x_actual)
             positioning = rows.mode.unpack(reference) in POSITIONING_MODES
-            under_way = setting is not None and positioning and v_actual and setting.reference == reference
+            under_way = ramp is not None and positioning and v_actual and ramp.reference == reference
             if under_way:
-                assert setting is not None
-                one = _Prepared(axis, rows, setting, x_actual, v_actual, count_target)
+                assert ramp is not None
+                one = _Prepared(axis, rows, ramp, x_actual, v_actual, count_target)
                 self._allow_moves([one])
                 await self._start(io, one)
                 await self._check_target(io, one)
@@ -149,10 +149,10 @@ class RampMotion(Motion):
     async def _prepare(self, io: RegisterIO, move: AxisMove) -> _Prepared:
         """Read what decides, and refuse what cannot go well. Nothing is written."""
         rows = self._memory.rows[move.axis]
-        setting = await self._memory.read_setting(io, move.axis)
-        setting.require_motion(move.axis)
-        setting.require_proportionality(move.axis)
-        warnings = setting.proportionality_warnings()
+        ramp = await self._memory.read_ramp(io, move.axis)
+        ramp.require_motion(move.axis)
+        ramp.require_proportionality(move.axis)
+        warnings = ramp.proportionality_warnings()
         left, right = await self._switching.read(io, move.axis)
         v_actual = await io.value(rows.v_actual)
         x_actual = await io.value(rows.x_actual)
@@ -163,10 +163,10 @@ class RampMotion(Motion):
         target = x_actual + wanted if move.relative else wanted
         if not move.over_the_end:
             checked_target(move.axis, target, x_actual, shown)
-        switch = setting.blocked(rows, distance(target, x_actual), left, right)
+        switch = ramp.blocked(rows, distance(target, x_actual), left, right)
         if switch:
             warnings.append(f"the {switch} switch is active and stops motion that way")
-        return _Prepared(move.axis, rows, setting, x_actual, v_actual, target, warnings)
+        return _Prepared(move.axis, rows, ramp, x_actual, v_actual, target, warnings)
 
     def _allow_moves(self, prepared: Sequence[_Prepared]) -> None:
         """Raises SoftLimit before anything of these moves is sent."""
@@ -174,7 +174,7 @@ class RampMotion(Motion):
             return
         for one in prepared:
             self._session.limiter.require_target(one.axis, distance(one.target, 0), one.x_actual)
-            mode = one.rows.with_mode(one.setting.reference, one.mode)
+            mode = one.rows.with_mode(one.ramp.reference, one.mode)
             target = (one.rows.x_target.address, to_raw(one.target, one.rows.x_target.width))
             self._session.limiter.check_writes(
                 [target] if one.positioning else [target, (one.rows.reference.address, mode)]
@@ -185,7 +185,7 @@ class RampMotion(Motion):
         if one.positioning:
             await io.put(one.rows.x_target, one.target)
         else:
-            await io.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
+            await io.write(one.rows.reference, one.rows.with_mode(one.ramp.reference, RAMP_MODE))
         one.started_at_s = io.time_s
         self._session.commanded(one.axis, "move", target=one.target)
 
@@ -207,25 +207,25 @@ class RampMotion(Motion):
                 position=one.x_actual,
                 distance=distance(one.target, one.x_actual),
                 velocity=one.v_actual,
-                parameters=one.setting.parameters(self._session.clock_hz, one.mode),
+                parameters=one.ramp.parameters(self._session.clock_hz, one.mode),
             )
         )
 
     # --- rotation -------------------------------------------------------------------------------
 
-    def _allow_rotation(self, axis: int, setting: Setting, asked: float, chip: int, x_actual: int) -> int:
+    def _allow_rotation(self, axis: int, ramp: RampParameters, asked: float, chip: int, x_actual: int) -> int:
         """Raises SoftLimit before anything of a rotation is sent; the velocity in chip units, within the limit.
 
         `asked` is what was asked for, in chip units and not rounded.
         """
         limiter, rows = self._session.limiter, self._memory.rows[axis]
         assert limiter is not None
-        unit_pps = pulse_rate_hz(1, setting.pulse_div, self._session.clock_hz)
+        unit_pps = pulse_rate_hz(1, ramp.pulse_div, self._session.clock_hz)
         limiter.require_velocity(axis, asked * unit_pps)
         limiter.require_way(axis, chip, x_actual)
         chip = limiter.rounded(axis, chip, unit_pps)
         target = (rows.v_target.address, to_raw(chip, rows.v_target.width))
-        limiter.check_writes([target, (rows.reference.address, rows.with_mode(setting.reference, VELOCITY_MODE))])
+        limiter.check_writes([target, (rows.reference.address, rows.with_mode(ramp.reference, VELOCITY_MODE))])
         return chip
 
     async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
@@ -234,28 +234,28 @@ class RampMotion(Motion):
         rows = self._memory.rows[axis]
         async with self._session.queue.turn(Priority.COMMAND, self._session.stop_guard([axis])) as turn:
             io = RegisterIO(turn)
-            setting = await self._memory.read_setting(io, axis)
-            setting.require_motion(axis)
+            ramp = await self._memory.read_ramp(io, axis)
+            ramp.require_motion(axis)
             chip, warnings = to_chip_velocity(
-                self._memory.mechanics(axis), velocity, unit, setting.pulse_div, self._session.clock_hz, setting.v_max
+                self._memory.mechanics(axis), velocity, unit, ramp.pulse_div, self._session.clock_hz, ramp.v_max
             )
             warnings += await self._switching.motion_warnings(io)
             left, right = await self._switching.read(io, axis)
-            switch = setting.blocked(rows, chip, left, right)
+            switch = ramp.blocked(rows, chip, left, right)
             if switch:
                 warnings.append(f"the {switch} switch is active and stops motion that way")
             x_actual = await io.value(rows.x_actual)
             if self._session.limiter is not None:
                 asked = velocity / one_chip_unit(
-                    self._memory.mechanics(axis), unit, setting.pulse_div, self._session.clock_hz
+                    self._memory.mechanics(axis), unit, ramp.pulse_div, self._session.clock_hz
                 )
-                chip = self._allow_rotation(axis, setting, asked, chip, x_actual)
+                chip = self._allow_rotation(axis, ramp, asked, chip, x_actual)
             v_actual = await io.value(rows.v_actual)
-            if setting.mode != VELOCITY_MODE:
-                if setting.mode == HOLD_MODE:
+            if ramp.mode != VELOCITY_MODE:
+                if ramp.mode == HOLD_MODE:
                     # HOLD_MODE ignores v_target, so an old one may still stand there: replace it first.
                     await io.put(rows.v_target, chip)
-                await io.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
+                await io.write(rows.reference, rows.with_mode(ramp.reference, VELOCITY_MODE))
             await io.put(rows.v_target, chip)
             started_at_s = io.time_s
             self._session.commanded(axis, "rotate", velocity=chip)
@@ -266,7 +266,7 @@ class RampMotion(Motion):
             raise WriteRefused(rows.v_target.name, chip, back, f"axis {axis} may turn at another speed: stop it")
         if rows.mode.unpack(reference) != VELOCITY_MODE:
             raise WriteRefused(rows.reference.name, VELOCITY_MODE, reference, f"axis {axis} did not take VELOCITY_MODE")
-        parameters = setting.parameters(self._session.clock_hz, VELOCITY_MODE, v_target=chip)
+        parameters = ramp.parameters(self._session.clock_hz, VELOCITY_MODE, v_target=chip)
         self._books[axis].begin(Origin(axis, started_at_s, x_actual, 0, v_actual, parameters))
         self._session.tell(MotionStarted(axis, started_at_s))
-        return Rotating(axis, chip, pulse_rate_hz(chip, setting.pulse_div, self._session.clock_hz), warnings)
+        return Rotating(axis, chip, pulse_rate_hz(chip, ramp.pulse_div, self._session.clock_hz), warnings)

@@ -1,8 +1,8 @@
 """Resets of a chip that has no flag which tells of one.
 
-What tells of one is the setting: a chip that runs has a speed limit and an acceleration, and after power-on it has
-neither. So a setting that reads as after power-on, and did not before, is a reset; as it is where it reads so at the
-first look of a connection, since nobody who has set a chip up for moving leaves it like that.
+What tells of one is the ramp parameters: a chip that runs has a speed limit and an acceleration, and after power-on it
+has neither. So ramp parameters that read as after power-on, and did not before, are a reset; as they are where they
+read so at the first poll of a connection, since nobody who has set a chip up for moving leaves it like that.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from .memory import RampMemory
 
 
 class Resets:
-    """What is remembered of the settings, judged axis by axis."""
+    """What is remembered of the ramp parameters, judged axis by axis."""
 
     def __init__(self, memory: RampMemory) -> None:
         axes = len(memory.rows)
         self._memory = memory
         self._unset: list[bool | None] = [None] * axes
-        """Whether its setting was seen last as after power-on; None before it was seen."""
+        """Whether its ramp parameters were seen last as after power-on; None before it was seen."""
         self._untold = [False] * axes
         """Whether a reset was seen that `take` has not told of."""
         self._count = [0] * axes
@@ -29,7 +29,7 @@ class Resets:
         return rows.v_max, rows.a_max, rows.proportionality, rows.dividers
 
     def judge(self, axis: int) -> None:
-        """See in what is remembered of the setting whether the chip was reset."""
+        """See in what is remembered of the ramp parameters whether the chip was reset."""
         unset = all(self._memory.known(register.address) == register.reset for register in self.rows(axis))
         if unset and self._unset[axis] is not True:
             self._untold[axis] = True

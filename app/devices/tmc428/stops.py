@@ -14,7 +14,7 @@ from ..core.session import Session
 from .axis_roles import HOLD_MODE, VELOCITY_MODE
 from .memory import RampMemory
 from .prediction import TickedBook
-from .setting import POSITION_MAX, POSITION_MIN
+from .ramp_parameters import POSITION_MAX, POSITION_MIN
 
 
 class RampStops(PositionSetting):

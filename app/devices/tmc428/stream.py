@@ -42,12 +42,12 @@ class RampStream(VelocityStream):
         guard = self._session.stop_guard([axis])
         async with self._session.queue.turn(Priority.COMMAND, guard) as turn:
             io = RegisterIO(turn)
-            setting = await self._memory.read_setting(io, axis)
+            ramp = await self._memory.read_ramp(io, axis)
             if await io.value(rows.v_actual) != 0:
                 raise WrongState(f"axis {axis} moves", "stop it first")
             position = await io.value(rows.x_actual)
             self._session.commanded(axis, "stream")
-            reference = rows.with_mode(setting.reference, HOLD_MODE)
+            reference = rows.with_mode(ramp.reference, HOLD_MODE)
             await io.write(rows.reference, reference)
             back = await io.read(rows.reference)
             self._memory.saw(rows.reference, back)
@@ -56,7 +56,7 @@ class RampStream(VelocityStream):
             self._books[axis].end(io.time_s, "its velocity comes from elsewhere")
             started_at_s = io.time_s
         self._session.tell(MotionStarted(axis, started_at_s))
-        unit_pps = pulse_rate_hz(1, setting.pulse_div, self._session.clock_hz)
+        unit_pps = pulse_rate_hz(1, ramp.pulse_div, self._session.clock_hz)
         return _Steps(self._link, self._memory, axis, unit_pps, position)
 
 

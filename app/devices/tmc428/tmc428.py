@@ -99,11 +99,11 @@ class Tmc428Switching(Switching):
 
     def latency_s(self) -> float:
         """Multiplexed switches are sampled by datagrams, at rest by those of the continuous update (DS-TMC428 9.7)."""
-        settings = [self._memory.setting(axis.index) for axis in self._session.axes]
-        if not self._refmux.unpack(self._memory.word(self._global)) or any(setting is None for setting in settings):
+        settings = [self._memory.ramp(axis.index) for axis in self._session.axes]
+        if not self._refmux.unpack(self._memory.word(self._global)) or any(ramp is None for ramp in settings):
             return 0.0
         clock_hz = self._session.clock_hz
-        updates_hz = sum(clock_hz / 32768 / 2**setting.ramp_div for setting in settings if setting is not None)
+        updates_hz = sum(clock_hz / 32768 / 2**ramp.ramp_div for ramp in settings if ramp is not None)
         return float(1 / updates_hz)
 
     def reached(self, status: int, axis: int) -> bool:

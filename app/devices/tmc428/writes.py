@@ -13,7 +13,7 @@ from ..core.register_link import RegisterLink
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
 from .memory import RampMemory
 from .prediction import Origin, TickedBook
-from .setting import Setting, distance
+from .ramp_parameters import RampParameters, distance
 
 
 class RampWrites(RegisterRules):
@@ -28,7 +28,7 @@ class RampWrites(RegisterRules):
             register.address: axis
             for axis, rows in enumerate(memory.rows)
             for register in (
-                *Setting.rows(rows),
+                *RampParameters.rows(rows),
                 rows.x_target,
                 rows.x_actual,
                 rows.v_target,
@@ -99,7 +99,7 @@ class RampWrites(RegisterRules):
                 return None  # there it has to stay as written
             return f"in {rows.mode.values[mode]} the ramp generator sets {register.name}; it is yours in VELOCITY_MODE"
         if register is rows.x_actual:
-            if self._moving_now(await self._memory.read_setting(io, axis), axis, await io.value(rows.v_actual)):
+            if self._moving_now(await self._memory.read_ramp(io, axis), axis, await io.value(rows.v_actual)):
                 return f"the motor moves: it is at {register.decode(back)} now"
             x_target = await io.value(rows.x_target)
             return f"the motor drove on to {x_target}" if register.decode(back) == x_target else None
@@ -108,9 +108,9 @@ class RampWrites(RegisterRules):
         return changes_by_itself(register, back)
 
     @staticmethod
-    def _moving_now(setting: Setting, axis: int, v_actual: int) -> bool:
+    def _moving_now(ramp: RampParameters, axis: int, v_actual: int) -> bool:
         del axis
-        return bool(v_actual) or (setting.mode in POSITIONING_MODES and bool(setting.v_max and setting.a_max))
+        return bool(v_actual) or (ramp.mode in POSITIONING_MODES and bool(ramp.v_max and ramp.a_max))
 
     async def settle(self, io: RegisterIO, register: Register, *, read_back: bool) -> None:
         axis = self._motion.get(register.address)
@@ -125,7 +125,7 @@ class RampWrites(RegisterRules):
         """Begin the prediction for whatever the axis does now; `written` was read back in this turn."""
         rows = self._memory.rows[axis]
         x_before, v_before, sent_s = self._before.pop(axis, (0, 1, 0.0))
-        setting = await self._memory.read_setting(io, axis, () if written is None else (written,))
+        ramp = await self._memory.read_ramp(io, axis, () if written is None else (written,))
 
         async def value(register: Register) -> int:
             if register is written and self._memory.remembers(register):
@@ -142,11 +142,9 @@ class RampWrites(RegisterRules):
                 v_actual, time_s = 0, min(time_s, sent_s) or time_s
         book = self._books[axis]
         to_go = distance(x_target, x_actual)
-        positioning = setting.mode in POSITIONING_MODES
+        positioning = ramp.mode in POSITIONING_MODES
         at_rest = v_actual == 0 and (
-            not setting.v_max
-            or not setting.a_max
-            or (to_go == 0 if positioning else setting.mode == HOLD_MODE or v_target == 0)
+            not ramp.v_max or not ramp.a_max or (to_go == 0 if positioning else ramp.mode == HOLD_MODE or v_target == 0)
         )
         if at_rest or abs(to_go) >= 1 << 23:
             book.end(time_s, "a register was written")
@@ -158,8 +156,8 @@ class RampWrites(RegisterRules):
                 position=x_actual,
                 distance=to_go if positioning else 0,
                 velocity=max(-2047, v_actual),
-                parameters=setting.parameters(
-                    self._session.clock_hz, setting.mode, v_target=max(-2047, v_target), v_actual=max(-2047, v_actual)
+                parameters=ramp.parameters(
+                    self._session.clock_hz, ramp.mode, v_target=max(-2047, v_target), v_actual=max(-2047, v_actual)
                 ),
             )
         )

@@ -20,7 +20,7 @@ from .cruise import Cruise
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
-from .setting import Setting
+from .ramp_parameters import RampParameters
 from .switches import stopped_by
 
 COUNTER = Counter(32)
@@ -39,7 +39,7 @@ HOLDS = {
 class Before:
     """The axis right before it is sent somewhere. Positions in microsteps, velocity in pps, acceleration in pps^2."""
 
-    setting: Setting
+    ramp: RampParameters
     position: int
     velocity: int
     acceleration: int
@@ -80,7 +80,7 @@ class Departure:
                 "write RESET_CLK_GATING.RESET_REG 0x525354, then set it up again",
             )
         return Before(
-            Setting(held.words),
+            RampParameters(held.words),
             held.value(roles.XACTUAL),
             held.value(roles.VACTUAL),
             held.value(roles.AACTUAL),
@@ -95,7 +95,7 @@ class Departure:
         """Say what of `wanted` waits for a start signal."""
         gated = [
             name
-            for name, waits in zip(("XTARGET", "VMAX", "RAMPMODE"), before.setting.gates(), strict=True)
+            for name, waits in zip(("XTARGET", "VMAX", "RAMPMODE"), before.ramp.gates(), strict=True)
             if waits and name in wanted
         ]
         if gated:
@@ -106,7 +106,7 @@ class Departure:
         gone = roles.event(*(name for name, flag in HOLDS.items() if self._events.has(name) and not before.flags[flag]))
         if not gone:
             return
-        if before.stands and before.setting.positioning and before.target != before.position:
+        if before.stands and before.ramp.positioning and before.target != before.position:
             # Else it would set off to its old target as soon as the way is free.
             await io.write_many(((roles.XTARGET, to_raw(before.position, 32)),))
         await self._events.clear(io, gone)

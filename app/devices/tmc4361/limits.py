@@ -188,12 +188,12 @@ class SRampRules(ChipRules):
         return Look(position, velocity * faster, acceleration * faster**2, going_to)
 
     def braking(self, axis: int, look: Look, view: View) -> float | None:
-        setting = self._memory.setting()
-        if setting is None or setting.never_slows():
-            return 0.0 if setting is not None else None  # such a stop is one at once
+        ramp = self._memory.ramp()
+        if ramp is None or ramp.never_slows():
+            return 0.0 if ramp is not None else None  # such a stop is one at once
         faster = self._told(view)
         plan = prediction.to_velocity(
-            setting, self._cruise.shape, 0.0, look.velocity_pps / faster, look.acceleration_pps2 / faster**2
+            ramp, self._cruise.shape, 0.0, look.velocity_pps / faster, look.acceleration_pps2 / faster**2
         )
         return None if plan is None else abs(float(plan.curve(2).position[-1]))
 

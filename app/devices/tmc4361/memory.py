@@ -13,7 +13,7 @@ from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
 from . import roles
 from .cruise import Cruise
-from .setting import Setting
+from .ramp_parameters import RampParameters
 
 CLOCK_TOLERANCE = 0.005
 """By how much CLK_FREQ may differ from the clock before a move warns of it: a crystal's error and some rounding."""
@@ -133,11 +133,11 @@ class ChipMemory:
             return word & ~roles.SHAPE.mask | self._cruise.shape << roles.SHAPE.lsb
         return word
 
-    def setting(self) -> Setting | None:
+    def ramp(self) -> RampParameters | None:
         """The ramp as last seen; None before everything of it was seen once."""
         if any(register.address not in self._words for register in roles.RAMP):
             return None
-        return Setting(dict(self._words))
+        return RampParameters(dict(self._words))
 
     @property
     def microsteps(self) -> int:

@@ -26,7 +26,7 @@ from .departure import COUNTER
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
-from .setting import Setting
+from .ramp_parameters import RampParameters
 from .switches import home_level, stopped_by
 
 MODE_NAMES = ("velocity", "positioning")
@@ -93,24 +93,24 @@ class Monitor(AxisMonitor):
             held = await self._events.peek(words, STATE)
             time_s = words.time_s
         tell_position(self._session, held, asked_at_s)
-        setting = Setting(held.words)
+        ramp = RampParameters(held.words)
         value = held.value
         position, velocity, target = value(roles.XACTUAL), value(roles.VACTUAL), value(roles.XTARGET)
         flags = held.fields(roles.STATUS)
-        vmax_pps = setting.value(roles.VMAX) / 256
+        vmax_pps = ramp.value(roles.VMAX) / 256
         reference = held.fields(roles.REFERENCE_CONF)
         self.stalled = self._holds_stall(reference)
-        moving = self._moving(setting, flags, velocity, COUNTER.way(target, position), reference)
+        moving = self._moving(ramp, flags, velocity, COUNTER.way(target, position), reference)
         self._look(time_s, held, moving)
         return AxisState(
             position=position,
-            target_position=target if setting.positioning else None,
+            target_position=target if ramp.positioning else None,
             velocity_pps=float(velocity),
-            target_velocity_pps=None if setting.positioning else vmax_pps,
+            target_velocity_pps=None if ramp.positioning else vmax_pps,
             acceleration_pps2=float(value(roles.AACTUAL)),
             position_reached=bool(flags["TARGET_REACHED_F"]),
             moving=moving,
-            mode=f"{MODE_NAMES[setting.positioning]}, {SHAPE_NAMES[setting.mode & 3]}",
+            mode=f"{MODE_NAMES[ramp.positioning]}, {SHAPE_NAMES[ramp.mode & 3]}",
             switches=Switches(
                 bool(flags["STOPL_ACTIVE_F"]),
                 bool(flags["STOPR_ACTIVE_F"]),
@@ -165,17 +165,17 @@ class Monitor(AxisMonitor):
         return bool(reference["stop_on_stall"]) and not free and (event or self.stalled)
 
     def _moving(
-        self, setting: Setting, flags: dict[str, int], velocity: int, to_go: int, reference: dict[str, int]
+        self, ramp: RampParameters, flags: dict[str, int], velocity: int, to_go: int, reference: dict[str, int]
     ) -> bool:
         """VACTUAL reads 0 below 1 pps too; then the flags of velocity and ramp tell."""
         if velocity or flags["VEL_STATE_F"] or flags["RAMP_STATE_F"]:
             return True
-        vmax = setting.value(roles.VMAX)
-        wanted = (to_go if vmax else 0) if setting.positioning else vmax
-        if not wanted or self.stalled or setting.gates()[0]:
+        vmax = ramp.value(roles.VMAX)
+        wanted = (to_go if vmax else 0) if ramp.positioning else vmax
+        if not wanted or self.stalled or ramp.gates()[0]:
             return False
         try:
-            setting.require_motion(setting.shape)
+            ramp.require_motion(ramp.shape)
         except BenchError:
             return False
         return not stopped_by(flags, reference, 1 if wanted > 0 else -1)

@@ -80,18 +80,18 @@ class Moves(VelocityJumps):
             before = await self._departure.prepare(io)
             shape = self._cruise.shape if shape is None else shape
             speed = self._cruise.speed if speed is None else speed
-            before.setting.require_motion(shape)
+            before.ramp.require_motion(shape)
             if speed == 0:
                 raise CannotMove("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps", axis)
             target = self._target(move, before)
-            before.warnings += before.setting.units.warnings("VMAX", speed / 256, positioning=True)
+            before.warnings += before.ramp.units.warnings("VMAX", speed / 256, positioning=True)
             if self._session.limiter is not None:
                 self._session.limiter.require_target(axis, COUNTER.shows(target), before.position)
             mode = roles.POSITIONING_BIT | shape
             writes = self._writes_of_move(before, target, mode, speed)
             self._link.allow(writes)
             await self._departure.release(io, before)
-            waits = before.setting.gates()[0]
+            waits = before.ramp.gates()[0]
             back = await self._departure.set_off(io, writes, "position", target)
             if not waits:
                 self._departure.check_back(back, ((roles.XTARGET, target), (roles.RAMPMODE, mode)))
@@ -122,14 +122,14 @@ class Moves(VelocityJumps):
         return target
 
     def _writes_of_move(self, before: Before, target: int, mode: int, speed: int) -> list[Write]:
-        setting = before.setting
+        ramp = before.ramp
         limit = put(roles.VMAX, speed)
-        other_speed = abs(setting.value(roles.VMAX)) != speed
-        if setting.positioning:
-            to_mode = [Write(roles.RAMPMODE, mode)] if setting.mode != mode else []
+        other_speed = abs(ramp.value(roles.VMAX)) != speed
+        if ramp.positioning:
+            to_mode = [Write(roles.RAMPMODE, mode)] if ramp.mode != mode else []
             # The speed behind the target: with VMAX 0 the old target would be gone to first.
             return [*to_mode, put(roles.XTARGET, target), *([limit] if other_speed else [])]
-        if setting.gates()[0]:
+        if ramp.gates()[0]:
             raise WrongState(
                 "XTARGET waits for a start signal and the mode is velocity: it would set off to its old target",
                 "write RAMPMODE (positioning) with XTARGET at XACTUAL first, or clear START_CONF.start_en[0]",
@@ -146,7 +146,7 @@ class Moves(VelocityJumps):
         if before.reference["circular_movement_en"]:
             return None  # the shorter way round; X_RANGE cannot be read
         return prediction.to_position(
-            before.setting,
+            before.ramp,
             shape,
             speed / 256,
             COUNTER.way(target, before.position),

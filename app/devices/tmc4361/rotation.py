@@ -40,7 +40,7 @@ class Rotation:
         async with self._link.command(axis) as turn:
             io = self._link.io(turn)
             before = await self._departure.prepare(io)
-            before.setting.require_motion(self._cruise.shape)
+            before.ramp.require_motion(self._cruise.shape)
             vmax = self._speed(axis, velocity, unit, before)
             writes = self._writes_of_rotation(before, vmax)
             if self._session.limiter is not None:
@@ -53,13 +53,13 @@ class Rotation:
                 await self._departure.release(io, before)
             self._departure.warn_of_gates(before, ("VMAX", "RAMPMODE"))
             back = await self._departure.set_off(io, writes, "velocity", None, vmax)
-            if not any(before.setting.gates()[1:]):
+            if not any(before.ramp.gates()[1:]):
                 self._departure.check_back(back, ((roles.VMAX, vmax), (roles.RAMPMODE, self._cruise.shape)))
             started_s = io.time_s
             if vmax == 0:
                 self._expected.watch.stop_commanded(started_s)
             plan = prediction.to_velocity(
-                before.setting, self._cruise.shape, vmax / 256, before.velocity, before.acceleration
+                before.ramp, self._cruise.shape, vmax / 256, before.velocity, before.acceleration
             )
             self._expected.expect(started_s, before.position, plan)
         self._session.tell(MotionStarted(axis, started_s))
@@ -68,7 +68,7 @@ class Rotation:
     def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
         """A velocity as VMAX, in 1/256 pps. Raises OutOfRange with the limits in `unit`."""
         one = velocity_unit_in(unit, self._memory.mechanics(axis), 1 / 256)
-        limit_pps = before.setting.units.limits("VMAX").highest
+        limit_pps = before.ramp.units.limits("VMAX").highest
         limit = limit_pps * 256 * one
         # Rounded up by a hair: what a client got with fewer digits has to fit.
         if not abs(velocity) <= limit * (1 + 1e-9):
@@ -79,13 +79,13 @@ class Rotation:
         if self._session.limiter is not None:
             self._session.limiter.require_velocity(axis, velocity / one / 256)
             vmax = self._session.limiter.rounded(axis, vmax, 1 / 256)
-        before.warnings += before.setting.units.warnings("VMAX", vmax / 256)
+        before.warnings += before.ramp.units.warnings("VMAX", vmax / 256)
         return vmax
 
     def _writes_of_rotation(self, before: Before, vmax: int) -> list[Write]:
         mode, speed = Write(roles.RAMPMODE, self._cruise.shape), put(roles.VMAX, vmax)
-        if not before.setting.positioning:
-            return [speed] if before.setting.mode == self._cruise.shape else [speed, mode]
+        if not before.ramp.positioning:
+            return [speed] if before.ramp.mode == self._cruise.shape else [speed, mode]
         if before.stands:
             # At its target nothing moves, whatever VMAX is; the mode sets it off.
             return [put(roles.XTARGET, before.position), speed, mode]

@@ -42,13 +42,13 @@ def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> 
     if state.flags.get("FROZEN"):
         cause = "NFREEZE went low: the chip is frozen until a reset"
         found.append(Sign(cause, (Evidence(f"{roles.EVENTS.name}.FROZEN", "1", state.time_s),)))
-    setting = memory.setting()
-    if setting is None or state.moving:
+    ramp = memory.ramp()
+    if ramp is None or state.moving:
         return found
     if cruise.speed == 0:
-        found.append(zero(roles.VMAX.name, axis, VELOCITY_PPS * 256 if setting.positioning else None, state.time_s))
+        found.append(zero(roles.VMAX.name, axis, VELOCITY_PPS * 256 if ramp.positioning else None, state.time_s))
     try:
-        setting.require_motion(cruise.shape)
+        ramp.require_motion(cruise.shape)
     except WrongState as error:
         found.append(Sign(str(error), (), (start_up(axis),)))
     return found

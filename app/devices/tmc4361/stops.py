@@ -24,7 +24,7 @@ from . import prediction, roles
 from .cruise import Cruise
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
-from .setting import Setting
+from .ramp_parameters import RampParameters
 
 STATE = (roles.XACTUAL, roles.VACTUAL, roles.AACTUAL)
 GATES = roles.GATE_VMAX.mask | roles.GATE_RAMPMODE.mask
@@ -72,12 +72,12 @@ class Stops:
         return held.word(roles.VACTUAL) == held.word(roles.AACTUAL) == 0
 
     async def _send_stop(self, io: RegisterIO, mode: StopMode, *, stands: bool) -> BenchError | None:
-        setting = self._memory.setting()
-        at_once = mode == "immediate" or (setting is not None and setting.never_slows())
+        ramp = self._memory.ramp()
+        at_once = mode == "immediate" or (ramp is not None and ramp.never_slows())
         shape = roles.HOLD if at_once else self._cruise.shape
         slow, to_mode, to_zero = Write(roles.VMAX, 1), Write(roles.RAMPMODE, shape), Write(roles.VMAX, 0)
-        gates = 0 if setting is None else setting.value(roles.START_CONF) & GATES
-        ungate = [Write(roles.START_CONF, setting.value(roles.START_CONF) & ~GATES)] if setting and gates else []
+        gates = 0 if ramp is None else ramp.value(roles.START_CONF) & GATES
+        ungate = [Write(roles.START_CONF, ramp.value(roles.START_CONF) & ~GATES)] if ramp and gates else []
         self._cruise.overwrite_mode(shape)
         self._cruise.overwrite_vmax(0)
         checked = (roles.RAMPMODE, roles.VMAX, *STATE)
@@ -91,12 +91,12 @@ class Stops:
         for register, wanted in ((roles.RAMPMODE, shape), (roles.VMAX, 0)):
             if held.value(register) != wanted:
                 return WriteRefused(register.name, wanted, held.word(register), "stop again, or cut the power")
-        self._expect_stop(io.time_s, setting, shape, held)
+        self._expect_stop(io.time_s, ramp, shape, held)
         return None
 
-    def _expect_stop(self, time_s: float, setting: Setting | None, shape: int, held: Snapshot) -> None:
+    def _expect_stop(self, time_s: float, ramp: RampParameters | None, shape: int, held: Snapshot) -> None:
         plan = None
         velocity = held.value(roles.VACTUAL)
-        if setting is not None and velocity:
-            plan = prediction.to_velocity(setting, shape, 0.0, velocity, held.value(roles.AACTUAL))
+        if ramp is not None and velocity:
+            plan = prediction.to_velocity(ramp, shape, 0.0, velocity, held.value(roles.AACTUAL))
         self._expected.expect(time_s, held.value(roles.XACTUAL), plan)

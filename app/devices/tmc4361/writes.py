@@ -16,7 +16,7 @@ from . import prediction, roles
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
-from .setting import Setting
+from .ramp_parameters import RampParameters
 
 STATE = (roles.XACTUAL, roles.VACTUAL, roles.AACTUAL, roles.XTARGET)
 ELSEWHERE = (roles.XACTUAL, roles.VACTUAL)
@@ -123,24 +123,22 @@ class Writes(RegisterRules):
             held = Snapshot(asked, await io.read_many(asked))
             time_s = io.time_s
         self._memory.saw_all(held)
-        setting = Setting(held.words)
+        ramp = RampParameters(held.words)
         position, velocity, acceleration, target = (held.value(register) for register in STATE)
         if before_velocity == 0 and position == before_position:
             # From rest the start is known exactly: it was when the datagram went out.
             velocity, acceleration, time_s = 0, 0, min(time_s, sent_s) or time_s
-        vmax_pps = setting.value(roles.VMAX) / 256
-        moves = target != position and vmax_pps if setting.positioning else vmax_pps or velocity
+        vmax_pps = ramp.value(roles.VMAX) / 256
+        moves = target != position and vmax_pps if ramp.positioning else vmax_pps or velocity
         if not moves or roles.SDIN_MODE.unpack(held.word(roles.GENERAL_CONF)):
             self._expected.book.end(time_s, "a register was written")
             return
-        if setting.positioning:
-            plan = prediction.to_position(
-                setting, setting.shape, abs(vmax_pps), target - position, velocity, acceleration
-            )
+        if ramp.positioning:
+            plan = prediction.to_position(ramp, ramp.shape, abs(vmax_pps), target - position, velocity, acceleration)
         else:
-            plan = prediction.to_velocity(setting, setting.shape, vmax_pps, velocity, acceleration)
+            plan = prediction.to_velocity(ramp, ramp.shape, vmax_pps, velocity, acceleration)
         self._expected.expect(time_s, position, plan)
-        if setting.positioning:
+        if ramp.positioning:
             self._expected.watch.began("position", time_s, target)
         else:
             self._expected.watch.began("velocity", time_s)

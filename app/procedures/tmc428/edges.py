@@ -12,7 +12,7 @@ from ...clock import Clock
 from ...devices.core.device import Device
 from ...devices.core.results import AxisState
 from ...devices.tmc428.memory import RampMemory
-from ...devices.tmc428.setting import Setting
+from ...devices.tmc428.ramp_parameters import RampParameters
 from ...devices.tmc428.stops import RampStops
 from ...devices.tmc428.switching import Switching
 from ...errors import WrongState
@@ -49,12 +49,12 @@ class EdgeFinder:
         """Whether the switch is active; reference and left switch share an input."""
         return bool(state.switches.right if self.switch == "right" else state.switches.left)
 
-    async def setting(self) -> Setting:
+    async def ramp(self) -> RampParameters:
         """The axis's registers, read now."""
         await self.device.identity.refresh()
-        setting = self._memory.setting(self.axis)
-        assert setting is not None  # refresh has just read all of it
-        return setting
+        ramp = self._memory.ramp(self.axis)
+        assert ramp is not None  # refresh has just read all of it
+        return ramp
 
     # --- going ----------------------------------------------------------------------------------
 
@@ -122,8 +122,8 @@ class EdgeFinder:
     async def halt(self) -> None:
         """Stop by the ramp and wait for rest: a latched edge is exact however far the motor runs on."""
         await self.device.stop(self.axis)
-        setting = await self.setting()
-        seconds = 256 * setting.v_max / max(1, setting.a_max) * 32 * 2**setting.ramp_div / self.device.clock_hz
+        ramp = await self.ramp()
+        seconds = 256 * ramp.v_max / max(1, ramp.a_max) * 32 * 2**ramp.ramp_div / self.device.clock_hz
         await self.wait(lambda state: not state.moving, seconds + SLACK_S, "the motor did not come to rest")
 
     async def wait(self, done: Callable[[AxisState], bool], timeout_s: float, failure: str) -> None:
@@ -182,10 +182,10 @@ class EdgeFinder:
     def _deadline(self, seconds: float) -> float:
         return self.device.device_time_s() + seconds
 
-    def _known(self) -> Setting:
-        setting = self._memory.setting(self.axis)
-        assert setting is not None  # the search begins with reading it
-        return setting
+    def _known(self) -> RampParameters:
+        ramp = self._memory.ramp(self.axis)
+        assert ramp is not None  # the search begins with reading it
+        return ramp
 
     def _seconds_for(self, travel: int) -> float:
         """More than a way takes at the search speed [s]."""
@@ -194,8 +194,8 @@ class EdgeFinder:
 
     def _seconds_to_first_unit(self) -> float:
         """More than the velocity takes from 0 to one chip unit: meanwhile v_actual reads 0 [s]."""
-        setting = self._known()
-        return float(2 * 256 / max(1, setting.a_max) * 32 * 2**setting.ramp_div / self.device.clock_hz) + POLL_S / 2
+        ramp = self._known()
+        return float(2 * 256 / max(1, ramp.a_max) * 32 * 2**ramp.ramp_div / self.device.clock_hz) + POLL_S / 2
 
 
 def _blocker(state: AxisState) -> str:

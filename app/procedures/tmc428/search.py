@@ -73,9 +73,9 @@ class ReferenceSearch(Search):
         finder = self._finder
         if (await finder.state()).moving:
             await finder.halt()
-        setting = await finder.setting()
-        setting.require_motion(self.axis)
-        setting.require_proportionality(self.axis)
+        ramp = await finder.ramp()
+        ramp.require_motion(self.axis)
+        ramp.require_proportionality(self.axis)
         problem = finder.switching.problem()
         if problem:
             raise WrongState(*problem)
@@ -85,12 +85,10 @@ class ReferenceSearch(Search):
         if (switches.right if self.switch == "right" else switches.left) is None:
             side = "right" if self.switch == "right" else "left"
             raise WrongState(f"axis {self.axis} has no {side} switch", "see refmux and mot1r (DS-TMC428 Table 9-3)")
-        one_pps = self.device.clock_hz / (2**setting.pulse_div * 2048 * 32)
-        wanted = setting.v_max / 4 if self._velocity_pps is None else self._velocity_pps / one_pps
-        if wanted > setting.v_max:
-            raise OutOfRange(
-                "velocity", self._velocity_pps, one_pps, setting.v_max * one_pps, "pps; v_max is the limit"
-            )
+        one_pps = self.device.clock_hz / (2**ramp.pulse_div * 2048 * 32)
+        wanted = ramp.v_max / 4 if self._velocity_pps is None else self._velocity_pps / one_pps
+        if wanted > ramp.v_max:
+            raise OutOfRange("velocity", self._velocity_pps, one_pps, ramp.v_max * one_pps, "pps; v_max is the limit")
         finder.speed = max(1, round(wanted))
         # The switch has to stop the motor while it is searched, whatever it is used for otherwise.
         for field, value in (("ref_RnL", int(self.switch == "right")), ("disable_stop_l", 0), ("disable_stop_r", 0)):

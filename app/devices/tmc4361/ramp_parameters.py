@@ -16,7 +16,7 @@ SHAPES = {roles.HOLD: "hold", roles.TRAPEZOID: "trapezoid", roles.S_SHAPED: "S-r
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class RampParameters:
     """Words by address, of `roles.RAMP` at least."""
 
     words: Mapping[int, int]

@@ -1,11 +1,11 @@
-"""What moves an axis: its setting read in one turn, judged before anything is started."""
+"""What moves an axis: its ramp parameters, read in one turn, judged before anything is started."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...calc.ramps.ticked import RampParameters
+from ...calc.ramps import ticked
 from ...errors import CannotMove, OutOfRange
 from ...registers.model import Register, to_signed
 from ..core.register_io import RegisterIO
@@ -21,7 +21,7 @@ P_MUL_FIRST = 128
 
 
 @dataclass(slots=True)
-class Setting:
+class RampParameters:
     """The registers of one axis that decide a motion, as values."""
 
     reference: int
@@ -37,11 +37,11 @@ class Setting:
 
     @classmethod
     def rows(cls, rows: AxisRoles) -> tuple[Register, ...]:
-        """What has to be read for a setting, in order."""
+        """What has to be read for ramp parameters, in order."""
         return (rows.reference, rows.v_min, rows.v_max, rows.a_max, rows.proportionality, rows.dividers)
 
     @classmethod
-    def of(cls, rows: AxisRoles, words: Mapping[int, int]) -> Setting:
+    def of(cls, rows: AxisRoles, words: Mapping[int, int]) -> RampParameters:
         """From register words by address."""
         reference, dividers = words[rows.reference.address], words[rows.dividers.address]
         pair = words[rows.proportionality.address]
@@ -59,7 +59,7 @@ class Setting:
         )
 
     @classmethod
-    async def read(cls, io: RegisterIO, rows: AxisRoles) -> Setting:
+    async def read(cls, io: RegisterIO, rows: AxisRoles) -> RampParameters:
         return cls.of(rows, {register.address: await io.read(register) for register in cls.rows(rows)})
 
     @property
@@ -72,9 +72,11 @@ class Setting:
         """The largest p without overshoot, but for rounding (DS-TMC428 8.11)."""
         return float(self.a_max / (128 * 2.0 ** (self.ramp_div - self.pulse_div)))
 
-    def parameters(self, clock_hz: float, mode: int, v_target: int = 0, v_actual: int | None = None) -> RampParameters:
+    def parameters(
+        self, clock_hz: float, mode: int, v_target: int = 0, v_actual: int | None = None
+    ) -> ticked.RampParameters:
         """For the calculators."""
-        return RampParameters(
+        return ticked.RampParameters(
             v_min=self.v_min,
             v_max=self.v_max,
             a_max=self.a_max,
