@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from . import __version__, demo
 from .api.access.tokens import Tokens
 from .api.app import make_app
-from .api.bench import Bench
 from .api.conditions.pages import Pages
 from .api.health.vitals import Vitals
 from .api.http.problems import findings
@@ -24,6 +23,7 @@ from .api.http.sessions import Sessions
 from .api.links.port_routes import serial_ports
 from .api.register_maps.shelf import MapShelf
 from .api.schemas import Port
+from .api.server_state import ServerState
 from .audit.listener import AuditListener, lease_words
 from .clock import BackgroundClock, Clock, WallClock
 from .conditions.service import ConditionService
@@ -179,7 +179,7 @@ def create_app(
         await manager.edit(device.id, DeviceChange(axes=tuple(axes)))
 
     profiles = ProfileService(settings.data_dir, under_way, configure)
-    bench = Bench(
+    bench = ServerState(
         settings,
         clock,
         background,
@@ -316,14 +316,14 @@ def is_emulated(link: Link) -> bool:
     return link.get("kind") == "emulator"
 
 
-def bench_of(app: FastAPI) -> Bench:
+def bench_of(app: FastAPI) -> ServerState:
     """The bench that `create_app` put together."""
     bench = app.state.bench
-    assert isinstance(bench, Bench)
+    assert isinstance(bench, ServerState)
     return bench
 
 
-async def stop_motors(bench: Bench) -> None:
+async def stop_motors(bench: ServerState) -> None:
     """Slow down every motor of a connected device that moves: before the server goes.
 
     A device that does not answer within `STOP_WITHIN_S` is given up; a message tells of it.

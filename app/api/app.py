@@ -12,7 +12,6 @@ from .. import __version__
 from ..settings import Settings
 from .access import routes as access
 from .audit import routes as audit
-from .bench import Bench
 from .calc import routes as calc
 from .catalog import routes as catalog
 from .closed_loop import routes as closed_loop
@@ -47,6 +46,7 @@ from .programs import watch_routes as watched_programs
 from .recordings import routes as recordings
 from .register_maps import routes as register_maps
 from .registers import routes as registers
+from .server_state import ServerState
 from .start_up import routes as start_up
 from .tables import routes as tables
 from .telemetry import routes as telemetry
@@ -103,7 +103,7 @@ ROUTES = _all_routes()
 """Shared by all applications of a process: FastAPI works out their parameters once, which takes it 0.2 s."""
 
 
-def make_app(bench: Bench, lifespan: Lifespan, urgent: Callable[[], AbstractContextManager[None]]) -> FastAPI:
+def make_app(bench: ServerState, lifespan: Lifespan, urgent: Callable[[], AbstractContextManager[None]]) -> FastAPI:
     """Routes, errors, guard and browser UI over `bench`; `urgent` holds back what is done in the background."""
     app = FastAPI(
         title="stepscope",

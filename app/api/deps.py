@@ -9,22 +9,22 @@ from starlette.requests import HTTPConnection
 
 from ..devices.core.device import Device
 from ..devices.core.session import Axis
-from .bench import Bench
+from .server_state import ServerState
 
 # All of these are coroutines, although none waits: FastAPI would send plain functions to a thread.
 
 
-async def _bench(connection: HTTPConnection) -> Bench:
-    return cast("Bench", connection.app.state.bench)
+async def _bench(connection: HTTPConnection) -> ServerState:
+    return cast("ServerState", connection.app.state.bench)
 
 
-CurrentBench = Annotated[Bench, Depends(_bench)]
+CurrentBench = Annotated[ServerState, Depends(_bench)]
 DeviceId = Annotated[str, Path(description="the device's id: a slug of its name", max_length=200)]
 
 
 def device_of(connection: HTTPConnection, device: str) -> Device:
     """The device of that id, for the one route where a dependency would cost too much. Raises UnknownThing."""
-    return cast("Bench", connection.app.state.bench).manager.get(device)
+    return cast("ServerState", connection.app.state.bench).manager.get(device)
 
 
 async def _device(device: DeviceId, connection: HTTPConnection) -> Device:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ..errors import WrongState
 from ..form_hints import shown
-from .drive.bench import (
+from .drive.documents import (
     Closed,
     Flag,
     Friction,

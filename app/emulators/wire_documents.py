@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from .drive.bench import ChipFaultsState, Closed, Flag, Rate
+from .drive.documents import ChipFaultsState, Closed, Flag, Rate
 from .line.faults import Late
 
 

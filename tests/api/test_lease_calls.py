@@ -8,7 +8,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.bench import Bench
+from app.api.server_state import ServerState
 from app.clock import VirtualClock
 from app.lease.lease import LeaseEvent
 from app.main import bench_of
@@ -20,7 +20,7 @@ V_MAX = "devices/bench/registers/v_max?axis=0"
 
 
 @pytest.fixture
-def bench(app: FastAPI) -> Bench:
+def bench(app: FastAPI) -> ServerState:
     return bench_of(app)
 
 
@@ -69,7 +69,7 @@ async def test_a_borrowed_call_holds_nothing_afterwards(client: httpx.AsyncClien
     assert (await client.post("lease", json={"name": "Anna"}, headers=ANNA)).json()["mine"]
 
 
-async def test_one_who_takes_it_waits_for_calls_that_have_begun(client: httpx.AsyncClient, bench: Bench) -> None:
+async def test_one_who_takes_it_waits_for_calls_that_have_begun(client: httpx.AsyncClient, bench: ServerState) -> None:
     taken = asyncio.Event()
     bench.lease.listen(lambda _: taken.set())
     call = bench.calls.begin()
@@ -84,7 +84,7 @@ async def test_one_who_takes_it_waits_for_calls_that_have_begun(client: httpx.As
     bench.calls.end(own)
 
 
-async def test_asking_and_handing_over(client: httpx.AsyncClient, bench: Bench) -> None:
+async def test_asking_and_handing_over(client: httpx.AsyncClient, bench: ServerState) -> None:
     heard: list[LeaseEvent] = []
     bench.lease.listen(heard.append)
     await client.post("lease", json={"name": "Anna"}, headers=ANNA)

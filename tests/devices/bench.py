@@ -14,7 +14,7 @@ from app.devices.manager import DeviceManager
 from app.devices.tmc428.memory import RampMemory
 from app.devices.tmc428.start_up import AxisStart, start_up
 from app.emulators.build import build_emulator
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc428.device import EmulatedDevice
 from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch
 from app.links.emulator import EmulatorPort

@@ -9,7 +9,7 @@ import pytest
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links.port import FramePort

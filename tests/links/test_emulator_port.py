@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.clock import VirtualClock
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc428.device import EmulatedDevice
 from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorPatch

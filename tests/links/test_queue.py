@@ -9,7 +9,7 @@ import pytest
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkError, LinkTimeout, WrongState
 from app.links import datagram32

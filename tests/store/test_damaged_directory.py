@@ -22,8 +22,8 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.bench import Bench
 from app.api.health.details import health_of
+from app.api.server_state import ServerState
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings
@@ -53,7 +53,7 @@ async def server(data_dir: Path) -> AsyncIterator[FastAPI]:
         yield app
 
 
-async def state(bench: Bench) -> dict[str, object]:
+async def state(bench: ServerState) -> dict[str, object]:
     """What a user finds again, by the file that keeps it. Not by requests: each application builds its routes anew."""
     devices = bench.manager.devices
     return {

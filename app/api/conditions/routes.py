@@ -11,9 +11,9 @@ from pydantic import ValidationError
 from ...clock import BackgroundClock
 from ...conditions.service import ConditionService, Standing
 from ...devices.core.device import Device
-from ..bench import Bench
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..server_state import ServerState
 from .pages import Pages
 from .schemas import (
     SUBPROTOCOL,
@@ -41,7 +41,7 @@ async def conditions(socket: WebSocket) -> None:
     """
     if not await accepted(socket, SUBPROTOCOL):
         return
-    bench: Bench = socket.app.state.bench
+    bench: ServerState = socket.app.state.bench
     news = News(bench.conditions)
     try:
         await until_one_ends(

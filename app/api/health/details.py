@@ -7,7 +7,7 @@ from ...connections import descriptor_limit
 from ...devices.core.device import Device
 from ...links.emulator import EmulatorPort
 from ...links.queue import Priority
-from ..bench import Bench
+from ..server_state import ServerState
 from .schemas import (
     Compiling,
     DeviceHealth,
@@ -24,7 +24,7 @@ from .schemas import (
 from .vitals import descriptors_used, resident_bytes
 
 
-async def health_of(bench: Bench) -> HealthDetails:
+async def health_of(bench: ServerState) -> HealthDetails:
     """How the server is now."""
     vitals, settings = bench.vitals, bench.settings
     disk = await vitals.disk()
@@ -61,21 +61,21 @@ async def health_of(bench: Bench) -> HealthDetails:
     )
 
 
-def _compiling(bench: Bench) -> Compiling | None:
+def _compiling(bench: ServerState) -> Compiling | None:
     kernels = bench.kernels
     if kernels.done == kernels.total:
         return None
     return Compiling(done=kernels.done, total=kernels.total, doing=list(kernels.doing))
 
 
-def _notes(bench: Bench) -> list[str]:
+def _notes(bench: ServerState) -> list[str]:
     not_saved = (bench.saver.why_not, bench.position_saver.why_not, bench.audit.why_not)
     database = bench.database.problem
     told = [*not_saved, "" if database is None else f"{database}; {database.way_out}"]
     return [*dict.fromkeys(note for note in told if note), *bench.database.notes, *bench.vitals.notes]
 
 
-def _device(bench: Bench, device: Device) -> DeviceHealth:
+def _device(bench: ServerState, device: Device) -> DeviceHealth:
     queue, port = device.session.queue, device.session.port
     counts = queue.counts
     readers, rows_dropped = bench.hub.of_device(device.id)

@@ -16,11 +16,11 @@ from fastapi import APIRouter, Header
 from ...devices.core.actor import actor
 from ...errors import UnknownThing, WrongState
 from ...lease.errors import BenchNotTaken, BenchTaken
-from ..bench import Bench
 from ..deps import CurrentBench
 from ..http.actor import SESSION_HEADER
 from ..http.problems import problems
 from ..policy import policy
+from ..server_state import ServerState
 from .schemas import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKeep, LeaseTake
 
 router = APIRouter(prefix="/lease", tags=["lease"])
@@ -103,7 +103,7 @@ async def hand_lease_over(bench: CurrentBench, session: Session, body: LeaseHand
     return _info(bench, session)
 
 
-def _info(bench: Bench, session: str | None) -> LeaseInfo:
+def _info(bench: ServerState, session: str | None) -> LeaseInfo:
     lease = bench.lease
     holder = lease.holder
     return LeaseInfo(

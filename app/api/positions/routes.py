@@ -9,9 +9,9 @@ from fastapi import APIRouter, Query
 
 from ...devices.core.device import Device
 from ...errors import SoftLimit, UnknownThing, UsageError, WrongState
-from ..bench import Bench
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..server_state import ServerState
 from .schemas import ExtendedHistory, ExtendedPosition, ExtendedPositionChange, LatchedPosition
 from .views import extended_out, history_out, latched_out
 
@@ -57,7 +57,7 @@ async def get_latched_position(bench: CurrentBench, device: CurrentDevice, axis:
     return latched_out(await bench.positions.latched(device, axis.index))
 
 
-async def _change(bench: Bench, device: Device, axis: int, body: ExtendedPositionChange) -> None:
+async def _change(bench: ServerState, device: Device, axis: int, body: ExtendedPositionChange) -> None:
     service = bench.positions
     thing = next(iter(body.model_fields_set - {"way"}))
     match thing:

@@ -15,10 +15,10 @@ from ...profiles.document import ProfileDocument, plain, text_of
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.words import wants_of
 from ..audit import wording
-from ..bench import Bench
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..server_state import ServerState
 from .schemas import (
     ApplyProgress,
     ProfileApplied,
@@ -154,7 +154,7 @@ async def compare_profiles(bench: CurrentBench, body: ProfilePair) -> Diff:
     return compare(await _document(bench, body.left), await _document(bench, body.right))
 
 
-async def _document(bench: Bench, given: ProfileDocument | int) -> ProfileDocument:
+async def _document(bench: ServerState, given: ProfileDocument | int) -> ProfileDocument:
     if isinstance(given, ProfileDocument):
         return given
     return detail(await bench.profile_store.get(given)).document

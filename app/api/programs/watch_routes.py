@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from ...clock import BackgroundClock
 from ...devices.core.device import Device
 from ...errors import BenchError, UsageError
-from ..bench import Bench
 from ..http.problems import problem_of
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..server_state import ServerState
 from .schemas import (
     SUBPROTOCOL,
     DebugState,
@@ -41,7 +41,7 @@ async def watch_program(socket: WebSocket, device: str) -> None:
     """Tell what the program of a device does: the first look, then what changes. A client may choose variables."""
     if not await accepted(socket, SUBPROTOCOL):
         return
-    bench: Bench = socket.app.state.bench
+    bench: ServerState = socket.app.state.bench
     with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:
             watched = bench.manager.get(device)

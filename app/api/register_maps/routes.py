@@ -10,10 +10,10 @@ from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...registers.maps.findings import UnreadableMap
 from ...store.register_maps import KeptMap
 from ..audit import wording
-from ..bench import Bench
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..server_state import ServerState
 from .schemas import MapFinding, RegisterMapFile, RegisterMapInfo, RegisterMapList, RegisterMapText
 
 router = APIRouter(prefix="/register-maps", tags=["register maps"])
@@ -62,7 +62,7 @@ async def delete_register_map(bench: CurrentBench, name: MapName) -> None:
     await bench.maps.delete(name)
 
 
-def _info(bench: Bench, kept: KeptMap) -> RegisterMapInfo:
+def _info(bench: ServerState, kept: KeptMap) -> RegisterMapInfo:
     found = kept.found
     head = None if isinstance(found, UnreadableMap) else found.head
     return RegisterMapInfo(

@@ -12,10 +12,10 @@ from ...errors import BenchError, OutOfRange, UsageError
 from ...telemetry.feed import Joined
 from ...telemetry.frames import encode_body
 from ...telemetry.reader import Event, MoveSeen, Status
-from ..bench import Bench
 from ..http.problems import problem_of
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..server_state import ServerState
 from .schemas import (
     SUBPROTOCOL,
     TelemetryChannel,
@@ -46,7 +46,7 @@ async def telemetry(socket: WebSocket, device: str) -> None:
     """Stream channels of a device: `?channels=position.0,velocity.0&rate_hz=1000[&history_s=60][&batch_hz=60]`."""
     if not await accepted(socket, SUBPROTOCOL):
         return
-    bench: Bench = socket.app.state.bench
+    bench: ServerState = socket.app.state.bench
     with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:
             channels, rate_hz, batch_hz, history_s = _asked(socket.query_params)
@@ -104,7 +104,7 @@ async def _hear(socket: WebSocket) -> None:
         pass
 
 
-async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, bench: Bench) -> None:
+async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, bench: ServerState) -> None:
     reader, clock = joined.reader, bench.background
     with bench.hub.handing_over(joined):
         await _say(socket, start)

@@ -14,11 +14,11 @@ from ...twin.process import TwinFailed
 from ...twin.recorded import RecordedAxis
 from ...twin.service import UPDATES_PER_S, TwinInfo
 from ...twin.shape import CHANNELS, Shape, sine_coil_of
-from ..bench import Bench
 from ..deps import CurrentBench
 from ..http.problems import problem_of, problems
 from ..policy import policy
 from ..recordings.views import zero_of
+from ..server_state import ServerState
 from .proxy import VIEW
 from .schemas import TwinCursor, TwinLook, TwinShow, TwinState
 
@@ -65,7 +65,7 @@ async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
     return _state(bench.twin.info)
 
 
-def _recorded(bench: Bench, recording: str, known: RecordedAxis | None) -> RecordedAxis:
+def _recorded(bench: ServerState, recording: str, known: RecordedAxis | None) -> RecordedAxis:
     """One axis of a recording: the one that is shown, where it was recorded; `known` where nothing was added to that.
 
     Raises UnknownThing, WrongState.

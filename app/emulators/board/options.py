@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..drive.bench import Closed, Flag
+from ..drive.documents import Closed, Flag
 from ..line.faults import Late, LineFaultsChange, Rate, Switch
 from ..tmc5xxx.options import Tmc5xxxPatch
 from ..tmc5xxx.state import Tmc5xxxState

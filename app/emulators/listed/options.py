@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ...form_hints import REST_ONLY, form, rest_only, shown
 from ..core.base import EmulatedState
-from ..drive.bench import Closed, Flag, Seed, TimeScale
+from ..drive.documents import Closed, Flag, Seed, TimeScale
 from ..wire_documents import WireFaultsChange, WireFaultsState
 
 PLAIN = (

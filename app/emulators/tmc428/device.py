@@ -11,7 +11,7 @@ from ...errors import OutOfRange
 from ...links.datagram32 import FRAME_BYTES
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
-from ..drive.bench import ChipFaultsState
+from ..drive.documents import ChipFaultsState
 from . import stage
 from .options import EmulatorOptions, EmulatorPatch
 from .state import EmulatorState, Inputs

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only, shown
-from ..drive.bench import ChipFaultsChange, Closed, Forced
+from ..drive.documents import ChipFaultsChange, Closed, Forced
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
 VActualWritable = Literal["hold-mode", "velocity-mode"]

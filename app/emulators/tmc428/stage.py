@@ -7,7 +7,7 @@ for a TMC4210.
 from __future__ import annotations
 
 from ...errors import OutOfRange
-from ..drive.bench import Forced
+from ..drive.documents import Forced
 from . import kernel
 from .kernel import Cells
 from .options import StageChange, StageOptions, SwitchChange

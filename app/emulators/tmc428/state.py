@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from ...registers.names import PmulName
 from ..core.base import EmulatedState
-from ..drive.bench import ChipFaultsState
+from ..drive.documents import ChipFaultsState
 from .options import VActualWritable
 
 

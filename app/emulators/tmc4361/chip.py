@@ -7,7 +7,7 @@ from dataclasses import asdict
 from ...clock import Clock
 from ..core.chip40 import EmulatorBase40
 from ..core.ground_truth import GroundTruth
-from ..drive.bench import ChipFaultsState, ground_truth
+from ..drive.documents import ChipFaultsState, ground_truth
 from . import world
 from .options import Tmc4361Options, Tmc4361Patch
 from .registers import Chip

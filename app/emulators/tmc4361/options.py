@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only
-from ..drive.bench import (
+from ..drive.documents import (
     ChipFaultsChange,
     Closed,
     Flag,

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, Field
 
 from ..core.base import EmulatedState
-from ..drive.bench import ChipFaultsState, StageState, TruthState
+from ..drive.documents import ChipFaultsState, StageState, TruthState
 from .feedback.state import EncoderState, FeedbackMotor, PwmState
 
 

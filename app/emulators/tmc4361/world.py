@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from ..core.base import Times
-from ..drive.bench import ChipFaultsState, Forced, StageState, check_stage
+from ..drive.documents import ChipFaultsState, Forced, StageState, check_stage
 from ..drive.options import StageSwitches
 from . import layout as c
 from .feedback.layout import SHAFT_FULLSTEPS

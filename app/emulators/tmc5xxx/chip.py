@@ -7,7 +7,7 @@ from dataclasses import asdict
 from ...clock import Clock
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
-from ..drive.bench import ChipFaultsState, ground_truth
+from ..drive.documents import ChipFaultsState, ground_truth
 from . import world
 from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only, shown
-from ..drive.bench import (
+from ..drive.documents import (
     ChipFaultsChange,
     Closed,
     Flag,

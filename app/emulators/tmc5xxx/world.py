@@ -6,7 +6,7 @@ from ...errors import OutOfRange
 from ..core.base import Times
 from ..core.uart_end import UartEnd
 from ..drive import Drive
-from ..drive.bench import (
+from ..drive.documents import (
     ChipFaultsState,
     change_stage,
     check_stage,

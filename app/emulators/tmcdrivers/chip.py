@@ -7,7 +7,7 @@ from dataclasses import asdict
 from ...clock import Clock
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
-from ..drive.bench import ChipFaultsState, ground_truth, motor_state, truth_state
+from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
 from ..motor_documents import change_load, require_physics
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions, TmcDriverPatch

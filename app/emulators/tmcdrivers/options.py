@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only, shown
-from ..drive.bench import ChipFaultsChange, Closed, Flag, Supply, TimeScale
+from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
 from ..drive.options import DriveOptions
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from ..core.base import EmulatedState
-from ..drive.bench import ChipFaultsState, MotorState, TruthState
+from ..drive.documents import ChipFaultsState, MotorState, TruthState
 from .options import DriverModel
 
 

@@ -12,7 +12,7 @@ from ...links.tmcl import FRAME_BYTES
 from ..core.base import EmulatorBase
 from ..core.ground_truth import GroundTruth, ProgramTruth
 from ..drive import Drive
-from ..drive.bench import ground_truth
+from ..drive.documents import ground_truth
 from . import world
 from .eeprom import Eeprom
 from .faults import UNDERVOLTAGE_V, Faults

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from ...form_hints import REST_ONLY, form, rest_only
-from ..drive.bench import (
+from ..drive.documents import (
     Closed,
     Flag,
     Forced,

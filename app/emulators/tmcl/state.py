@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from ...registers.names import ModuleName
 from ..core.base import EmulatedState
-from ..drive.bench import MotorState, StageState, TruthState
+from ..drive.documents import MotorState, StageState, TruthState
 from ..wire_documents import WireFaultsState
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from ..core.base import Times
 from ..drive import Drive
-from ..drive.bench import (
+from ..drive.documents import (
     change_stage,
     check_stage,
     motor_state,

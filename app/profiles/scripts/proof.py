@@ -26,7 +26,7 @@ from ..document import ProfileDocument, parse
 from ..items import key_of
 from ..preconditions import require_rest
 from . import c
-from .bench import NAME, emulated, emulator_link
+from .emulated_device import NAME, emulated, emulator_link
 from .errors import ScriptFailed
 from .plan import Plan
 from .process import Ended, guest_server, run, temporary_folder

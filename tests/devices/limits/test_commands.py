@@ -11,7 +11,7 @@ from app.devices.core.device import Device
 from app.devices.core.limit_rules.frames import decoder_of, refuse_board
 from app.devices.core.tmcl_frames import request_of
 from app.devices.limits.apply import limiter_of
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkError, OutOfRange, SoftLimit, UsageError, WrongState
 from app.links import datagram32

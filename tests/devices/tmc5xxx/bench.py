@@ -19,7 +19,7 @@ from app.devices.tmc5xxx.ramp import Ramp
 from app.devices.tmc5xxx.setting import ChipSetting
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.build import build_emulator
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions, Tmc5xxxPatch
 from app.emulators.tmc5xxx.options import AxisChange, SwitchesChange
 from app.links.emulator import EmulatorPort

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from app.devices.core.results import AxisMove
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from app.errors import BadReply, BenchError, LinkDown, LinkTimeout
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench

@@ -20,7 +20,7 @@ from app.devices.core.results import AxisMove
 from app.devices.manager import DeviceManager
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.board.build import build_board
-from app.emulators.drive.bench import ChipFaultsChange
+from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.line.line import Line
 from app.emulators.line.pty import PtyEnd
 from app.emulators.line.server import LineServer

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.clock import VirtualClock
-from app.emulators.drive.bench import ChipFaultsChange, MotorChange
+from app.emulators.drive.documents import ChipFaultsChange, MotorChange
 from app.emulators.tmcdrivers import EmulatedDriver, TmcDriverOptions, TmcDriverPatch
 from app.emulators.tmcdrivers.options import DriverPinsChange
 from app.errors import WrongState

@@ -12,7 +12,7 @@ from app.profiles.capture import capture
 from app.profiles.document import ProfileDocument, RegisterPart
 from app.profiles.errors import UnreadableProfile
 from app.profiles.scripts import proof, service
-from app.profiles.scripts.bench import emulated
+from app.profiles.scripts.emulated_device import emulated
 from app.profiles.scripts.errors import ScriptFailed
 from app.profiles.scripts.plan import Plan
 from app.profiles.scripts.proof import Language

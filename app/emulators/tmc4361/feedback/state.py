@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ...drive.bench import MotorState, TruthState
+from ...drive.documents import MotorState, TruthState
 from ...drive.options import FullSteps
 from ...drive.world import Short
 from .options import EncoderKind

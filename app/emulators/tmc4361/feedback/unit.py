@@ -10,7 +10,7 @@ import numpy as np
 from ....registers.tmc4361.table import TMC4361
 from ...drive import DriveOptions, World
 from ...drive import kernel as k
-from ...drive.bench import motor_state, truth_state
+from ...drive.documents import motor_state, truth_state
 from ...drive.physics import set_physics, truth_of
 from ...drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
 from . import layout as c

@@ -34,7 +34,7 @@ from .schemas import Port
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class ServerState:
     """The parts behind the edge."""
 
     settings: Settings

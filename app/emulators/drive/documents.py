@@ -1,4 +1,4 @@
-"""What the benches around emulated motors have in common: parts of their REST documents, and what is done with them."""
+"""Parts of the REST documents of emulated motors, and what is done with them."""
 
 from __future__ import annotations
 
