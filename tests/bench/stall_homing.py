@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from app.procedures.procedures import Procedures
 from app.procedures.stall_search import StallWanted
 from tests.bench.table import Row
-from tests.devices.tmcl.bench import bench
+from tests.devices.tmcl.harness import bench
 
 STAGES = 100
 WITHIN = 0.98

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from app.calc.tmcl.assembler import assemble
 from app.links.tmcl_language import INSTRUCTIONS
 from tests.bench.table import Row
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 from tests.emulators.tmcl.programs import started
 from tests.emulators.tmcl.random_programs import LATER, agree, any_bytes
 

@@ -31,7 +31,7 @@ from app.procedures.procedures import Procedures
 from app.registers.capabilities import TITLES, Capability
 from app.registers.catalog import MODELS, Model
 
-from .limits.bench import Bench, bench
+from .limits.harness import Bench, bench
 
 DRIVER_MICROSTEPS = 32
 """Unlike every default, so that a driver which reckons with it is found out."""

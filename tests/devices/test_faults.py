@@ -10,7 +10,7 @@ from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links import datagram32
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import bench, state_of
+from tests.devices.harness import bench, state_of
 
 
 @pytest.mark.parametrize("model", list(CHIPS_32))

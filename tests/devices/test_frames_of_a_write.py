@@ -8,7 +8,7 @@ import pytest
 
 from app.registers.catalog import CHIPS_32
 
-from .bench import bench
+from .harness import bench
 
 FRAMES_AT_MOST = 12
 """Before, x_actual, v_actual, the write, the read-back, and what else decides a motion, once."""

@@ -11,7 +11,7 @@ from app.devices.core.config import AxisSettings, DeviceConfig, slug, unique_slu
 from app.devices.core.events import StateChanged
 from app.devices.manager import DeviceChange, DeviceManager
 from app.errors import OutOfRange, UnknownThing, UsageError, WrongState
-from tests.devices.bench import KINDS, bench, emulator_of, state_of
+from tests.devices.harness import KINDS, bench, emulator_of, state_of
 
 EMULATED = {"kind": "emulator"}
 

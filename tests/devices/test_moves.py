@@ -9,7 +9,7 @@ from app.devices.core.results import AxisMove
 from app.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from app.links import datagram32
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import bench
+from tests.devices.harness import bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 PPS_PER_UNIT = 16e6 / (2**4 * 2048 * 32)

@@ -26,7 +26,7 @@ from app.links.register_access import Spi40Access
 from app.links.registry import Link
 from app.links.tmcl import Reply, Request, is_retriable
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import state_of
+from tests.devices.tmcl.harness import state_of
 
 SIXPOINT = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160")
 SAME_VERSION = {"tmc5031", "tmc5062"}

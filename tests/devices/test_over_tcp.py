@@ -21,7 +21,7 @@ from app.emulators.build import build_emulator
 from app.emulators.tmc428.device import EmulatedDevice
 from app.errors import LinkDown, LinkError, LinkTimeout
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import KINDS, START, state_of
+from tests.devices.harness import KINDS, START, state_of
 from tests.links.server import Server, serving
 
 

@@ -11,7 +11,7 @@ import app.devices
 from app.devices.core.capabilities import EventLog
 from app.devices.core.device import Device, Parts
 
-from .limits.bench import bench
+from .limits.harness import bench
 
 METHODS_MAX, ANCESTORS_MAX = 30, 2
 

@@ -14,7 +14,7 @@ from app.errors import BenchError, OutOfRange, UnknownThing, UsageError, WriteRe
 from app.links import datagram32
 from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Access, Register
-from tests.devices.bench import Bench, bench
+from tests.devices.harness import Bench, bench
 
 REGISTERS = [(model, register) for model in CHIPS_32 for register in CHIPS_32[model].table]
 WRITABLE = [(model, register) for model, register in REGISTERS if register.access.writable]

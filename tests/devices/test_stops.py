@@ -14,7 +14,7 @@ from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import START, bench, emulator_of
+from tests.devices.harness import START, bench, emulator_of
 from tests.links.gate import GatedPort, settle
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))

@@ -12,7 +12,7 @@ from app.devices.core.capabilities import DriverChainRam, MicrostepRam
 from app.devices.tmc428.start_up import AxisStart, start_up
 from app.errors import OutOfRange, UsageError, WriteRefused, WrongState
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import bench
+from tests.devices.harness import bench
 
 
 @pytest.mark.sheet("DS-TMC428", "7.3")

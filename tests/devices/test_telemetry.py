@@ -11,7 +11,7 @@ from app.devices.core.events import DeviceEvent, MotionStarted
 from app.devices.core.sample_plan import SamplePlan
 from app.errors import UnknownThing, UsageError
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import Bench, bench
+from tests.devices.harness import Bench, bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 

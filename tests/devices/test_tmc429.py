@@ -10,7 +10,7 @@ from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import UsageError
 from app.profiles.start_up import Wish, dry_run
 
-from .bench import START, Bench, bench
+from .harness import START, Bench, bench
 
 STARTED = AxisStart(START.v_max, START.a_max, START.pulse_div, START.ramp_div, stops=False)
 

@@ -15,7 +15,7 @@ from app.errors import CannotMove, UsageError
 from app.profiles.diff import Difference
 from app.profiles.start_up import Wish, dry_run
 
-from .tmc5xxx.bench import START, Bench, bench
+from .tmc5xxx.harness import START, Bench, bench
 
 FULL_SCALE_A = 3 / 2**0.5
 """With 12 kOhm at IREF, RMS."""

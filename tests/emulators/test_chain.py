@@ -6,7 +6,7 @@ import pytest
 
 from app.emulators.tmc428 import chain
 from app.emulators.tmc428.kernel import NEVER
-from tests.emulators.bench import (
+from tests.emulators.harness import (
     CONTINUOUS,
     COVER,
     COVER_DATAGRAM,

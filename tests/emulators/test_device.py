@@ -18,7 +18,7 @@ from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch
 from app.errors import OutOfRange, UnknownThing
 from app.links.datagram32 import Reply, read, write
-from tests.emulators.bench import HOLD, V_ACTUAL, V_TARGET, VELOCITY, X_ACTUAL, X_TARGET, Bench, free_bench
+from tests.emulators.harness import HOLD, V_ACTUAL, V_TARGET, VELOCITY, X_ACTUAL, X_TARGET, Bench, free_bench
 
 
 def test_build_refuses_what_it_cannot_make() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.calc.ramps.ticked import RampParameters, exact_ramp
-from tests.emulators.bench import DIVIDERS, TICK, V_ACTUAL, X_ACTUAL, X_TARGET, free_bench
+from tests.emulators.harness import DIVIDERS, TICK, V_ACTUAL, X_ACTUAL, X_TARGET, free_bench
 
 
 @pytest.mark.parametrize("mode", ["ramp", "soft"])

@@ -6,7 +6,7 @@ from math import isqrt, sqrt
 
 import pytest
 
-from tests.emulators.bench import (
+from tests.emulators.harness import (
     A_ACTUAL,
     A_MAX,
     DIVIDERS,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.emulators.tmc428.sequencer import coils, increment, table_index
-from tests.emulators.bench import (
+from tests.emulators.harness import (
     A_MAX,
     CONTINUOUS,
     COVER_DATAGRAM,

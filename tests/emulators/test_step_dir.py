@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.emulators.bench import (
+from tests.emulators.harness import (
     DIVIDERS,
     GLOBAL,
     HOLD,

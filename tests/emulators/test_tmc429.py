@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.emulators.tmc428.state import StepDirState
-from tests.emulators.bench import (
+from tests.emulators.harness import (
     DIVIDERS,
     GLOBAL,
     INTERRUPT,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.registers.catalog import MODELS
 from app.registers.model import Access
-from tests.emulators.bench import GLOBAL, POWER_DOWN, Bench
+from tests.emulators.harness import GLOBAL, POWER_DOWN, Bench
 
 MODEL_NAMES = ("tmc428", "tmc4210")
 

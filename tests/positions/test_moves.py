@@ -6,7 +6,7 @@ import pytest
 
 from app.devices.core.events import DeviceEvent, MotionCommanded
 from app.errors import UsageError, WrongState
-from tests.positions.bench import FAMILIES, bench
+from tests.positions.harness import FAMILIES, bench
 
 NEAR = 3000
 """How far from its end a counter stands at the beginning [microsteps]."""

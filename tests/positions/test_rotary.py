@@ -11,7 +11,7 @@ from app.calc.positions.rotary import Way
 from app.devices.core.results import RegisterWritten
 from app.errors import UsageError, WrongState
 from tests.calc.turn_offset import TurnOffset
-from tests.positions.bench import FAMILIES, Bench, bench
+from tests.positions.harness import FAMILIES, Bench, bench
 
 TURN = Fraction(358_400, 3)
 """Behind a gear of 3 to 7 teeth: no whole number of microsteps."""

@@ -6,7 +6,7 @@ import pytest
 
 from app.errors import WrongState
 from app.registers.tmcl.modules import MODULES
-from tests.positions.bench import FAMILIES, Hardware, bench, patch, server, set_up_axes
+from tests.positions.harness import FAMILIES, Hardware, bench, patch, server, set_up_axes
 
 COUNTERS = {"tmc428": "x_actual", "tmc4210": "X_ACTUAL", **dict.fromkeys(MODULES, "actual_position")}
 """Names of the position counter, where it is not XACTUAL."""

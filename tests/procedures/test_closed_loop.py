@@ -17,7 +17,7 @@ from app.errors import OutOfRange, WrongState
 from app.procedures.closed_loop import CalibrationState, ResponseState
 from app.procedures.procedures import Procedures
 from app.procedures.step_response import Shape, Window
-from tests.devices.tmc4361.bench import START, Bench, bench
+from tests.devices.tmc4361.harness import START, Bench, bench
 
 FULL_STEP = 256
 

@@ -9,7 +9,7 @@ import pytest
 from app.errors import OutOfRange, WrongState
 from app.procedures.procedures import Procedures
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import bench
+from tests.devices.harness import bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 

@@ -7,7 +7,7 @@ import pytest
 from app.errors import WrongState
 from app.procedures.procedures import Procedures
 from app.procedures.search import ReferenceSearchState, Switch
-from tests.devices.tmc4361.bench import Bench, bench
+from tests.devices.tmc4361.harness import Bench, bench
 
 STAGE = {
     "left_at_fullsteps": -60,

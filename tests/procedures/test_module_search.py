@@ -8,7 +8,7 @@ from app.errors import OutOfRange, WrongState
 from app.procedures.procedures import Procedures
 from app.procedures.search import ReferenceSearchState
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import Bench, bench
+from tests.devices.tmcl.harness import Bench, bench
 
 STAGE = {
     "left_at_fullsteps": -100,

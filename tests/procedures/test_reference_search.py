@@ -13,7 +13,7 @@ from app.errors import OutOfRange, UnknownThing, WrongState
 from app.procedures.procedures import Procedures
 from app.procedures.search import ReferenceSearchState, Switch
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import Bench, bench
+from tests.devices.harness import Bench, bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 STAGE = {"left_at_fullsteps": 0.0, "right_at_fullsteps": 700.0, "ref_from_fullsteps": 250.0, "ref_to_fullsteps": 350.0}

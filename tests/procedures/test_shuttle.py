@@ -8,7 +8,7 @@ from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import OutOfRange
 from app.procedures.procedures import Procedures
 from app.registers.catalog import CHIPS_32
-from tests.devices.bench import bench
+from tests.devices.harness import bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 

@@ -10,10 +10,10 @@ from app.errors import OutOfRange, WrongState
 from app.procedures.procedures import Procedures
 from app.procedures.search import ReferenceSearchState
 from app.procedures.stall_search import GRINDS_S, StallWanted
-from tests.devices.tmc5xxx.bench import Bench as ChipBench
-from tests.devices.tmc5xxx.bench import bench as chip_bench
-from tests.devices.tmcl.bench import Bench as ModuleBench
-from tests.devices.tmcl.bench import bench as module_bench
+from tests.devices.tmc5xxx.harness import Bench as ChipBench
+from tests.devices.tmc5xxx.harness import bench as chip_bench
+from tests.devices.tmcl.harness import Bench as ModuleBench
+from tests.devices.tmcl.harness import bench as module_bench
 
 END = -60.3
 STAGE: dict[str, object] = {

@@ -8,7 +8,7 @@ from app.errors import WrongState
 from app.procedures.procedures import Procedures
 from app.procedures.search import ReferenceSearchState, Switch
 from app.registers.tmc5xxx.table import AXES
-from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, Bench, bench
 
 STAGE = {"left_at_fullsteps": -60, "right_at_fullsteps": 50}
 PLACES: dict[Switch, float] = {"left": -60, "right": 50}

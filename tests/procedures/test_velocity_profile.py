@@ -11,7 +11,7 @@ from app.devices.manager import DeviceChange
 from app.errors import OutOfRange, SoftLimit, UsageError, WrongState
 from app.procedures.procedures import Procedures
 from app.registers.catalog import MODELS
-from tests.devices.bench import Bench, bench
+from tests.devices.harness import Bench, bench
 
 CHIPS = [name for name, model in MODELS.items() if model.can("ramp.pmul")]
 TIME_S, VELOCITY_PPS = [0.0, 0.2, 0.6, 0.8], [0.0, 8000.0, 8000.0, 0.0]

@@ -21,7 +21,7 @@ from app.profiles.steps import Step
 from app.registers.model import Space, to_raw
 from app.registers.tmcl.commands import Opcode
 from app.registers.tmcl.modules import MODULES
-from tests.profiles.bench import Bench, TappedWire, bench, change
+from tests.profiles.harness import Bench, TappedWire, bench, change
 
 Fault = Literal[
     "lost question",

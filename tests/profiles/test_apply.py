@@ -19,8 +19,8 @@ from app.profiles.diff import compare, diff
 from app.profiles.document import ProfileDocument, parse
 from app.profiles.errors import ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from app.registers.tmcl.modules import MODULES
-from tests.profiles.bench import EVERY_MODEL, FAMILIES, Bench, bench, by_place, change
 from tests.profiles.faults import FAULTS, Fault, Injector, target_of, try_fault
+from tests.profiles.harness import EVERY_MODEL, FAMILIES, Bench, bench, by_place, change
 
 
 @pytest.mark.parametrize("model", EVERY_MODEL)

@@ -10,7 +10,7 @@ from app.profiles.diff import compare, diff
 from app.profiles.document import ProfileDocument, parse
 from app.profiles.errors import ProfileMisfit
 from app.registers.tmcl.modules import MODULES
-from tests.profiles.bench import bench
+from tests.profiles.harness import bench
 
 
 def profile(model: str, registers: list[dict[str, Any]] | None = None, **more: Any) -> ProfileDocument:

@@ -14,7 +14,7 @@ from app.profiles.items import items_of
 from app.profiles.steps import steps_of
 from app.profiles.words import wants_of
 from app.registers.model import Access
-from tests.profiles.bench import EVERY_MODEL, bench
+from tests.profiles.harness import EVERY_MODEL, bench
 
 
 @pytest.mark.parametrize("model", EVERY_MODEL)

@@ -14,8 +14,8 @@ from app.profiles.errors import ProfileLeft
 from app.profiles.journal import FileJournal
 from app.profiles.rollback import way_back
 from app.profiles.service import ProfileService
-from tests.profiles.bench import FAMILIES, Bench, bench, by_place
 from tests.profiles.faults import target_of
+from tests.profiles.harness import FAMILIES, Bench, bench, by_place
 
 
 class Crash(BaseException):

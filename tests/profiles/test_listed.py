@@ -21,7 +21,7 @@ from app.registers.catalog import find_model
 from app.registers.listed.modules import role_of
 from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode, Status
-from tests.devices.listed.bench import NAMES, SEVERAL, Bench, bench
+from tests.devices.listed.harness import NAMES, SEVERAL, Bench, bench
 
 
 def some(made: Bench, axis: int = 0) -> list[Register]:

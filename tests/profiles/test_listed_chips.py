@@ -15,7 +15,7 @@ from app.profiles.trial import try_writes
 from app.registers.catalog import find_model
 from app.registers.listed.ramp import ramps_of, role_by_name
 from app.registers.model import Access
-from tests.devices.listed.chip_bench import bench
+from tests.devices.listed.chip_harness import bench
 from tests.devices.listed.test_every_chip import NAMES
 
 MOVING = [name for name in NAMES if find_model(name).can("motion")]

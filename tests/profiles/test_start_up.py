@@ -19,7 +19,7 @@ from app.profiles.service import ProfileService
 from app.profiles.start_up import Motor, StartUp, Wish, dry_run, start_up
 from app.registers.catalog import MODELS
 
-from .bench import Bench, bench
+from .harness import Bench, bench
 
 RAMPS = [name for name, model in MODELS.items() if model.counts_position]
 STEPPED = [name for name in MODELS if name not in RAMPS]

@@ -20,8 +20,8 @@ from app.links.register_access import BoardAccess, UartAccess
 from app.links.tmcl import Request
 from app.registers.evaluation_board import BoardOpcode
 from app.registers.tmcl.commands import Opcode
-from tests.devices.bench import emulator_of
-from tests.devices.limits.bench import Bench, bench
+from tests.devices.harness import emulator_of
+from tests.devices.limits.harness import Bench, bench
 from tests.devices.limits.setup import set_up
 
 LIMITS = AxisLimits(position_min=-5_000, position_max=8_000, velocity_max_pps=20_000.0)

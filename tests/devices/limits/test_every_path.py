@@ -19,7 +19,7 @@ from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode
 from app.registers.tmcl.modules import MODULES
-from tests.devices.limits.bench import ALL_MODELS, Bench, bench, limits_of
+from tests.devices.limits.harness import ALL_MODELS, Bench, bench, limits_of
 from tests.devices.limits.oracle import Oracle
 from tests.devices.limits.setup import module_ramp
 

@@ -11,7 +11,7 @@ from app.devices.manager import DeviceChange
 from app.errors import SoftLimit
 from app.registers.catalog import CHIPS_32
 from app.registers.tmcl.modules import MODULES
-from tests.devices.limits.bench import Bench, bench
+from tests.devices.limits.harness import Bench, bench
 from tests.devices.limits.setup import MOVERS, set_up
 
 RANGE = AxisLimits(position_min=-5_000, position_max=8_000)

@@ -14,7 +14,7 @@ from app.links.tmcl import Request
 from app.procedures.procedures import Procedures
 from app.registers.tmcl.commands import Opcode
 from app.registers.tmcl.modules import MODULES
-from tests.devices.limits.bench import Bench, bench
+from tests.devices.limits.harness import Bench, bench
 from tests.devices.limits.setup import MOVERS, SPEED_PPS, module_ramp, set_up
 
 RANGE = AxisLimits(position_min=-9_000, position_max=12_000)

@@ -12,7 +12,7 @@ from app.errors import CannotMove, OutOfRange, SoftLimit, UnknownThing, WriteRef
 from app.registers.entry import Model
 from app.registers.listed.ramp import ramps_of
 from app.registers.model import Field
-from tests.devices.listed.chip_bench import BOARD_ONLY, PLAIN, RAMP, bench, made, row
+from tests.devices.listed.chip_harness import BOARD_ONLY, PLAIN, RAMP, bench, made, row
 
 WIRES = {"datagrams": made(), "board": made(**BOARD_ONLY)}
 

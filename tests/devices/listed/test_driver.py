@@ -24,7 +24,7 @@ from app.errors import (
 from app.links.tmcl import Request
 from app.registers import catalog
 from app.registers.tmcl.commands import Opcode
-from tests.devices.listed.bench import NAMES, SEVERAL, Bench, bench
+from tests.devices.listed.harness import NAMES, SEVERAL, Bench, bench
 
 
 async def test_a_parameter_that_the_firmware_lacks_is_left_out_and_the_rest_works() -> None:

@@ -26,7 +26,7 @@ from app.links.registry import Link, board_factory, frame_bytes_of, tcp_factory,
 from app.links.spidev_port import SpidevPort
 from app.registers import catalog
 from app.registers.model import Access, Register
-from tests.devices.listed.chip_bench import Bench, bench
+from tests.devices.listed.chip_harness import Bench, bench
 from tests.peers.served_line import served
 
 LISTED = [model.name for model in catalog.listings() if model.kind == "chip"]

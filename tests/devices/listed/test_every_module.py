@@ -14,7 +14,7 @@ from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
 from app.registers.model import Space
 from app.registers.tmcl.commands import Status
-from tests.devices.listed.bench import KINDS, NAMES, Bench, bench, far_line, on_can, row_of, writable
+from tests.devices.listed.harness import KINDS, NAMES, Bench, bench, far_line, on_can, row_of, writable
 
 
 async def write_all(device: Device, axes: range) -> int:

@@ -9,7 +9,7 @@ from app.devices.core.timeline import KEPT, Timeline
 from app.devices.tmc4361 import roles
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
 from app.registers.tmc4361.bits import EVENT_MASK, event_names
-from tests.devices.tmc4361.bench import bench
+from tests.devices.tmc4361.harness import bench
 
 EVENTS, CLEAR_CONF = 0x0E, 0x0C
 

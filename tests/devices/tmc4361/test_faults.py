@@ -6,7 +6,7 @@ import pytest
 
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
 from app.errors import BenchError, LinkDown, LinkTimeout
-from tests.devices.tmc4361.bench import Bench, bench
+from tests.devices.tmc4361.harness import Bench, bench
 
 XTARGET, VMAX, RAMPMODE = 0x37, 0x24, 0x20
 

@@ -10,7 +10,7 @@ from app.devices.core.events import MotionStarted
 from app.devices.core.results import AxisMove, MotionEnd, StopMode
 from app.devices.tmc4361.start_up import Start
 from app.errors import OutOfRange, UsageError, WrongState
-from tests.devices.tmc4361.bench import bench
+from tests.devices.tmc4361.harness import bench
 
 MODES = {"hold": 4, "trapezoid": 5, "S-ramp": 6}
 

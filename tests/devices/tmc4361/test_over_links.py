@@ -19,7 +19,7 @@ from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link, PortFactory, board_factory, tcp_factory
 from app.links.spidev_port import SpidevPort
-from tests.devices.tmc4361.bench import START
+from tests.devices.tmc4361.harness import START
 from tests.links.test_chains import SpiThatIsAChip
 from tests.peers.board import board, shared_board
 from tests.peers.emulator_process import EmulatorProcess

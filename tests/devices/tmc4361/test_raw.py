@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.errors import OutOfRange
-from tests.devices.tmc4361.bench import bench
+from tests.devices.tmc4361.harness import bench
 
 
 def frame(text: str) -> bytes:

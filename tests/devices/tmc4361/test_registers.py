@@ -13,7 +13,7 @@ from app.devices.core.results import WriteItem
 from app.devices.tmc4361.family import compose
 from app.errors import OutOfRange, WriteRefused, WrongState
 from app.links.port import FramePort, PortTraits
-from tests.devices.tmc4361.bench import bench
+from tests.devices.tmc4361.harness import bench
 
 
 class Bus:

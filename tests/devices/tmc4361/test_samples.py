@@ -9,7 +9,7 @@ from app.devices.core.sample_plan import FloatArray
 from app.devices.tmc4361.telemetry import QUANTITIES
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.errors import UnknownThing, UsageError
-from tests.devices.tmc4361.bench import Bench, bench
+from tests.devices.tmc4361.harness import Bench, bench
 
 
 class Rows:

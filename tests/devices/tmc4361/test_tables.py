@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.calc.microsteps.mslut import POWER_ON, decode, encode
 from app.devices.core.capabilities import MslutTable
-from tests.devices.tmc4361.bench import bench
+from tests.devices.tmc4361.harness import bench
 
 
 async def test_the_table_is_the_one_of_power_on_until_it_is_written() -> None:

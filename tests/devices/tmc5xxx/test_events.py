@@ -11,7 +11,7 @@ from app.emulators.tmc5xxx import Tmc5xxxPatch
 from app.emulators.tmc5xxx.options import AxisChange
 from app.errors import WrongState
 from app.registers.tmc5xxx.table import AXES
-from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, Bench, bench
 
 CLEARS_ON_READ = ("tmc5031", "tmc5062", "tmc5072", "tmc5130")
 STALLING = {"sg_stop": 1, "stop_l_enable": 0, "stop_r_enable": 0}

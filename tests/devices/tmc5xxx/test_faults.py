@@ -10,7 +10,7 @@ from app.devices.core.results import AxisMove
 from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from app.errors import BadReply, BenchError, LinkDown, LinkTimeout
-from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, Bench, bench
 
 
 async def test_a_move_without_an_answer_is_not_sent_again() -> None:

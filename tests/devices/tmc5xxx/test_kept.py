@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, Bench, bench
 
 
 def kept(b: Bench, axis: int, *groups: str) -> dict[str, int]:

@@ -14,7 +14,7 @@ from app.devices.core.results import AxisMove, MotionEnd
 from app.devices.tmc5xxx.start_up import Start
 from app.errors import OutOfRange, UsageError, WrongState
 from app.registers.tmc5xxx.table import AXES
-from tests.devices.tmc5xxx.bench import MODELS, START, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, START, Bench, bench
 
 SIX_POINTS = replace(START, vstart=2_000, v1=20_000, a1=400_000, d1=500_000, dmax=150_000, vstop=4_000)
 

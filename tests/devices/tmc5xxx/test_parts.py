@@ -27,7 +27,7 @@ from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
 from app.errors import LinkDown
 from app.links.emulator import EmulatorPort
 from app.links.register_access import access_of
-from tests.devices.tmc5xxx.bench import bench
+from tests.devices.tmc5xxx.harness import bench
 
 
 def a_link(model: str) -> RegisterLink:

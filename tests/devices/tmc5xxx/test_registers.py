@@ -13,7 +13,7 @@ from app.devices.core.capabilities import MslutTable
 from app.devices.tmc5xxx.start_up import Start, encoder_constant, start_up
 from app.errors import OutOfRange, UsageError, WrongState
 from app.registers.tmc5xxx.table import AXES
-from tests.devices.tmc5xxx.bench import MODELS, START, bench
+from tests.devices.tmc5xxx.harness import MODELS, START, bench
 
 
 @pytest.mark.parametrize("model", MODELS)

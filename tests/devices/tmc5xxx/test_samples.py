@@ -12,7 +12,7 @@ from app.devices.tmc5xxx.telemetry import quantities
 from app.emulators.tmc5xxx import Tmc5xxxPatch
 from app.errors import UnknownThing, UsageError
 from app.registers.tmc5xxx.table import AXES
-from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
+from tests.devices.tmc5xxx.harness import MODELS, Bench, bench
 
 
 class Rows:

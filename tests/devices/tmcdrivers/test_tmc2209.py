@@ -18,7 +18,7 @@ from app.errors import BadReply, CannotMove, LinkTimeout, OtherModel, OutOfRange
 from app.links.datagram_uart import UartForm
 from app.links.queue import LinkQueue
 from app.links.register_access import UartAccess
-from tests.devices.tmcdrivers.bench import bench
+from tests.devices.tmcdrivers.harness import bench
 
 CLOCK_HZ = 12e6
 UNIT_PPS = CLOCK_HZ / 2**24

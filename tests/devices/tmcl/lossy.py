@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from app.links.emulator import EmulatorPort
-from tests.devices.tmcl.bench import Bench, Tap, bench
+from tests.devices.tmcl.harness import Bench, Tap, bench
 
 
 @dataclass

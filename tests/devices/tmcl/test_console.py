@@ -9,7 +9,7 @@ from app.devices.core.events import DeviceEvent, MotionCommanded
 from app.devices.tmcl.state import ModuleState
 from app.errors import LinkTimeout, OutOfRange, UnknownThing
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import bench
+from tests.devices.tmcl.harness import bench
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from app.links.serial_line import LinePort
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import CONTROL_FIRST, PROGRAM_COMMANDS, Opcode
 from app.telemetry.hub import TelemetryHub
-from tests.devices.tmcl.bench import Bench, bench, state_of
+from tests.devices.tmcl.harness import Bench, bench, state_of
 from tests.links.pty_module import PtyModule, pty_module
 
 OURS: dict[str, Callable[[Bench], Coroutine[Any, Any, object]]] = {

@@ -12,7 +12,7 @@ from app.links.tmcl import Reply, Request
 from app.registers.tmcl.commands import Opcode
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.reader import Reader
-from tests.devices.tmcl.bench import MOVERS, Bench, bench, state_of
+from tests.devices.tmcl.harness import MOVERS, Bench, bench, state_of
 
 FAULTS = {
     "flipped bits": {"bit_error_rate": 0.003},

@@ -14,7 +14,7 @@ from app.errors import UnknownParameter
 from app.profiles.capture import capture
 from app.registers.model import Space
 from app.registers.tmcl.pd42 import PD42
-from tests.devices.tmcl.bench import Bench, bench, state_of
+from tests.devices.tmcl.harness import Bench, bench, state_of
 
 PARAMETERS = {row.address: row for row in PD42 if row.space is Space.AXIS}
 STATE_NEEDS = frozenset({1})

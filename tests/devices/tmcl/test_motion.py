@@ -14,7 +14,7 @@ from app.devices.tmcl.searches import Searches
 from app.errors import LinkTimeout, OutOfRange, UnknownThing, UsageError, WrongState
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import MOVERS, Bench, bench
+from tests.devices.tmcl.harness import MOVERS, Bench, bench
 
 RAMPS = {
     "trapezoid": {},

@@ -6,7 +6,7 @@ import pytest
 
 from app.devices.core.events import DeviceEvent
 from app.devices.core.results import MotionEnd
-from tests.devices.tmcl.bench import Bench, bench
+from tests.devices.tmcl.harness import Bench, bench
 
 
 async def _ended(b: Bench, within_s: float = 10.0) -> MotionEnd:

@@ -11,7 +11,7 @@ from app.links.tmcl import Reply, Request
 from app.registers.model import Space
 from app.registers.tmcl.commands import Opcode, Status
 from app.registers.tmcl.pd42 import PD42
-from tests.devices.tmcl.bench import Tap, bench
+from tests.devices.tmcl.harness import Tap, bench
 
 
 async def test_a_write_is_read_back_under_any_of_its_names() -> None:

@@ -23,7 +23,7 @@ from app.devices.tmcl.state import ModuleState
 from app.errors import LinkDown, WriteRefused
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import Tap, module_port
+from tests.devices.tmcl.harness import Tap, module_port
 
 METHODS_MAX, ANCESTORS_MAX = 30, 2
 

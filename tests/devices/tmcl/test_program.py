@@ -12,7 +12,7 @@ from app.errors import BadReply, LinkError, OutOfRange, UsageError, WriteRefused
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
 from tests.calc.tmcl_programs import ROUTINES, SUBROUTINE
-from tests.devices.tmcl.bench import MOVERS, Bench, bench, state_of
+from tests.devices.tmcl.harness import MOVERS, Bench, bench, state_of
 
 LONG = "".join(f"CALC LOAD, {number * 77}\nAGP {number % 256}, 2\n" for number in range(60))
 

@@ -15,7 +15,7 @@ from app.errors import UnknownThing, UsageError
 from app.links.tmcl import Reply, Request
 from app.registers.tmcl.commands import Opcode
 from app.registers.tmcl.modules import MODULES
-from tests.devices.tmcl.bench import bench
+from tests.devices.tmcl.harness import bench
 
 EVERY = [f"{quantity}.0" for quantity in Quantities(RegisterRoles(MODULES["pd42-1241"])).units]
 FRAMES = tuple(Request(1, Opcode.GAP, number).encode() for number in (1, 3, 209))

@@ -12,7 +12,7 @@ from app.devices.manager import DeviceChange
 from app.errors import OtherModel, OutOfRange, SoftLimit, UnknownThing, WrongState
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import Opcode
-from tests.devices.tmcl.bench import Bench, bench, state_of
+from tests.devices.tmcl.harness import Bench, bench, state_of
 
 MODEL = "tmcm-1161"
 CLOCK_HZ = 16e6

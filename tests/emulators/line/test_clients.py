@@ -6,7 +6,7 @@ import pytest
 
 from app.links import tmcl
 from app.registers.tmcl.commands import Opcode
-from tests.emulators.line.bench import LineBench
+from tests.emulators.line.harness import LineBench
 from tests.emulators.line.modules import gap, sap
 
 EVENTS = tmcl.Request(1, Opcode.REQUEST_EVENT, 1, 0, 1).encode()

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from app.emulators.line.faults import LineFaults, LinePatch
 from app.links import tmcl
 from app.registers.tmcl.commands import Opcode
-from tests.emulators.line.bench import LineBench
+from tests.emulators.line.harness import LineBench
 from tests.emulators.line.modules import gap, sap
 
 

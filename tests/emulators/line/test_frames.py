@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.emulators.line.framing import GAP_S
 from app.links import tmcl
 from app.registers.tmcl.commands import Opcode, Status
-from tests.emulators.line.bench import LineBench
+from tests.emulators.line.harness import LineBench
 from tests.emulators.line.modules import gap, sap
 
 

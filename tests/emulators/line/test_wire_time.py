@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.links import tmcl
 from app.registers.tmcl.commands import Opcode
-from tests.emulators.line.bench import LineBench
+from tests.emulators.line.harness import LineBench
 from tests.emulators.line.modules import gap, sap
 
 BAUD = 115_200

@@ -7,7 +7,7 @@ from app.calc.tmcl.instructions import Command
 from app.links.tmcl_language import INSTRUCTIONS, standard_include
 from app.registers.tmcl.commands import Opcode, Status
 from app.registers.tmcl.modules import MODULES
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 COMMAND_S = 1e-4
 """What a command takes by default [s]."""

@@ -7,7 +7,7 @@ import random
 from app.calc.tmcl.instructions import Command
 from app.emulators.tmcl.eeprom import COMMAND_BYTES
 from app.registers.tmcl.commands import PROGRAM_COMMANDS, Opcode
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 from tests.emulators.tmcl.interpreter_oracle import Oracle, Row
 from tests.emulators.tmcl.programs import COMMAND_S, download
 

@@ -6,7 +6,7 @@ import pytest
 
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import PROGRAM_COMMANDS, Opcode, Status
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 ADD, SUB, MUL, DIV, MOD, AND, OR, XOR, NOT, LOAD, SWAP = range(11)
 ACCUMULATOR, X = 2, 3

@@ -9,7 +9,7 @@ import pytest
 from app.calc.tmcl.instructions import Command
 from app.emulators.tmcl import beside_drive
 from app.registers.tmcl.commands import Opcode
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 from tests.emulators.tmcl.programs import commands_of, download
 
 NEAR: dict[str, object] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.registers.tmcl.commands import ExtendedErrors, Opcode
-from tests.emulators.tmcl.bench import FULLSTEP, Bench
+from tests.emulators.tmcl.harness import FULLSTEP, Bench
 
 TURN = 200 * FULLSTEP
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.links.tmcl import Reply, Request, checksum, sound
 from app.registers.tmcl.commands import BY_OPCODE, Opcode, Status
-from tests.emulators.tmcl.bench import OK, Bench, frame
+from tests.emulators.tmcl.harness import OK, Bench, frame
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "3")
 

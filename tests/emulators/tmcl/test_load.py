@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.registers.tmcl.commands import DriverErrors, ExtendedErrors, Opcode
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 
 def running(speed: int = 51_200, **parameters: int) -> Bench:

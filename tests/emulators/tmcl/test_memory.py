@@ -13,7 +13,7 @@ from app.errors import WrongState
 from app.registers.model import Space
 from app.registers.tmcl.commands import Opcode, Status
 from app.registers.tmcl.pd42 import PD42
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 BANK0 = [row for row in PD42 if row.space is Space.GLOBAL_0]
 BANK3 = [row for row in PD42 if row.space is Space.GLOBAL_3]

@@ -18,7 +18,7 @@ from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing
 from app.links.emulator import EmulatorPort
 from app.links.tmcl import Request, check_reply
 from app.registers.tmcl.commands import Opcode
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 POSITION = Request(1, Opcode.GAP, 1).encode()
 

@@ -8,7 +8,7 @@ import pytest
 
 from app.emulators.tmcl import units
 from app.registers.tmcl.commands import Opcode, Status
-from tests.emulators.tmcl.bench import Bench, frame
+from tests.emulators.tmcl.harness import Bench, frame
 
 EVENT = frame("02 01 80 8A 00 00 00 01 0E")
 

@@ -10,7 +10,7 @@ from app.emulators.tmcl.sixpoint import SixPointParameters
 from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode, Status, reference_modes
 from app.registers.tmcl.modules import MODULES
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "4")
 

@@ -15,7 +15,7 @@ from tests.calc.tmcl_programs import (
     SUBROUTINE,
     SYMBOLS,
 )
-from tests.emulators.tmcl.bench import FULLSTEP, Bench
+from tests.emulators.tmcl.harness import FULLSTEP, Bench
 from tests.emulators.tmcl.programs import COMMAND_S, accumulator, commands_of, download, ended, started
 
 SWITCHES: dict[str, object] = {

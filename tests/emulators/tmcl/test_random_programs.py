@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.emulators.tmcl.bench import Bench
+from tests.emulators.tmcl.harness import Bench
 from tests.emulators.tmcl.random_programs import LATER, agree, any_bytes
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from app.emulators.tmcl import search
 from app.registers.tmcl.commands import Opcode, reference_modes
-from tests.emulators.tmcl.bench import FULLSTEP, Bench
+from tests.emulators.tmcl.harness import FULLSTEP, Bench
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "7.1")
 

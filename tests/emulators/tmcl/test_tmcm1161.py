@@ -10,7 +10,7 @@ from app.links.tmcl import version_string
 from app.registers.model import Space
 from app.registers.tmcl.commands import Opcode, Status
 from app.registers.tmcl.modules import MODULES
-from tests.emulators.tmcl.bench import Bench as AnyBench
+from tests.emulators.tmcl.harness import Bench as AnyBench
 
 MODEL = "tmcm-1161"
 ROWS = MODULES[MODEL].rows(Space.AXIS)

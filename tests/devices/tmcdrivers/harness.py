@@ -1,4 +1,4 @@
-"""A bench for the driver of a TMC22xx: the real driver, the real emulator, time owned by the test."""
+"""A harness for the driver of a TMC22xx: the real driver, the real emulator, time owned by the test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench for extended positions: the service, real drivers and emulators of every family, time and day the test's.
+"""A harness for extended positions: the service, real drivers and emulators of every family, time and day the test's.
 
 `Hardware` is what a server's end does not touch: a chip that lives on while servers come and go.
 """

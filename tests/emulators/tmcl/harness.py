@@ -1,4 +1,4 @@
-"""A module on a bench for tests: commands by mnemonic, time by hand."""
+"""A module for tests: commands by mnemonic, time by hand."""
 
 from __future__ import annotations
 

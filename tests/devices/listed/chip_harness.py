@@ -1,4 +1,4 @@
-"""A bench for chips of which only a table is known: real driver, plain emulated chip, in this process."""
+"""A harness for chips of which only a table is known: real driver, plain emulated chip, in this process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A device on a bench for tests: registers by address, time by hand."""
+"""A device for tests: registers by address, time by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench for listed modules: real driver, plain emulated module, in this process or behind a wire."""
+"""A harness for listed modules: real driver, plain emulated module, in this process or behind a wire."""
 
 from __future__ import annotations
 

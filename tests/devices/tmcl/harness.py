@@ -1,4 +1,4 @@
-"""A bench for a TMCL module: real driver, real emulator, time owned by the test, and every frame noted down."""
+"""A harness for a TMCL module: real driver, real emulator, time owned by the test, and every frame noted down."""
 
 from __future__ import annotations
 

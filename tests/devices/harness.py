@@ -1,4 +1,4 @@
-"""A bench for driver tests: real drivers, real emulators, time owned by the test."""
+"""A harness for driver tests: real drivers, real emulators, time owned by the test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench of any model with soft limits, on which every frame is noted that reaches the emulated chip."""
+"""A harness for any model with soft limits, on which every frame is noted that reaches the emulated chip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench for profiles: real drivers and emulators of every family, a wire that can be made to fail, and the truth."""
+"""For profiles: real drivers and emulators of every family, a wire that can be made to fail, and the truth."""
 
 from __future__ import annotations
 
