@@ -52,7 +52,7 @@ class WatchedAxis(Mover):
                 "switch circular movement off",
             )
         device.session.require_connected()
-        look = await device.counter.look(axis)
+        look = await device.counter.poll(axis)
         tracker = Tracker(Counter(bits), look.count, look.asked_at_s, look.count)
         watched = cls(device, axis, tracker, unix_s, wake, changed)
         watched._note(None)

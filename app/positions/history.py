@@ -1,4 +1,4 @@
-"""Looks of the last minutes to hours, in bounded memory: the older they are, the fewer are kept."""
+"""Polls of the last minutes to hours, in bounded memory: the older they are, the fewer are kept."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 KEPT = 4096
 """Points; a thinning takes every second of the older half away."""
 SPACING_S = 0.05
-"""Looks closer together than this are one point [s]."""
+"""Polls closer together than this are one point [s]."""
 
 
 class Point(NamedTuple):

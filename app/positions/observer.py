@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from ..calc.positions.extended import Counter, checked_position
-from ..devices.core.counter import CounterLook, CounterWritten, PositionSeen
+from ..devices.core.counter import CounterReading, CounterWritten, PositionSeen
 from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded, StateChanged
 from ..devices.core.results import ChipEvents
@@ -21,7 +21,7 @@ from .tracker import CLOCK_TOLERANCE, Tracker
 RESET_NAMES = frozenset({"RST_EV", "reset"})
 """Names of events by which chips tell that they were reset."""
 HEARD_EVERY_S = 0.25
-"""Looks of others closer together than this are left out [s]."""
+"""Polls of others closer together than this are left out [s]."""
 CONNECT = "connect the device: it is trusted again where a look can show that nothing was missed"
 
 
@@ -172,7 +172,7 @@ class Observer:
         device, tracker = self.device, self.tracker
         before, before_s = tracker.extended, tracker.asked_s
         try:
-            look = await device.counter.look(self.axis)
+            look = await device.counter.poll(self.axis)
             if tracker.away is not None and look.reset_seen is None:
                 look = await self._with_run_time(look)
         except BenchError as error:
@@ -204,7 +204,7 @@ class Observer:
                 " this computer slept, or its clock was set forward"
             )
 
-    async def _with_run_time(self, look: CounterLook) -> CounterLook:
+    async def _with_run_time(self, look: CounterReading) -> CounterReading:
         """`look`, judged by how long the chip says that it runs, where it does say."""
         runs_s = await self.device.counter.runs_for_s()
         if runs_s is None:

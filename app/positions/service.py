@@ -1,6 +1,6 @@
 """The service of all watched axes: one task that sleeps until the next look is due, wherever that is.
 
-Looks of different devices do not wait for each other: a link that takes its time delays only its own.
+Polls of different devices do not wait for each other: a link that takes its time delays only its own.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ class ExtendedPositionService:
             return watched.state()
 
     def history(self, device: Device, axis: int, seconds: float) -> HistoryState:
-        """Looks of the last `seconds` [s]. Raises UnknownThing, and WrongState where nobody watches."""
+        """Polls of the last `seconds` [s]. Raises UnknownThing, and WrongState where nobody watches."""
         return self._watched(device, axis).looks(seconds)
 
     async def latched(self, device: Device, axis: int) -> Latched:

@@ -81,7 +81,7 @@ class Latched:
 
 @dataclass(frozen=True, slots=True)
 class HistoryState:
-    """Looks, oldest first. Angles are of the turn as it is set now [deg]; None where there is none."""
+    """Polls, oldest first. Angles are of the turn as it is set now [deg]; None where there is none."""
 
     time_s: list[float]
     position: list[int]

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..calc.positions.extended import LIMIT, Counter, ExtendedPosition, TooLate, checked_position
-from ..devices.core.counter import CounterLook
+from ..devices.core.counter import CounterReading
 
 CLOCK_TOLERANCE = 1.02
 """How much faster than its settings say a chip may run: its clock, and the one that looks are timed with."""
@@ -69,7 +69,7 @@ class Tracker:
     def seen(self, count: int, asked_s: float, heard_s: float, speed_limit_pps: float) -> None:
         """The counter showed `count` at some time from `asked_s` to `heard_s` [s], by whoever asked.
 
-        Looks from before the latest one are no news. While the axis is away, or after somebody wrote the counter, only
+        Polls from before the latest one are no news. While the axis is away, or after somebody wrote the counter, only
         `returned` counts.
         """
         if self.away is None and not self._rebase:
@@ -99,7 +99,7 @@ class Tracker:
         self.count, self.asked_s = count, asked_s
         self._check_range()
 
-    def returned(self, look: CounterLook, heard_s: float, speed_limit_pps: float) -> None:
+    def returned(self, look: CounterReading, heard_s: float, speed_limit_pps: float) -> None:
         """The service's own look, which also tells of resets; what was away is back with it."""
         was_away, self.away = self.away, None
         if look.reset_seen:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.calc.positions.extended import LIMIT, Counter
-from app.devices.core.counter import CounterLook
+from app.devices.core.counter import CounterReading
 from app.positions.tracker import CLOCK_TOLERANCE, SLACK_S, Tracker
 
 SPEED_PPS = 1000.0
@@ -18,8 +18,8 @@ def allowed_s(counter: Counter) -> float:
     return counter.allowed_s(SPEED_PPS * CLOCK_TOLERANCE)
 
 
-def look(count: int, at_s: float, *, reset: bool | None = False) -> CounterLook:
-    return CounterLook(count, at_s, reset)
+def look(count: int, at_s: float, *, reset: bool | None = False) -> CounterReading:
+    return CounterReading(count, at_s, reset)
 
 
 @pytest.mark.sheet("AN-001", "2.1")

@@ -79,7 +79,7 @@ def latched_out(latched: Latched) -> LatchedPosition:
 
 
 def history_out(history: HistoryState) -> ExtendedHistory:
-    """Looks, oldest first."""
+    """Polls, oldest first."""
     return ExtendedHistory(
         time_s=history.time_s,
         position=history.position,

@@ -16,7 +16,7 @@ from ...calc.tmcl.instructions import Command, InstructionSet
 from ...errors import BenchError, WrongState
 from ...links.queue import Priority
 from ...registers.model import Register
-from .counter import CounterLook
+from .counter import CounterReading
 from .prediction import Prediction
 from .results import (
     AxisMove,
@@ -188,7 +188,7 @@ class AxisMonitor(Protocol):
 class PositionCounter(Protocol):
     """The position counter, which wraps, and what is compared with it or latches it."""
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         """Read the position counter, and then whether the chip was reset. Raises BenchError."""
         ...
 

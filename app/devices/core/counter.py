@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class CounterLook:
+class CounterReading:
     """The answer to one question for the counter."""
 
     count: int

@@ -1,6 +1,6 @@
-"""What ended a motion, and when: a module tells nobody, so somebody has to look.
+"""What ended a motion, and when: a module tells nobody, so it has to be polled.
 
-Looks come from telemetry where that asks for position, speed and arrival anyway, from whoever reads
+Polls come from telemetry where that asks for position, speed and arrival anyway, from whoever reads
 the axis, and else from a task that asks ten times a second while a motion is under way. A motor that
 rests is not always at its end (a ramp wait time, a reference search between two legs), so all but an
 arrival and a stop on command need a while of rest before they are called one.
@@ -26,7 +26,7 @@ REST_S = 0.15
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class MotionReading:
     """The axis at one moment: position [microsteps], speed in any unit, whether it is at its target."""
 
     time_s: float
@@ -47,7 +47,7 @@ class UnderWay:
     direction: int = 0
     stopped_s: float | None = None
     """When a stop was commanded."""
-    rest: Look | None = None
+    rest: MotionReading | None = None
     """The first look at rest, if the latest was one as well."""
     position: int | None = None
 
@@ -83,12 +83,12 @@ class MotionWatch:
         if self.under_way is not None:
             self.under_way.stopped_s, self.under_way.rest = time_s, None
 
-    def look(self, look: Look, spread_s: float = 0.0) -> None:
+    def look(self, look: MotionReading, spread_s: float = 0.0) -> None:
         """Somebody looked; `spread_s` [s] lay between the first and the last question of this look."""
         self.looked_s = max(self.looked_s, look.time_s)
         motion = self.under_way
         if motion is None:
-            # Looks come from several sides: one from before the end that another has seen is no new motion.
+            # Polls come from several sides: one from before the end that another has seen is no new motion.
             if look.speed and look.time_s - spread_s > self._ended_s:
                 self.began("unknown", look.time_s)
                 self.look(look)
@@ -108,7 +108,7 @@ class MotionWatch:
         elif motion.kind == "position" and look.reached and motion.target in (None, look.position):
             self.end("target_reached", "at its target")
 
-    def at_rest(self, now_s: float) -> tuple[UnderWay, Look] | None:
+    def at_rest(self, now_s: float) -> tuple[UnderWay, MotionReading] | None:
         """The motion under way and since when it rests, where that is long enough to ask why."""
         motion = self.under_way
         if motion is None or motion.rest is None or now_s - motion.rest.time_s < REST_S + self.wait_s:

@@ -22,7 +22,7 @@ from ...errors import BenchError
 from ..core.device import Device
 from ..core.events import DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
 from ..core.limit_rules.quantities import Motion, sign
-from ..core.limit_rules.rules import Look
+from ..core.limit_rules.rules import AxisReading
 from .limiter import Limiter
 
 log = logging.getLogger("stepscope.limits")
@@ -134,13 +134,13 @@ class RangeWatch:
         return soon_s
 
     @staticmethod
-    def _way_to_be(look: Look, motion: Motion | None) -> int:
+    def _way_to_be(look: AxisReading, motion: Motion | None) -> int:
         """Of an axis that does not turn yet, or no more."""
         if motion is None:
             return 0
         return motion.way if look.target is None else sign(look.target - look.position)
 
-    def _pause_s(self, axis: int, look: Look, room: int, soon_s: float, reaction_s: float) -> float | None:
+    def _pause_s(self, axis: int, look: AxisReading, room: int, soon_s: float, reaction_s: float) -> float | None:
         """How long the axis may go unlooked at [s, server time]; None where it is to be stopped now."""
         rules, view, scale = self._limiter.rules, self._limiter.view(), self._device.session.time_scale
         if scale <= 0:
@@ -160,7 +160,7 @@ class RangeWatch:
                 return pause_s
         return None
 
-    async def _stop(self, axis: int, look: Look, way: int, end: int) -> None:
+    async def _stop(self, axis: int, look: AxisReading, way: int, end: int) -> None:
         device = self._device
         known = self._limiter.rules.braking(axis, look, self._limiter.view()) is not None
         name = "position_max" if way > 0 else "position_min"

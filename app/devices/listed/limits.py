@@ -15,7 +15,7 @@ from ...registers.model import Register
 from ...registers.tmcl.commands import Opcode, Status
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, sign
-from ..core.limit_rules.rules import Look, Rules
+from ..core.limit_rules.rules import AxisReading, Rules
 from ..core.session import Session
 from ..core.tmcl_frames import WIDE_SHIFT
 from ..core.tmcl_link import TmclLink
@@ -147,13 +147,13 @@ class ListedRules(Rules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         async with self._link.calls() as calls:
             values = await self._motions.look(axis, calls)
         going_to = values[2] if self._motions.axes[axis].driven == "position" else None
-        return Look(values[0] or 0, float(values[1] or 0), target=going_to)
+        return AxisReading(values[0] or 0, float(values[1] or 0), target=going_to)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         word = view(_address(self._state.axes[axis].max_acceleration))
         return look.velocity_pps**2 / (2 * word) if word else None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...links.queue import Priority
 from ..core.capabilities import AxisMonitor, PositionCounter
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.results import AxisState, MotionEnd, Switches
 from ..core.session import Session
 from ..core.signs import NO_SIGNS, Signs
@@ -70,7 +70,7 @@ class ListedCounter(PositionCounter):
         self._state = state
         self._link = link
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         session = self._session
         row = self._state.axes[session.axis(axis).index].position
         session.require_connected()
@@ -78,7 +78,7 @@ class ListedCounter(PositionCounter):
             asked_at_s = session.device_time_s()
             count = await calls.get(row)
         session.saw_position(axis, count, asked_at_s)
-        return CounterLook(count, asked_at_s, None)
+        return CounterReading(count, asked_at_s, None)
 
     def counter_bits(self, axis: int) -> int | None:
         self._session.axis(axis)

@@ -8,7 +8,7 @@ from ...errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout
 from ...links.queue import Priority, SampleDropped
 from ...registers.model import Register
 from ..core.background_tasks import BackgroundTasks
-from ..core.motion_watch import POLL_S, Kind, Look, MotionWatch
+from ..core.motion_watch import POLL_S, Kind, MotionReading, MotionWatch
 from ..core.results import DeviceState, MotionEnd
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
@@ -129,7 +129,7 @@ class ListedMotions:
         axis = self.axes[index]
         self._session.saw_position(index, position, asked_at_s)
         reached = axis.reached(values[4], position, values[2])
-        axis.watch.look(Look(calls.time_s, position, speed, reached), self._link.poll_spread_s)
+        axis.watch.look(MotionReading(calls.time_s, position, speed, reached), self._link.poll_spread_s)
         return values
 
     @staticmethod

@@ -9,7 +9,7 @@ import numpy as np
 from ...links.tmcl import FRAME_BYTES
 from ...registers.listed.modules import Role, role_of
 from ...registers.model import Register, Space
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import FloatArray, SamplePlan, Taken
 from ..core.session import Session
@@ -84,13 +84,15 @@ class ListedTelemetry(RowTelemetry):
     def _watch_rows(
         self, axis: int, times_s: FloatArray, position: FloatArray, speed: FloatArray, spread_s: float
     ) -> None:
-        """Looks out of telemetry: all of them while a motion is under way, else only those that see one."""
+        """Polls out of telemetry: all of them while a motion is under way, else only those that see one."""
         watch = self._motions.axes[axis].watch
         known = np.isfinite(position) & np.isfinite(speed)
         for row in np.flatnonzero(known & (speed != 0) if watch.under_way is None else known):
             target = None if watch.under_way is None else watch.under_way.target
             reached = target is not None and speed[row] == 0 and position[row] == target
-            watch.look(Look(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)), spread_s)
+            watch.look(
+                MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)), spread_s
+            )
 
 
 def _column(index: int) -> TmclDecoder:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.capabilities import PositionCounter
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.register_link import RegisterLink
 from .memory import RampMemory
 from .prediction import POSITION_BITS
@@ -33,7 +33,7 @@ class RampCounter(PositionCounter):
         self._session.axis(axis)
         return self._compare if self._memory.compared_axis in (None, axis) else None
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn() as turn:
@@ -48,4 +48,4 @@ class RampCounter(PositionCounter):
         self._resets.judge(axis)
         reset_seen = self._resets.take(axis)
         self._session.saw_position(axis, count, asked_at_s)
-        return CounterLook(count, asked_at_s, reset_seen)
+        return CounterReading(count, asked_at_s, reset_seen)

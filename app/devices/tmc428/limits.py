@@ -15,7 +15,7 @@ from ...registers.model import Register
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of, sign
-from ..core.limit_rules.rules import Look
+from ..core.limit_rules.rules import AxisReading
 from ..core.register_file import RegisterFile
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
 from .memory import RampMemory
@@ -140,7 +140,7 @@ class RampRules(ChipRules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         link, rows = self._link, self._memory.rows[axis]
         async with link.turn() as turn:
             io = link.io(turn)
@@ -153,9 +153,9 @@ class RampRules(ChipRules):
         link.session.saw_position(axis, position, asked_s)
         unit_pps = velocity_unit(min(rows.pulse_div.unpack(dividers), MAX_DIVIDER), self.clock_hz)
         positioning = rows.mode.unpack(reference) in POSITIONING_MODES
-        return Look(position, velocity * unit_pps, target=target if positioning else None)
+        return AxisReading(position, velocity * unit_pps, target=target if positioning else None)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         one = next(one for one in self.quantities[axis] if one.kind == "acceleration")
         a_pps2 = one.value(view)
         if a_pps2 is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.capabilities import PositionCounter
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.session import Session
@@ -39,7 +39,7 @@ class Counter(PositionCounter):
         circular = conf is not None and roles.part(roles.REFERENCE_CONF, "circular_movement_en").unpack(conf)
         return None if circular else 32
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         self._session.axis(axis)
         self._session.require_connected()
         async with self._link.turn() as turn:
@@ -47,7 +47,7 @@ class Counter(PositionCounter):
             held = await self._events.take(self._link.io(turn), LOOK)
         tell_position(self._session, held, asked_at_s)
         before, self._resets_told = self._resets_told, self._events.resets
-        return CounterLook(held.value(roles.XACTUAL), asked_at_s, self._events.resets > before)
+        return CounterReading(held.value(roles.XACTUAL), asked_at_s, self._events.resets > before)
 
     def latch_register(self, axis: int) -> str | None:
         self._session.axis(axis)

@@ -17,7 +17,7 @@ from ...registers.model import Field, Register, to_signed
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, position_of, sign
-from ..core.limit_rules.rules import Look
+from ..core.limit_rules.rules import AxisReading
 from ..core.register_file import RegisterFile
 from . import prediction, roles
 from .cruise import Cruise
@@ -175,7 +175,7 @@ class SRampRules(ChipRules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             mode, target, acceleration, velocity, position = await io.values(
@@ -185,9 +185,9 @@ class SRampRules(ChipRules):
         self._link.session.saw_position(axis, position, asked_s)
         faster = self._told(self._memory.remembered_word)
         going_to = target if mode & roles.POSITIONING_BIT else None
-        return Look(position, velocity * faster, acceleration * faster**2, going_to)
+        return AxisReading(position, velocity * faster, acceleration * faster**2, going_to)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         ramp = self._memory.ramp()
         if ramp is None or ramp.never_slows():
             return 0.0 if ramp is not None else None  # such a stop is one at once

@@ -12,7 +12,7 @@ from ...errors import BenchError, LinkDown, LinkTimeout
 from ...links.queue import Priority
 from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import AxisMonitor
-from ..core.motion_watch import Look, UnderWay
+from ..core.motion_watch import MotionReading, UnderWay
 from ..core.polling import Poller
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
@@ -211,9 +211,9 @@ class Monitor(AxisMonitor):
         """Tell the watch what was seen."""
         velocity = held.value(roles.VACTUAL) or int(moving)
         reached = bool(held.fields(roles.STATUS)["TARGET_REACHED_F"])
-        self._expected.watch.look(Look(time_s, held.value(roles.XACTUAL), velocity, reached))
+        self._expected.watch.look(MotionReading(time_s, held.value(roles.XACTUAL), velocity, reached))
 
-    def _why(self, motion: UnderWay, rest: Look, held: Snapshot) -> tuple[StopReason, str]:
+    def _why(self, motion: UnderWay, rest: MotionReading, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""
         flags = held.fields(roles.STATUS)
         if motion.stopped_s is not None:

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from ...registers.model import Register
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.planned_motion import POSITION_BITS
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked, field, number, residual, words_plan
@@ -212,4 +212,4 @@ class ChipTelemetry(RowTelemetry):
             for row in np.flatnonzero(wanted):
                 reached = bool(ARRIVAL.unpack(int(state[row])))
                 seen = float(speed[row]) or float(moving[row])
-                self._expected.watch.look(Look(float(times_s[row]), int(position[row]), seen, reached))
+                self._expected.watch.look(MotionReading(float(times_s[row]), int(position[row]), seen, reached))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.capabilities import PositionCounter
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.register_link import RegisterLink
 from ..core.session import Session
 from .events import Events
@@ -31,7 +31,7 @@ class Counter(PositionCounter):
         self.session.axis(axis)
         return BITS
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         """The counter, then GSTAT, in one chain; a reset is told once, and stays to be read by its name."""
         rows = self.memory.rows(self.session.axis(axis).index)
         self.session.require_connected()
@@ -41,7 +41,7 @@ class Counter(PositionCounter):
             held = await self.reader.poll(io, [axis], asked)
             asked_at_s = io.asked_s
         before, self._seen_at_reset[axis] = self._seen_at_reset[axis], self.log.resets
-        return CounterLook(held.value(rows.xactual), asked_at_s, self.log.resets > before)
+        return CounterReading(held.value(rows.xactual), asked_at_s, self.log.resets > before)
 
     def latch_register(self, axis: int) -> str | None:
         return self.link.table.get("XLATCH", self.session.axis(axis).index).name

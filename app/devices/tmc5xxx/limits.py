@@ -18,7 +18,7 @@ from ...calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX, acceleration_u
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View, position_of
-from ..core.limit_rules.rules import Look
+from ..core.limit_rules.rules import AxisReading
 from ..core.register_file import RegisterFile
 from . import roles as r
 from .memory import ChipMemory
@@ -131,7 +131,7 @@ class SixPointRules(ChipRules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         link, rows = self._registers.link, self._memory.rows(axis)
         async with link.turn() as turn:
             io = link.io(turn)
@@ -141,9 +141,9 @@ class SixPointRules(ChipRules):
             asked_s = io.asked_s
         link.session.saw_position(axis, position, asked_s)
         unit = velocity_unit_pps(self.clock_hz)
-        return Look(position, velocity * unit, target=target if mode == r.POSITION else None)
+        return AxisReading(position, velocity * unit, target=target if mode == r.POSITION else None)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         # A stop brakes with AMAX as the user has set it, whatever an earlier stop has written there.
         word = self._memory.wanted(self._memory.rows(axis).amax)
         if word is None:

@@ -11,7 +11,7 @@ from typing import TypedDict
 from ...links.queue import Priority
 from ...registers.model import Register
 from ..core.capabilities import AxisMonitor
-from ..core.motion_watch import Look, UnderWay
+from ..core.motion_watch import MotionReading, UnderWay
 from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState, MotionEnd, StopReason, Switches
@@ -204,9 +204,9 @@ class Monitor(AxisMonitor):
         watch = self.motions.of(axis)
         watch.wait_s = (self.memory.wanted(rows.ramp["TZEROWAIT"]) or 0) * 512 / self.session.clock_hz
         reached = held.value(rows.rampmode) == r.POSITION and position == target
-        watch.look(Look(time_s, position, moving, reached))
+        watch.look(MotionReading(time_s, position, moving, reached))
 
-    def _why(self, axis: int, motion: UnderWay, rest: Look, held: Snapshot) -> tuple[StopReason, str]:
+    def _why(self, axis: int, motion: UnderWay, rest: MotionReading, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""
         rows, flags = self.memory.rows(axis), self.log.flags(axis)
         if motion.stopped_s is not None:

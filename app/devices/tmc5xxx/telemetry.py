@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from ...registers.model import Register
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.planned_motion import POSITION_BITS
 from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked, field, number, residual, words_plan
@@ -263,4 +263,4 @@ class SixPointTelemetry(RowTelemetry):
             wanted = velocity != 0 if watch.under_way is None else np.ones(len(times_s), dtype=np.bool_)
             for row in np.flatnonzero(wanted):
                 reached = bool(position[row] == target[row]) and self._memory.known(rows.rampmode) == r.POSITION
-                watch.look(Look(float(times_s[row]), int(position[row]), float(velocity[row]), reached))
+                watch.look(MotionReading(float(times_s[row]), int(position[row]), float(velocity[row]), reached))

@@ -10,7 +10,7 @@ from ...calc.tmc5xxx.coil import SCALES, CurrentStage
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View
-from ..core.limit_rules.rules import Look
+from ..core.limit_rules.rules import AxisReading
 from ..core.register_file import RegisterFile
 from .memory import DriverMemory
 from .reader import Reader
@@ -78,12 +78,12 @@ class DriverRules(ChipRules):
         if any(limits.given for limits in self.limits):
             await self._reader.read_axis()
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         reading = await self._reader.read_axis()
         place = reading.held.value(self._memory.rows.mscnt) * self._memory.microsteps // FINEST
-        return Look(place, self._reader.speed_pps(reading.held))
+        return AxisReading(place, self._reader.speed_pps(reading.held))
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         return 0.0  # VACTUAL 0 stops the field at once
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ...links.queue import Priority
 from ..core.capabilities import AxisMonitor, LatchedFlags, PositionCounter, Registers
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.results import AxisState, MotionEnd, Switches
 from ..core.session import Session
 from ..core.signs import Signs
@@ -78,13 +78,13 @@ class PlaceInTable(PositionCounter):
     reader: Reader
     resets: Resets
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         self.session.axis(axis)
         self.session.require_connected()
         before = self.resets.seen
         reading = await self.reader.read_axis()
         place = reading.held.value(self.memory.rows.mscnt) * self.memory.microsteps // FINEST
-        return CounterLook(place, reading.asked_s, self.resets.seen > before)
+        return CounterReading(place, reading.asked_s, self.resets.seen > before)
 
     def counter_bits(self, axis: int) -> int | None:
         self.session.axis(axis)

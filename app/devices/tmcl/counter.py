@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from ...errors import UnknownParameter
 from ..core.capabilities import PositionCounter
-from ..core.counter import CounterLook
+from ..core.counter import CounterReading
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_link import TmclLink
@@ -84,7 +84,7 @@ class ModuleCounter(PositionCounter):
         self._ticks = ticks
         self._resets_told = 0
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         session = self._session
         session.axis(axis)
         session.require_connected()
@@ -95,7 +95,7 @@ class ModuleCounter(PositionCounter):
         before, self._resets_told = self._resets_told, self._ticks.resets or 0
         reset_seen = None if seen is None else self._resets_told > before
         session.saw_position(axis, count, asked_at_s)
-        return CounterLook(count, asked_at_s, reset_seen)
+        return CounterReading(count, asked_at_s, reset_seen)
 
     def counter_bits(self, axis: int) -> int | None:
         self._session.axis(axis)

@@ -16,7 +16,7 @@ from ...registers.model import Register
 from ...registers.tmcl.commands import COORDINATES_IN_EEPROM, Opcode, Status
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.quantities import COORDINATES, Motion, PositionRegister, Quantity, View, sign
-from ..core.limit_rules.rules import Look, Rules
+from ..core.limit_rules.rules import AxisReading, Rules
 from ..core.session import Session
 from ..core.tmcl_link import TmclLink
 from .ongoing import OngoingMotion
@@ -283,7 +283,7 @@ class ModuleRules(Rules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         async with self._link.calls() as calls:
             asked_s = self._session.device_time_s()
             target, told_speed, told_position = await calls.ask_many(self._looked_at)
@@ -291,9 +291,9 @@ class ModuleRules(Rules):
             position = calls.need(self._roles.actual_position, told_position)
         self._session.saw_position(axis, position, asked_s)
         going_to = target if self._ongoing.driven == "position" else None
-        return Look(position, speed * self._state.speed_unit_pps, target=going_to)
+        return AxisReading(position, speed * self._state.speed_unit_pps, target=going_to)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         word = view(self._roles.max_acceleration.address)
         if not word:
             return None

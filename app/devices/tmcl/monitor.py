@@ -9,7 +9,7 @@ from ...links.queue import Priority, SampleDropped
 from ...links.tmcl import Request
 from ...registers.tmcl.commands import ExtendedErrors, Opcode
 from ..core.capabilities import AxisMonitor
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.results import AxisState, MotionEnd, Switches
 from ..core.session import Session
 from ..core.signs import Signs
@@ -68,7 +68,7 @@ class ModuleMonitor(AxisMonitor):
         # The encoder was read with the first position, and is told as if it were with the last.
         with_it = None if encoder is None else self._state.wrap.shows(encoder + self._state.wrap.way(position, first))
         self._session.saw_position(axis, position, asked_at_s, with_it)
-        self._ongoing.watch.look(Look(time_s, position, speed, reached), self._link.poll_spread_s)
+        self._ongoing.watch.look(MotionReading(time_s, position, speed, reached), self._link.poll_spread_s)
         mode = self._mode(bool(step_direction), searching, speed, target_speed or 0, reached)
         return AxisState(
             position=position,

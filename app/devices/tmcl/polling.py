@@ -10,7 +10,7 @@ from ...links.queue import Priority, SampleDropped
 from ...links.tmcl import Request
 from ...registers.tmcl.commands import DriverErrors, ExtendedErrors, Opcode
 from ..core.background_tasks import BackgroundTasks
-from ..core.motion_watch import POLL_S, Look, UnderWay
+from ..core.motion_watch import POLL_S, MotionReading, UnderWay
 from ..core.results import StopReason
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
@@ -67,7 +67,8 @@ class Poller:
                 time_s = calls.time_s
             self._session.saw_position(0, position, asked_at_s)
             watch.look(
-                Look(time_s, position, speed, self._ongoing.reached(reached, position)), self._link.poll_spread_s
+                MotionReading(time_s, position, speed, self._ongoing.reached(reached, position)),
+                self._link.poll_spread_s,
             )
         rests = watch.at_rest(self._session.device_time_s())
         if rests is not None:
@@ -76,7 +77,7 @@ class Poller:
             if why is not None and watch.under_way is rests[0]:
                 watch.end(*why)
 
-    async def _why(self, calls: Calls, motion: UnderWay, rest: Look) -> tuple[StopReason, str] | None:
+    async def _why(self, calls: Calls, motion: UnderWay, rest: MotionReading) -> tuple[StopReason, str] | None:
         """Why the motor rests; None where it only pauses."""
         if (await calls.do(Request(self._link.address, Opcode.RFS, STATUS))).value:
             return None

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...links.tmcl import FRAME_BYTES
 from ...registers.model import Register
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.prediction import wrapped
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import FloatArray, SamplePlan, Taken
@@ -203,10 +203,10 @@ class ModuleTelemetry(RowTelemetry):
         return seen
 
     def _watch_rows(self, times_s: FloatArray, position: FloatArray, speed: FloatArray, reached: FloatArray) -> None:
-        """Looks out of telemetry: all of them while a motion is under way, else only those that see one."""
+        """Polls out of telemetry: all of them while a motion is under way, else only those that see one."""
         known = np.isfinite(position) & np.isfinite(speed) & np.isfinite(reached)
         spread_s = self._sampler.row_spread_s()
         for row in np.flatnonzero(known & (speed != 0) if self._ongoing.watch.under_way is None else known):
             self._ongoing.watch.look(
-                Look(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached[row])), spread_s
+                MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached[row])), spread_s
             )

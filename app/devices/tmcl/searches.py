@@ -9,7 +9,7 @@ from ...errors import WrongState
 from ...links.tmcl import Request
 from ...registers.tmcl.commands import Opcode
 from ..core.events import MotionStarted
-from ..core.motion_watch import Look
+from ..core.motion_watch import MotionReading
 from ..core.session import Session
 from ..core.tmcl_frames import START, STATUS
 from ..core.tmcl_link import TmclLink
@@ -95,7 +95,7 @@ class Searches:
             speed = calls.need(self._state.roles.actual_speed, told_speed)
             time_s = calls.time_s
         self._ongoing.watch.look(
-            Look(time_s, position, speed, self._ongoing.reached(told, position)), self._link.poll_spread_s
+            MotionReading(time_s, position, speed, self._ongoing.reached(told, position)), self._link.poll_spread_s
         )
         return SearchState(
             running, time_s, position, speed * self._state.speed_unit_pps, bool(left), bool(right), bool(home)

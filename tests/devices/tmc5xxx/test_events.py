@@ -134,17 +134,17 @@ async def test_a_reset_while_we_know_the_chip_is_seen_and_forgets_its_setting(mo
     async with bench(model) as b:
         await b.device.motion.move(0, 50_000)
         await passes(b, 0.5)
-        assert (await b.device.counter.look(0)).reset_seen is True  # that of power-on
-        assert (await b.device.counter.look(0)).reset_seen is False
+        assert (await b.device.counter.poll(0)).reset_seen is True  # that of power-on
+        assert (await b.device.counter.poll(0)).reset_seen is False
         b.patch(Tmc5xxxPatch(power_cycle=True))
         await passes(b, 0.5)
         assert b.event_names().count("reset") == 2
         assert b.device.motion.prediction(0) is None
         end = b.device.monitor.motion_ends(0)[-1]
         assert (end.reason, end.detail) == ("unknown", "the chip was reset while it moved")
-        look = await b.device.counter.look(0)
+        look = await b.device.counter.poll(0)
         assert (look.count, look.reset_seen) == (0, True)
-        assert (await b.device.counter.look(0)).reset_seen is False
+        assert (await b.device.counter.poll(0)).reset_seen is False
         assert b.ramp(0).words["VMAX"] == 0
         await b.device.registers.write("VMAX", 0, 50_000)
         for name in ("AMAX", "DMAX", "D1"):
@@ -158,12 +158,12 @@ async def test_a_reset_while_we_know_the_chip_is_seen_and_forgets_its_setting(mo
 
 async def test_a_look_at_one_axis_does_not_take_the_reset_from_the_other() -> None:
     async with bench("tmc5062") as b:
-        assert (await b.device.counter.look(0)).reset_seen is True
-        assert (await b.device.counter.look(1)).reset_seen is True
+        assert (await b.device.counter.poll(0)).reset_seen is True
+        assert (await b.device.counter.poll(1)).reset_seen is True
         b.patch(Tmc5xxxPatch(power_cycle=True))
-        assert (await b.device.counter.look(1)).reset_seen is True
-        assert (await b.device.counter.look(0)).reset_seen is True
-        assert (await b.device.counter.look(0)).reset_seen is False
+        assert (await b.device.counter.poll(1)).reset_seen is True
+        assert (await b.device.counter.poll(0)).reset_seen is True
+        assert (await b.device.counter.poll(0)).reset_seen is False
 
 
 async def test_what_was_set_before_a_connection_is_not_known_and_said_so() -> None:

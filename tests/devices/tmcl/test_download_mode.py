@@ -34,7 +34,7 @@ OURS: dict[str, Callable[[Bench], Coroutine[Any, Any, object]]] = {
     "read all": lambda made: made.device.registers.read_all(),
     "refresh": lambda made: made.device.identity.refresh(),
     "probe": lambda made: made.device.identity.probe(),
-    "look": lambda made: made.device.counter.look(0),
+    "look": lambda made: made.device.counter.poll(0),
     "write": lambda made: made.device.registers.write("ap4", 0, 1000),
     "write moving": lambda made: made.device.registers.write("ap0", 0, 1000),
     "batch": lambda made: raising(made.device.registers.write_many([WriteItem("ap4", 0, 1000)])),

@@ -14,7 +14,7 @@ SLACK = 1 + 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class AxisReading:
     """An axis right now: counter [microsteps], velocity [pps], acceleration [pps^2].
 
     target : where it positions to; None while it turns, or where nobody knows
@@ -113,11 +113,11 @@ class Rules(ABC):
     # --- the watch ------------------------------------------------------------------------------
 
     @abstractmethod
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         """The axis now. Raises BenchError."""
 
     @abstractmethod
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         """How far the axis runs on after a stop by its ramp [microsteps]; None where nobody knows."""
 
     def acceleration_pps2(self, axis: int, view: View) -> float | None:

@@ -13,7 +13,7 @@ from ....registers.model import Register
 from ...core.axis_limits import AxisLimits
 from ...core.limit_rules.chip_rules import ChipRules
 from ...core.limit_rules.quantities import Motion, PositionRegister, Quantity, QuantityKind, View, position_of
-from ...core.limit_rules.rules import Look
+from ...core.limit_rules.rules import AxisReading
 from ...core.register_file import RegisterFile
 from .ongoing import ChipMotions
 from .state import ChipState
@@ -80,13 +80,13 @@ class ListedChipRules(ChipRules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> Look:
+    async def look(self, axis: int) -> AxisReading:
         link = self._registers.link
         async with link.turn() as turn:
             look = await self._motions.look(link.io(turn), self._state.ramps[axis])
-        return Look(look.position, float(look.speed), target=look.target if look.mode == POSITION else None)
+        return AxisReading(look.position, float(look.speed), target=look.target if look.mode == POSITION else None)
 
-    def braking(self, axis: int, look: Look, view: View) -> float | None:
+    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
         word = self._state.wanted(self._state.ramps[axis].acceleration)
         return look.velocity_pps**2 / (2 * word) if word else None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....links.queue import Priority
 from ....registers.listed.ramp import BACKWARD, FORWARD, HOLD, POSITION
 from ...core.capabilities import AxisMonitor, PositionCounter
-from ...core.counter import CounterLook
+from ...core.counter import CounterReading
 from ...core.register_link import RegisterLink
 from ...core.results import AxisState, MotionEnd, Switches
 from ...core.session import Session
@@ -71,14 +71,14 @@ class ChipCounter(PositionCounter):
         self._link = link
         self._state = state
 
-    async def look(self, axis: int) -> CounterLook:
+    async def poll(self, axis: int) -> CounterReading:
         ramp = self._state.ramps[self._session.axis(axis).index]
         self._session.require_connected()
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             count, asked_at_s = await io.value(ramp.position), io.asked_s
         self._session.saw_position(axis, count, asked_at_s)
-        return CounterLook(count, asked_at_s, None)
+        return CounterReading(count, asked_at_s, None)
 
     def counter_bits(self, axis: int) -> int | None:
         return self._state.ramps[self._session.axis(axis).index].position.width

@@ -9,7 +9,7 @@ from ....links.queue import Priority
 from ....registers.listed.ramp import HOLD, POSITION, Ramp
 from ....registers.model import Register
 from ...core.background_tasks import BackgroundTasks
-from ...core.motion_watch import Look, MotionWatch
+from ...core.motion_watch import MotionReading, MotionWatch
 from ...core.polling import Poller
 from ...core.register_io import RegisterIO, Snapshot
 from ...core.register_link import RegisterLink
@@ -19,7 +19,7 @@ from .state import ChipState
 
 
 @dataclass(frozen=True, slots=True)
-class AxisLook:
+class RampReading:
     """One axis as its ramp generator tells, in its own numbers."""
 
     time_s: float
@@ -69,7 +69,7 @@ class ChipMotions:
                 if watch.under_way is not None:
                     watch.end("lost_link", f"the link failed while it moved; what it did then is not known: {problem}")
 
-    async def look(self, io: RegisterIO, ramp: Ramp) -> AxisLook:
+    async def look(self, io: RegisterIO, ramp: Ramp) -> RampReading:
         """Read what tells how an axis is, in one turn, and heed it. Raises LinkError."""
         state = self._state
         asked = [ramp.mode.register, ramp.target, ramp.max_speed, ramp.acceleration, ramp.speed, ramp.position]
@@ -79,16 +79,16 @@ class ChipMotions:
             state.saw(row, held.word(row))
         self._session.saw_position(ramp.axis, held.value(ramp.position), io.asked_s)
         look = self._told(held, ramp, io.time_s)
-        seen = Look(look.time_s, look.position, look.speed or int(look.moves), look.reached)
+        seen = MotionReading(look.time_s, look.position, look.speed or int(look.moves), look.reached)
         self.watches[ramp.axis].look(seen, io.time_s - io.asked_s)
         return look
 
-    def _told(self, held: Snapshot, ramp: Ramp, time_s: float) -> AxisLook:
+    def _told(self, held: Snapshot, ramp: Ramp, time_s: float) -> RampReading:
         mode = ramp.mode.unpack(held.word(ramp.mode.register))
         position, speed, target = (held.value(row) for row in (ramp.position, ramp.speed, ramp.target))
         able = all(self._state.word(row) != 0 for row in (ramp.max_speed, ramp.acceleration))
         going = mode != HOLD and (mode != POSITION or position != target)
-        return AxisLook(time_s, mode, position, speed, target, bool(speed) or (going and able))
+        return RampReading(time_s, mode, position, speed, target, bool(speed) or (going and able))
 
     # --- polling --------------------------------------------------------------------------------
 

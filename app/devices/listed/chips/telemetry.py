@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ....registers.model import Field, Register
-from ...core.motion_watch import Look
+from ...core.motion_watch import MotionReading
 from ...core.register_link import RegisterLink
 from ...core.register_samples import Asked, field, number, words_plan
 from ...core.row_telemetry import RowTelemetry
@@ -74,12 +74,12 @@ class ChipTelemetry(RowTelemetry):
         return seen
 
     def _watch_rows(self, axis: int, times_s: FloatArray, position: FloatArray, speed: FloatArray) -> None:
-        """Looks out of telemetry: all of them while a motion is under way, else only those that see one."""
+        """Polls out of telemetry: all of them while a motion is under way, else only those that see one."""
         watch = self._motions.watches[axis]
         for row in np.flatnonzero(speed != 0) if watch.under_way is None else range(len(times_s)):
             target = None if watch.under_way is None else watch.under_way.target
             reached = target is not None and speed[row] == 0 and position[row] == target
-            watch.look(Look(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)))
+            watch.look(MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)))
 
 
 def _speed_of(asked: Asked, row: Register) -> Callable[[FloatArray, IntArray, IntArray], FloatArray] | None:
