@@ -31,7 +31,7 @@ def main() -> None:
 
 @contextmanager
 def _told() -> Iterator[None]:
-    """What somebody can put right is a line on the terminal and exit code 1, not a traceback."""
+    """What the user can put right is a line on the terminal and exit code 1, not a traceback."""
     try:
         yield
     except (OSError, BenchError, ValueError) as error:  # ValueError: pydantic's too, of options and variables
@@ -192,7 +192,7 @@ def emulate(
 
 
 def _refuse(options: dict[str, object], model: str) -> None:
-    """Raises ValueError for an option that somebody gave and `model` has no use for."""
+    """Raises ValueError for an option that the user gave and `model` has no use for."""
     for name, value in options.items():
         if value is not None:
             raise ValueError(f"--{name.replace('_', '-')} is not for a {model}")

@@ -91,7 +91,7 @@ class OutOfRange(UsageError):
 
 
 def _plain(limit: float | None) -> str:
-    """A limit as somebody would type it: whole numbers in full."""
+    """A limit as a user would type it: whole numbers in full."""
     if limit is None:
         return ""
     return str(limit) if isinstance(limit, int) else plain(limit, 10)

@@ -1,4 +1,4 @@
-"""How messages write a number: as somebody would type it, never with an exponent that hides what it is."""
+"""How messages write a number: as a user would type it, never with an exponent that hides what it is."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from .records import record
 
 @dataclass(frozen=True, slots=True)
 class AuditEntry:
-    """One thing that somebody did, or was refused."""
+    """One thing that a user did, or was refused."""
 
     id: int
     time: str

@@ -142,7 +142,7 @@ class Observer:
         return self._unix_s() - (self.device.device_time_s() - self.tracker.asked_s)
 
     def _commanded(self, event: MotionCommanded) -> None:
-        """Somebody commanded the axis."""
+        """The axis was commanded."""
 
     def _lost_sight(self, why: str) -> None:
         """The axis cannot be looked at any more."""

@@ -43,7 +43,7 @@ CHIPS_32 = {name: model for name, model in MODELS.items() if model.datagram_bits
 
 
 def find_model(name: str) -> Model:
-    """The model that somebody calls `name`. Raises UnknownThing, with what to install where that may be the cure;
+    """The model that the user calls `name`. Raises UnknownThing, with what to install where that may be the cure;
     UsageError for one that is listed and cannot be read."""
     try:
         return MODELS[name]

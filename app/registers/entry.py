@@ -67,7 +67,7 @@ class Model:
     """How that board leads to it."""
     tier: Tier = "full"
     """How deep it is known: with calculators and a physical emulator, by the names of its parameters alone,
-    or by a register map that somebody brought along."""
+    or by a register map that the user brought along."""
     nodes: int = 0
     """How many addresses its UART has, from 0 on; 0: as many as a datagram can say."""
     version: int | None = None

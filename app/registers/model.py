@@ -211,7 +211,7 @@ class Register(Bits):
     stored: Stored = ""
     """Whether EEPROM keeps it: "auto" as it is written, "on request" by a command of its own; empty: it does not."""
     read_clears: bool = False
-    """Reading it changes it, so only somebody who asks for it by name may."""
+    """Reading it changes it, so only a caller that asks for it by name may."""
     untold: frozenset[Untold] = frozenset()
     """What no source tells of it: where the width is not told, it is that of the datagram."""
     internal_range: tuple[int, int] | None = None

@@ -20,7 +20,7 @@ LONG = {"who": 100, "address": 60, "device": 80, "action": 60, "subject": 200, "
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that somebody did, or was refused.
+    """One thing that a user did, or was refused.
 
     at_unix_s : Unix time [s]. action : as people say it, "write", "move", "add device"... subject : what it was done
     to, a register by its name. old, new : values where there are any. outcome : "done", "done: note",

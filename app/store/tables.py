@@ -17,7 +17,7 @@ class Base(DeclarativeBase):
 
 
 class AuditRow(Base):
-    """One thing that somebody did, or was refused."""
+    """One thing that a user did, or was refused."""
 
     __tablename__ = "audit"
     __table_args__ = (

@@ -147,7 +147,7 @@ class LatchedPosition(Answer):
 
 
 class ExtendedHistory(Answer):
-    """Polls, oldest first; where nothing changed only the first and the last of them. Old ones are thinned out."""
+    """Looks, oldest first; where nothing changed only the first and the last of them. Old ones are thinned out."""
 
     time_s: list[float] = Field(description="device time [s]")
     position: list[int]

@@ -1,4 +1,4 @@
-"""What interpreters of programs do, looked at for as long as somebody wants to know: once for all readers of a device.
+"""What interpreters of programs do, looked at for as long as a reader wants to know: once for all readers of a device.
 
 Nobody is asked while nobody listens. Looks have the priority of samples, so that commands and stops go before them; in
 download mode, and while a device is not connected, none goes out.

@@ -1,4 +1,4 @@
-"""What a driver chain is made of: the drivers as somebody names them, the bits as the chip sends them."""
+"""What a driver chain is made of: the drivers as the user names them, the bits as the chip sends them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A velocity over time that somebody has drawn: what it asks for, and the points that are sent for it."""
+"""A velocity over time that a user has drawn: what it asks for, and the points that are sent for it."""
 
 from __future__ import annotations
 

@@ -263,7 +263,7 @@ class Units:
 
 
 def _number(value: float) -> str:
-    """Short, but exact to a thousandth: limits are compared with what somebody typed."""
+    """Short, but exact to a thousandth: limits are compared with what a user typed."""
     if not math.isfinite(value):
         return f"{value}"
     if abs(value) >= 1e12:

@@ -1,4 +1,4 @@
-"""What somebody does on his own, a driver or a watch: tasks that end with their owner."""
+"""Background tasks of a driver or a watch: they end with their owner."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Register writes that somebody asked for, as events: by name, field, batch, table, profile or raw frame.
+"""Register writes that a caller asked for, as events: by name, field, batch, table, profile or raw frame.
 
 What a move writes on its own account is none of them: that is the move, and `MotionCommanded` tells of it.
 """

@@ -1,4 +1,4 @@
-"""Single frames as somebody sends them by hand, and what they did to what we know.
+"""Single frames as a user sends them by hand, and what they did to what we know.
 
 A reply to a 40-bit datagram belongs to the datagram before, so the answer to a read comes with the next one: `_behind`
 says which one may follow, and `decoded` has the answer. Through an evaluation board a register is one TMCL command,

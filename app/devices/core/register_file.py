@@ -37,7 +37,7 @@ class RegisterRules(Protocol):
         """The chip was seen to hold `word`."""
 
     def sent(self, register: Register, word: int) -> None:
-        """`word` went out to `register` by somebody's hand."""
+        """`word` was sent to `register` by the user."""
 
     def shown(self, register: Register, word: int) -> int:
         """What the user gets to see where the chip holds `word`."""
@@ -45,7 +45,7 @@ class RegisterRules(Protocol):
         return word
 
     def delivered(self, register: Register) -> None:
-        """Somebody has asked for this register by its name, and gets it."""
+        """A caller has asked for this register by its name, and gets it."""
         del register
 
     async def read_alone(self, register: Register) -> int | None:

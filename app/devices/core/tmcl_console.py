@@ -1,4 +1,4 @@
-"""TMCL commands as somebody sends them by hand: which are never sent, and what an exchange comes to, in words."""
+"""TMCL commands as a user sends them by hand: which are never sent, and what an exchange comes to, in words."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def raw_exchange_of(request: Request, frame: bytes, reply: bytes, took_ms: float
 
 
 class Sender(Protocol):
-    """Sends what somebody asks for by hand, once, and knows what it may set in motion."""
+    """Sends what a user asks for by hand, once, and knows what it may set in motion."""
 
     async def send(self, request: Request, frame: bytes) -> tuple[bytes, float]:
         """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""

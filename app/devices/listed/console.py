@@ -1,4 +1,4 @@
-"""Commands that somebody sends by hand. What they may set in motion is known."""
+"""Commands that a user sends by hand. What they may set in motion is known."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ class ListedMotions:
                     continue
 
     async def _poll(self, index: int) -> None:
-        """Ask once, unless somebody has just asked; where the axis rests for a while, its motion has ended."""
+        """Ask once, unless a caller has just asked; where the axis rests for a while, its motion has ended."""
         watch = self.axes[index].watch
         if self._session.device_time_s() - watch.looked_s > POLL_S * self._session.time_scale:
             async with self._link.calls(priority=Priority.SAMPLE) as calls:

@@ -50,7 +50,7 @@ class AxisRoles:
 
 
 class ListedState:
-    """What is known of one module. Nothing here asks it anything: every answer that somebody gets is told to `saw`."""
+    """What is known of one module. Nothing here asks it anything: every answer that a caller gets is told to `saw`."""
 
     unit_mode = None
     """The package does not tell what speeds count in."""

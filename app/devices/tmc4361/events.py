@@ -97,7 +97,7 @@ class Events(EventLog, LatchedFlags):
         return held
 
     async def read_by_name(self) -> int:
-        """EVENTS for somebody who wants to read it, and so to clear it. Never asked twice: the answer may be all that
+        """EVENTS for a caller that wants to read it, and so to clear it. Never asked twice: the answer may be all that
         was lost."""
         async with self._link.turn() as turn:
             io = self._link.io(turn)
@@ -129,7 +129,7 @@ class Events(EventLog, LatchedFlags):
     # --- what was seen --------------------------------------------------------------------------
 
     def saw(self, register: Register, word: int) -> None:
-        """A word was seen in the chip, or went out to it by somebody's hand."""
+        """A word was seen in the chip, or was sent to it by the user."""
         if register is roles.EVENT_CLEAR_CONF:
             self._kept = word
 

@@ -63,7 +63,7 @@ class ChipMemory:
             self.saw(register, held.word(register))
 
     def sent(self, register: Register, word: int) -> None:
-        """`word` went out by somebody's hand."""
+        """`word` was sent by the user."""
         if not register.access.readable:
             self._unread[register.address] = word
             self._words.pop(register.address, None)  # ENC_CONST follows from ENC_IN_RES

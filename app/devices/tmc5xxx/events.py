@@ -138,7 +138,7 @@ class Events(EventLog):
     # --- by hand --------------------------------------------------------------------------------
 
     def read_by_hand(self, register: Register, word: int, time_s: float) -> None:
-        """Somebody has read a register that reading clears: the events are told all the same."""
+        """A caller has read a register that reading clears: the events are told all the same."""
         if register is self._chip.gstat:
             self.saw(Snapshot((register,), (word,)), time_s)
         for axis, rows in enumerate(self._chip.axes):

@@ -89,7 +89,7 @@ class ChipMemory:
     # --- what was written -----------------------------------------------------------------------
 
     def sent(self, register: Register, word: int) -> None:
-        """`word` went out by somebody's hand."""
+        """`word` was sent by the user."""
         if not self._seen(register):
             self._unread[register.address] = word
             self._overwritten.pop(register.address, None)

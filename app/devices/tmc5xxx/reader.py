@@ -79,7 +79,7 @@ class ChipReader:
         return not r.part(sw_mode_row, "sg_stop").unpack(sw_mode) or self._setting.goes_nowhere(axis)
 
     async def read_alone(self, register: Register) -> int | None:
-        """A register that reading clears, for somebody who wants that; None for all others."""
+        """A register that reading clears, for a caller that wants that; None for all others."""
         if not register.read_clears:
             return None
         # Never asked twice: the answer may be all that was lost.

@@ -92,7 +92,7 @@ class AxisRoles:
     """None where the chip has no encoder input."""
     enc_const = row_named_if_any("ENC_CONST")
     encoder_mode = row_named_if_any("ENCMODE")
-    """Not asked for by the driver itself: kept in mind where somebody reads or writes it."""
+    """Not asked for by the driver itself: kept in mind where a caller reads or writes it."""
 
     @cached_property
     def mslut(self) -> tuple[Register, ...]:

@@ -69,7 +69,7 @@ class BorrowedAcceleration:
                 await self.give_back(calls)
 
     def forget(self) -> None:
-        """Somebody has written the acceleration, and wants it so now."""
+        """The user has written the acceleration, and wants it so now."""
         self._own = None
 
     async def _settle(self) -> None:

@@ -51,7 +51,7 @@ class Parameters(Registers):
         return self._state.find(name, axis)[0].read_clears
 
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
-        """Every parameter but those that a read would clear: these only somebody who asks for them by name gets."""
+        """Every parameter but those that a read would clear: these only a caller gets that asks for them by name."""
         if axis is not None:
             self._session.axis(axis)
         self._session.require_connected()

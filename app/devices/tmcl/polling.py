@@ -55,7 +55,7 @@ class Poller:
                 continue
 
     async def poll(self) -> None:
-        """Ask once, unless somebody has just asked; of a motor that rests for a while, ask why. Raises BenchError."""
+        """Ask once, unless a caller has just asked; of a motor that rests for a while, ask why. Raises BenchError."""
         watch = self._ongoing.watch
         # Telemetry that asks for the same looks often enough: one set of questions is enough for both.
         if self._session.device_time_s() - watch.looked_s > POLL_S * self._session.time_scale:

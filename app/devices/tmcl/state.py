@@ -20,7 +20,7 @@ from .units import SCALINGS
 
 
 class ModuleState:
-    """What is known of one module. Nothing here asks it anything: every answer that somebody gets is told to `saw`."""
+    """What is known of one module. Nothing here asks it anything: every answer that a caller gets is told to `saw`."""
 
     def __init__(self, session: Session) -> None:
         self._session = session

@@ -81,7 +81,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
     @property
     @abstractmethod
     def _quiet(self) -> bool:
-        """Whether nothing will happen until somebody writes, so that any time is passed over at once."""
+        """Whether nothing will happen until a write, so that any time is passed over at once."""
 
     def _run_until(self, at_s: float | None) -> None:
         """Run to `at_s` [s], by default now, or as far as `pace` lets it. The lock is held."""

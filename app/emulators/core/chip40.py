@@ -21,7 +21,7 @@ class Chip40(Protocol):
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes."""
+        """Nothing happens until a register is written."""
         ...
 
     def advance(self, clock: int) -> None:

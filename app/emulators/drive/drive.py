@@ -575,7 +575,7 @@ class Drive:
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes or changes the world."""
+        """Nothing happens until a register is written or changes the world."""
         return bool(self._s[k.QUIET])
 
     @property

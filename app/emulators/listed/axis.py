@@ -47,7 +47,7 @@ class Axis:
 
     @property
     def rests(self) -> bool:
-        """Whether it stays as it is until somebody writes."""
+        """Whether it stays as it is until it is written to."""
         if self.speed:
             return False
         if self.positioning:

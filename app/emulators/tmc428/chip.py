@@ -98,7 +98,7 @@ class Chip(ABC):
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes."""
+        """Nothing happens until a register is written."""
         if self.powered_down:
             return True
         chip, axes = self.chip, self.axes

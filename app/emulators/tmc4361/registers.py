@@ -128,7 +128,7 @@ class Chip:
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes."""
+        """Nothing happens until a register is written."""
         return bool(self.s[c.IDLE]) and self.s[c.WAKE] == c.NEVER
 
     def settle(self, ramp: bool = False) -> None:

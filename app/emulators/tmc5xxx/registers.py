@@ -65,7 +65,7 @@ class Chip:
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes."""
+        """Nothing happens until a register is written."""
         return all(axis.drive.quiet for axis in self.axes)
 
     # --- the buses -------------------------------------------------------------------------------

@@ -67,7 +67,7 @@ class Chip:
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until somebody writes."""
+        """Nothing happens until a register is written."""
         return self.drive.quiet
 
     # --- the buses -------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ class ChipState:
         self._sent: dict[int, int] = {}
         """Words that went out, by address, of registers that no reading has shown since."""
         self._by_hand: dict[int, int] = {}
-        """Words that somebody has written, by address, and nobody has read since."""
+        """Words that a caller has written, by address, and nobody has read since."""
         self._reads_as: dict[int, int] = {}
         """What a register that hides what was written reads as."""
         self._taken: set[int] = set()
@@ -68,7 +68,7 @@ class ChipState:
             self._session.limiter.saw(address, self._sent.get(address, word), register.width)
 
     def sent(self, register: Register, word: int) -> None:
-        """`word` went out by somebody's hand."""
+        """`word` was sent by the user."""
         self._sent[register.address] = word
         self._by_hand[register.address] = word & register.mask
         self._wanted.pop(register.address, None)
