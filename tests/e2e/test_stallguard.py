@@ -44,6 +44,21 @@ def shown(page: Page, test_id: str) -> float:
     return float(text) if re.fullmatch(r"[\d.]+", text) else float("nan")
 
 
+def settled(page: Page) -> float:
+    """The load value shown at speed, once it rises no more from 50 samples to the next 50."""
+    latest = 0.0
+
+    def rests() -> bool:
+        nonlocal latest
+        before, have = latest, samples(page)
+        wait_for(lambda: samples(page) >= have + 50, "further samples")
+        latest = shown(page, "load")
+        return latest > 150 and abs(latest - before) < 0.03 * latest
+
+    wait_for(rests, "a load value that rests")
+    return latest
+
+
 def sweep_of(page: Page, *, speeds: int, each_s: float) -> None:
     for label, value in (("From rpm", 60), ("To rpm", 180), ("Speeds", speeds), ("Each for s", each_s)):
         field = page.get_by_label(label, exact=True)
@@ -182,8 +197,7 @@ def test_a_threshold_is_dragged_in_the_plot(load: Page, motor: Motor) -> None:
 def test_load_lowers_the_value_and_a_stall_is_told(load: Page, motor: Motor) -> None:
     motor.rotate(2)
     wait_for(lambda: motor.axis()["velocity_pps"] >= 2 * 0.99 * TURN, "at its speed")
-    wait_for(lambda: shown(load, "load") > 150, "a load value at speed")
-    free = shown(load, "load")
+    free = settled(load)
     motor.write("stop_on_stall", 50_000)
     motor.world(load_torque_nm=0.1)
     try:
