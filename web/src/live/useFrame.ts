@@ -2,6 +2,8 @@ import { useEffect, useRef } from "react";
 
 /** Who asked the system for less motion sees pictures step that often instead of rolling [ms]. */
 const STEP_MS = 100;
+/** How long after it is asked for a frame comes at the most, on a usual screen [ms]. */
+const FRAME_MS = 16;
 
 /**
  * Calls `draw` in every animation frame for as long as the component lives; ten times a second where the system asks
@@ -19,17 +21,17 @@ export function useFrame(draw: (nowMs: number) => void): void {
   }, []);
 }
 
-/** Calls `draw` in an animation frame, and again `pauseMs()` after each, until the answer is called. */
-export function repeatFrames(draw: (nowMs: number) => void, pauseMs: () => number): () => void {
+/** Calls `draw` in an animation frame every `periodMs()`, in each at 0, until the answer is called. */
+export function repeatFrames(draw: (nowMs: number) => void, periodMs: () => number): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let request = 0;
   const ask = () => {
     request = requestAnimationFrame(frame);
   };
   const frame = (nowMs: number) => {
-    const pause = pauseMs();
-    if (pause === 0) ask();
-    else timer = setTimeout(ask, pause);
+    const period = periodMs();
+    if (period === 0) ask();
+    else timer = setTimeout(ask, period - FRAME_MS);
     draw(nowMs);
   };
   ask();

@@ -5,7 +5,7 @@ import { familyOf } from "../../../families/families";
 
 /** Calls the present position zero; the motor does not move. */
 export async function setZero({ device, axis }: AxisAddress, of: Device): Promise<void> {
-  // Not by the newest sample, which may be older than what somebody has seen.
+  // Not by the newest sample, which may be older than what the user has seen.
   const { moving } = await api.GET("/api/v1/devices/{device}/axes/{axis}", { path: { device, axis } });
   if (moving)
     throw new ApiError({
