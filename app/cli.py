@@ -100,13 +100,16 @@ def serve(
     }
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
-        gc.disable()  # it looks through what modules make for 0.4 s, and finds nothing; `serving` puts it on again
-        from . import serving
+        gc.disable()  # it looks through what modules make for 0.4 s, and finds nothing; a ready server has it on
+        try:
+            from . import serving
 
-        if reload:
-            serving.serve_with_reload(settings, os.environ)
-        else:
-            serving.serve(settings, announce=typer.echo)
+            if reload:
+                serving.serve_with_reload(settings, os.environ)
+            else:
+                serving.serve(settings, announce=typer.echo)
+        finally:
+            gc.enable()
 
 
 @cli.command()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import socket
@@ -42,6 +43,7 @@ def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
     assert result.exit_code == 1
     assert f"port {port}" in result.output
     assert "--port" in result.output
+    assert gc.isenabled(), "a start that is refused leaves the garbage collector as it was"
 
 
 def test_a_directory_that_another_server_has_is_told_and_what_to_do(tmp_path: Path) -> None:
