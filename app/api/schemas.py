@@ -70,7 +70,7 @@ class Condition(Answer):
 
 
 class GroundTruth(Answer):
-    """Emulated axes alone: what is really so, from the emulator's own world and not from the driver."""
+    """Emulated axes alone: the emulator's ground truth, not what the driver reads."""
 
     summary: str
     lost_steps: float | None = Field(description="since power-on, whole electrical turns [microsteps]")

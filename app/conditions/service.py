@@ -21,8 +21,8 @@ from ..devices.core.signs import EncoderSeen, Evidence, Sign, Signs
 from ..errors import BenchError
 from ..links.queue import Priority, SampleDropped
 from .encoder_trace import EncoderTrace
+from .ground_truth import AxisGroundTruth, ground_truth_of
 from .judge import Condition, Seen, Thresholds, WrongResolution, judge
-from .truth import Truth, truth_of
 
 log = logging.getLogger("stepscope.conditions")
 
@@ -53,11 +53,11 @@ MICROSTEPS = 256
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """How one axis stands. `referenced` is None where nobody knows; `truth` is there for emulators alone."""
+    """How one axis stands. `referenced` is None where nobody knows; `ground_truth` is there for emulators alone."""
 
     condition: Condition
     referenced: bool | None = None
-    truth: Truth | None = None
+    ground_truth: AxisGroundTruth | None = None
 
 
 @dataclass(slots=True)
@@ -306,7 +306,7 @@ class ConditionService:
         now_s = device.device_time_s() if state is None else state.time_s
         before = known.standing
         since_s = now_s if before is None or before.condition.kind != condition.kind else before.condition.since_s
-        standing = Standing(replace(condition, since_s=since_s), known.referenced, truth_of(device, axis))
+        standing = Standing(replace(condition, since_s=since_s), known.referenced, ground_truth_of(device, axis))
         known.standing = standing
         if before is None or _said(before) != _said(standing):
             self._tell(device.id, axis, standing)
@@ -383,7 +383,7 @@ class ConditionService:
 def _said(standing: Standing) -> tuple[object, ...]:
     """What is news where it differs; figures among the evidence are not, nor when they were seen."""
     condition = standing.condition
-    return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.truth
+    return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.ground_truth
 
 
 def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> WrongResolution | None:

@@ -21,7 +21,7 @@ from .drive.documents import (
     forced,
 )
 from .drive.options import FullSteps, LoadOptions, MotorOptions
-from .drive.world import World
+from .drive.plant import Plant
 
 Rigid = Literal["rigid"]
 NoiseSeed = Annotated[
@@ -72,18 +72,18 @@ def require_physics(rigid: bool, wanted: LoadChange) -> None:
         raise WrongState("the motor is rigid", "make the emulator with a motor that has physics")
 
 
-def change_load(world: World, wanted: LoadChange) -> None:
+def change_load(plant: Plant, wanted: LoadChange) -> None:
     """Motor and load; it has been checked."""
-    change_motor(world, wanted.motor)
+    change_motor(plant, wanted.motor)
     if wanted.load_torque_nm is not None:
-        world.load_torque_nm = wanted.load_torque_nm
+        plant.load_torque_nm = wanted.load_torque_nm
     if wanted.friction is not None:
-        world.extra_friction_nm = wanted.friction
+        plant.extra_friction_nm = wanted.friction
     if wanted.blocked is not None:
-        world.blocked = wanted.blocked
+        plant.blocked = wanted.blocked
 
 
-def force_switches(world: World, wanted: Closed) -> None:
+def force_switches(plant: Plant, wanted: Closed) -> None:
     """Those that `wanted`, a document with a field a switch, names."""
     for name, level in wanted.model_dump(exclude_none=True).items():
-        setattr(world, f"force_{name}", forced(level))
+        setattr(plant, f"force_{name}", forced(level))

@@ -20,7 +20,7 @@ from ..devices.core.results import ProgramState
 from ..devices.manager import DeviceManager
 from ..emulators.build import build_emulator, options_of
 from ..emulators.core.family import Emulator
-from ..emulators.core.ground_truth import ProgramTruth
+from ..emulators.core.ground_truth import ProgramGroundTruth
 from ..links.emulator import EmulatorPort
 from ..links.port import FramePort
 from ..links.registry import Link
@@ -42,7 +42,7 @@ class Outcome:
 
     ended: Literal["stopped", "time", "work"] = "time"
     state: ProgramState | None = None
-    truth: ProgramTruth | None = None
+    ground_truth: ProgramGroundTruth | None = None
     time_s: list[float] = field(default_factory=list)
     """From the start of the program [s]."""
     position: list[int] = field(default_factory=list)
@@ -112,7 +112,7 @@ class Trial:
             made.state = await program.program_state(VARIABLES)
             port = device.session.port
             assert isinstance(port, EmulatorPort)
-            made.truth = cast("Emulator", port.wire).ground_truth(0, port.last_exchange_s).program
+            made.ground_truth = cast("Emulator", port.wire).ground_truth(0, port.last_exchange_s).program
             return made
 
 

@@ -1,6 +1,6 @@
 """What differs between a profile and a device, or between two profiles: by register, field, table and mechanics.
 
-Each difference has both numbers as the chip has them and, where they mean something in the world, in its units, each
+Each difference has both numbers as the chip has them and, where they mean something physical, in its units, each
 side by its own clock, dividers and mechanics: the same V_MAX may be another speed.
 """
 
@@ -18,7 +18,7 @@ from .capture import Held, axis_part, read_held
 from .document import AxisPart, ProfileDocument
 from .errors import ProfileMisfit
 from .items import Item, Key, items_of
-from .physical import Physical, World
+from .physical import Physical, UnitContext
 from .words import Want, wants_of
 
 CLOCK_TOLERANCE = 0.005
@@ -94,7 +94,7 @@ class Side:
     """One side of a comparison."""
 
     title: str
-    world: World
+    units: UnitContext
     firmware: str = ""
 
 
@@ -147,17 +147,19 @@ async def diff(device: Device, document: ProfileDocument) -> Diff:
 def difference_of(device: Device, held: Held, document: ProfileDocument, wants: Mapping[Key, Want]) -> Diff:
     """The same of what was read already."""
     names = _apart((device.name, "as it is"), (document.name or "the profile", "profile"))
-    left = Side(names[0], world_of_device(device, held), device.configuration.firmware)
-    right = Side(names[1], world_of_document(document, wants, held), document.firmware)
+    left = Side(names[0], units_of_device(device, held), device.configuration.firmware)
+    right = Side(names[1], units_of_document(document, wants, held), document.firmware)
     found = list(_registers(left, right, held.words, wants))
     axes = [axis_part(axis.settings) for axis in device.axes]
     settings = [*_axes(axes, document.axes, against_device=True)]
     return _diff(left, right, document.model, found, settings, len(wants))
 
 
-def world_of_device(device: Device, held: Held) -> World:
-    """What a device counts in."""
-    return World(device.model, device.clock_hz, tuple(axis_part(axis.settings) for axis in device.axes), held.words)
+def units_of_device(device: Device, held: Held) -> UnitContext:
+    """What converts the registers of a device to physical units."""
+    return UnitContext(
+        device.model, device.clock_hz, tuple(axis_part(axis.settings) for axis in device.axes), held.words
+    )
 
 
 # --- two documents ----------------------------------------------------------------------------------
@@ -171,8 +173,8 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
         )
     ours, theirs = wants_of(left), wants_of(right)
     names = _apart((left.name or "the first", "first"), (right.name or "the second", "second"))
-    one = Side(names[0], world_of_document(left, ours), left.firmware)
-    other = Side(names[1], world_of_document(right, theirs), right.firmware)
+    one = Side(names[0], units_of_document(left, ours), left.firmware)
+    other = Side(names[1], units_of_document(right, theirs), right.firmware)
     words = {key: want.word for key, want in ours.items()}
     found = list(_registers(one, other, words, theirs))
     missing = [_missing(one, want) for key, want in ours.items() if key not in theirs]
@@ -180,11 +182,11 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
     return _diff(one, other, left.model, [*found, *missing], settings, len(theirs))
 
 
-def world_of_document(document: ProfileDocument, wants: Mapping[Key, Want], held: Held | None = None) -> World:
-    """What a document counts in; of what it does not say, as the device has it."""
+def units_of_document(document: ProfileDocument, wants: Mapping[Key, Want], held: Held | None = None) -> UnitContext:
+    """What converts the registers of a document to physical units; of what it does not say, as the device has it."""
     words: dict[Key, int | None] = dict(held.words) if held is not None else {}
     words |= {key: want.word | ((words.get(key) or 0) & ~want.mask) for key, want in wants.items()}
-    return World(document.model, document.clock_hz, tuple(document.axes), words)
+    return UnitContext(document.model, document.clock_hz, tuple(document.axes), words)
 
 
 def _missing(one: Side, want: Want) -> Difference:
@@ -198,7 +200,7 @@ def _missing(one: Side, want: Want) -> Difference:
         left=value,
         right=None,
         unit=item.row.unit,
-        left_physical=_text(one.world.physical(item.row, value)),
+        left_physical=_text(one.units.physical(item.row, value)),
         written=False,
         why="the second profile does not speak of it",
     )
@@ -240,8 +242,8 @@ def _difference(left: Side, right: Side, held: int | None, want: Want) -> Differ
         left=before,
         right=after,
         unit=row.unit,
-        left_physical=None if before is None else _text(left.world.physical(row, before)),
-        right_physical=_text(right.world.physical(row, after)),
+        left_physical=None if before is None else _text(left.units.physical(row, before)),
+        right_physical=_text(right.units.physical(row, after)),
         fields=fields,
         why="" if held is not None else "it cannot be read, and nobody here has written it since its reset",
     )

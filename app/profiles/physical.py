@@ -1,4 +1,4 @@
-"""What the number in a register means in the world, next to the number itself: V_MAX 1500 is 22.9 kpps."""
+"""What the number in a register means in physical units, next to the number itself: V_MAX 1500 is 22.9 kpps."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ RESOLUTIONS: tuple[tuple[str, Callable[[int], int]], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Physical:
-    """A number in people's units."""
+    """A number in physical units."""
 
     value: float
     unit: str
@@ -54,8 +54,8 @@ class Physical:
 
 
 @dataclass(frozen=True, slots=True)
-class World:
-    """What one side of a comparison counts in: its clock [Hz], its mechanics, and the registers that set units."""
+class UnitContext:
+    """Unit conversion of one side of a comparison: its clock [Hz], its mechanics, and the registers that set units."""
 
     model: str
     clock_hz: float

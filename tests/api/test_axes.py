@@ -214,9 +214,9 @@ async def test_a_reference_search_centres_the_switch(client: httpx.AsyncClient, 
         if state["state"] != "running":
             break
     assert state["state"] == "done", state
-    world = (await client.get("devices/bench/emulator")).json()["axes"][0]
+    emulator = (await client.get("devices/bench/emulator")).json()["axes"][0]
     assert (await client.get(AXIS)).json()["position"] == 0
-    assert world["position_fullsteps"] == pytest.approx(300, abs=1)
+    assert emulator["position_fullsteps"] == pytest.approx(300, abs=1)
 
 
 async def test_a_reference_search_can_be_aborted(client: httpx.AsyncClient, clock: VirtualClock) -> None:

@@ -42,12 +42,12 @@ class Rig:
         found: dict[str, Any] = answer.json()
         return found
 
-    async def world(self, **change: Any) -> None:
-        """Change the emulated world; of a chip that counts its axes, that of the first."""
-        answer = await self.client.patch(f"{self.url}/emulator", json=self.world_of(change))
+    async def change_emulator(self, **change: Any) -> None:
+        """Change the emulated plant; of a chip that counts its axes, that of the first."""
+        answer = await self.client.patch(f"{self.url}/emulator", json=self.emulator_patch(change))
         assert answer.status_code == 200, answer.text
 
-    def world_of(self, change: dict[str, Any]) -> dict[str, Any]:
+    def emulator_patch(self, change: dict[str, Any]) -> dict[str, Any]:
         """A change as this model's emulator takes it."""
         several = self.device.model in SIX_POINT and not change.keys() & {"faults", "power_cycle"}
         body = {"axes": [{"axis": 0, **change}]} if several else change
@@ -90,7 +90,7 @@ async def test_a_blocked_shaft_is_a_following_error_and_then_lost_steps_and_neve
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     one = await rig(app, client, clock, model)
-    await one.world(blocked=True)
+    await one.change_emulator(blocked=True)
     await one.post("axes/0/move", {"target": 86_496})
     await clock.advance(TOLD_S)
     assert await one.kind() == "following_error"
@@ -138,7 +138,7 @@ async def test_without_an_encoder_an_arrival_says_what_would_not_be_seen(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     one = await rig(app, client, clock, model, encoder=False)
-    await one.world(blocked=True)
+    await one.change_emulator(blocked=True)
     await one.post("axes/0/move", {"target": 86_496})
     await one.at_rest()
     await clock.advance(TOLD_S)
@@ -156,7 +156,7 @@ async def test_a_switch_that_holds_it_is_told_with_the_way_that_is_free(
     await one.post("axes/0/move", {"target": -100_000})
     await clock.advance(TOLD_S)
     assert await one.kind() == "moving"
-    await one.world(switches={"left": True})
+    await one.change_emulator(switches={"left": True})
     await one.at_rest()
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
@@ -171,14 +171,14 @@ async def test_a_power_cycle_and_a_dead_link_are_told(
 ) -> None:
     one = await rig(app, client, clock, model)
     await clock.advance(2.0)
-    await one.world(power_cycle=True)
+    await one.change_emulator(power_cycle=True)
     await clock.advance(TOLD_S)
     axis = await one.told()
     assert axis["condition"]["kind"] == ("unknown" if model == "pd42-1241" else "cannot_move")
     assert "was reset" in axis["condition"]["cause"]
     assert axis["condition"]["remedy"]["label"] == "start up"
     assert axis["referenced"] is False
-    await one.world(faults={"unplugged": True})
+    await one.change_emulator(faults={"unplugged": True})
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert (condition["kind"], condition["remedy"]["label"]) == ("not_connected", "connect")
@@ -198,14 +198,14 @@ async def test_a_stall_is_told_and_its_flag_can_be_cleared(
     await one.post("axes/0/rotate", {"velocity": 40_000})
     for _ in range(10):
         await clock.advance(0.05)
-    await one.world(blocked=True)
+    await one.change_emulator(blocked=True)
     await one.at_rest()
     stopped_s = one.device.monitor.motion_ends(0)[-1].time_s if one.device.monitor.motion_ends(0) else clock.now()
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert (condition["kind"], condition["remedy"]["label"]) == ("stalled", "clear the flag")
     assert condition["since_s"] - stopped_s <= TOLD_S
-    await one.world(blocked=False)
+    await one.change_emulator(blocked=False)
     await one.post("axes/0/clear-flags")
     await clock.advance(TOLD_S)
     assert "RAMP_STAT.event_stop_sg" not in str((await one.told())["condition"]["evidence"])
@@ -216,12 +216,12 @@ async def test_a_driver_that_shuts_down_is_a_fault(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     one = await rig(app, client, clock, model)
-    await one.world(motor={"temperature_c": 160})
+    await one.change_emulator(motor={"temperature_c": 160})
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert condition["kind"] == "driver_fault"
     assert "too hot" in condition["cause"]
-    await one.world(motor={"temperature_c": 40})
+    await one.change_emulator(motor={"temperature_c": 40})
     await clock.advance(TOLD_S)
     if model != "pd42-1241":
         condition = (await one.told())["condition"]
@@ -246,14 +246,14 @@ async def test_a_coil_that_is_shorted_is_a_fault_that_its_remedies_end(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str, coil: str
 ) -> None:
     one = await rig(app, client, clock, model)
-    await one.world(motor={"short_to_ground": coil})
+    await one.change_emulator(motor={"short_to_ground": coil})
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert condition["kind"] == "driver_fault"
     assert f" {coil.upper()}" in condition["cause"]
     assert "short" in condition["cause"]
     if model == "tmc4361":  # its driver is beside it: nothing here switches that off
-        await one.world(motor={"short_to_ground": "none"})
+        await one.change_emulator(motor={"short_to_ground": "none"})
         await clock.advance(TOLD_S)
         assert await one.kind() == "ready"
         return
@@ -264,7 +264,7 @@ async def test_a_coil_that_is_shorted_is_a_fault_that_its_remedies_end(
     assert await one.kind() == "cannot_move"
     assert await remedied(one) == "start up"
     assert await one.kind() == "driver_fault"  # the short is still there
-    await one.world(motor={"short_to_ground": "none"})
+    await one.change_emulator(motor={"short_to_ground": "none"})
     for _ in range(6):
         if await one.kind() == "ready":
             return
@@ -294,11 +294,11 @@ async def test_a_hot_driver_of_a_chip_that_has_its_driver_beside_it_is_a_fault(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
     one = await rig(app, client, clock, "tmc4361")
-    await one.world(motor={"temperature_c": 160})
+    await one.change_emulator(motor={"temperature_c": 160})
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert (condition["kind"], "too hot" in condition["cause"]) == ("driver_fault", True)
-    await one.world(motor={"temperature_c": 40})
+    await one.change_emulator(motor={"temperature_c": 40})
     await clock.advance(TOLD_S)
     assert await one.kind() == "ready"
 
@@ -311,10 +311,10 @@ async def test_what_a_stall_still_holds_when_its_flag_is_cleared_says_what_lets_
     await one.device.registers.write("REFERENCE_CONF", 0, fields={"stop_on_stall": 1})
     await one.post("axes/0/rotate", {"velocity": 40_000})
     await clock.advance(1.0)
-    await one.world(blocked=True)
+    await one.change_emulator(blocked=True)
     await clock.advance(2.0)
     assert await one.kind() == "stalled"
-    await one.world(blocked=False)
+    await one.change_emulator(blocked=False)
     assert await remedied(one) == "clear the flag"
     condition = (await one.told())["condition"]
     assert condition["kind"] == "stalled"  # REFERENCE_CONF.drv_after_stall is 0
@@ -360,7 +360,7 @@ async def test_the_thresholds_are_settings_of_the_axis(
     answer = await client.patch(one.url, json={"axes": [axis]})
     assert answer.status_code == 200, answer.text
     assert answer.json()["axes"][0]["lost_steps_microsteps"] == 200_000
-    await one.world(blocked=True)
+    await one.change_emulator(blocked=True)
     await one.post("axes/0/move", {"target": 86_496})
     assert "following_error" not in await one.at_rest()
     await clock.advance(TOLD_S)
@@ -389,6 +389,6 @@ async def test_referenced_is_what_somebody_here_has_seen(
     await one.post("axes/0/position-from-encoder")
     await clock.advance(TOLD_S)
     assert (await one.told())["referenced"] is True
-    await one.world(power_cycle=True)
+    await one.change_emulator(power_cycle=True)
     await clock.advance(TOLD_S)
     assert (await one.told())["referenced"] is False

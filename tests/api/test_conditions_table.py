@@ -16,7 +16,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.clock import VirtualClock
-from app.conditions.truth import truth_of
+from app.conditions.ground_truth import ground_truth_of
 from app.emulators.build import family_of
 from app.links.emulator import EmulatorPort
 from tests.api.test_conditions_found import ALL, SIX_POINT, TOLD_S, WITH_ENCODER, Rig, rig
@@ -30,10 +30,10 @@ SWINGS_FULLSTEPS = 0.5
 
 
 def around(one: Rig, **change: Any) -> None:
-    """Change the emulated world, and tell nobody: as it is with a real one."""
+    """Change the emulated plant, and tell nobody: as it is with a real one."""
     port = one.device.session.port
     assert isinstance(port, EmulatorPort)
-    port.wire.patch(family_of(port.wire.model).patch.model_validate(one.world_of(change)), port.take_turn())  # type: ignore[attr-defined]
+    port.wire.patch(family_of(port.wire.model).patch.model_validate(one.emulator_patch(change)), port.take_turn())  # type: ignore[attr-defined]
 
 
 async def rotating(one: Rig) -> None:
@@ -130,7 +130,7 @@ INCIDENTS = {
 
 def where(one: Rig) -> float:
     """Where the chip's ramp has sent the rotor [full steps], by the emulator."""
-    truth = truth_of(one.device, 0)
+    truth = ground_truth_of(one.device, 0)
     assert truth is not None
     microsteps = one.device.axis(0).microsteps_per_full_step or 256
     return ((truth.shaft_position or 0.0) + (truth.lost_steps or 0.0)) / microsteps

@@ -42,8 +42,8 @@ async def test_the_first_click_moves_every_demo_motor(
     state = (await client.get(url)).json()
     assert state["position"] == started["target_position"]
     assert state["position_reached"]
-    world = (await client.get(f"devices/{device}/emulator")).json()["axes"][axis]
-    assert world["position_fullsteps"] == pytest.approx(3750 + 100 / 8 * 200)
+    emulator = (await client.get(f"devices/{device}/emulator")).json()["axes"][axis]
+    assert emulator["position_fullsteps"] == pytest.approx(3750 + 100 / 8 * 200)
 
 
 async def test_a_device_is_added_edited_and_removed(client: httpx.AsyncClient) -> None:

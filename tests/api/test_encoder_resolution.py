@@ -75,7 +75,7 @@ async def test_a_shaft_that_is_blocked_on_a_part_of_each_way_is_never_a_wrong_re
         await one.post("axes/0/move", {"target": target})
         for step in range(40):
             if step in (10, 20):
-                await one.world(blocked=step == 10)
+                await one.change_emulator(blocked=step == 10)
             await clock.advance(0.1)
             condition = (await one.told())["condition"]
             causes.add((condition["kind"], condition["cause"]))

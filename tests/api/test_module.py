@@ -145,7 +145,7 @@ async def test_a_tried_link_leaves_no_memory(client: httpx.AsyncClient, settings
 # --- the emulated module ------------------------------------------------------------------------
 
 
-async def test_its_motor_and_its_world_are_shown_and_changed(
+async def test_its_motor_and_its_plant_are_shown_and_changed(
     client: httpx.AsyncClient, motor: str, clock: VirtualClock
 ) -> None:
     state = (await client.get(f"{motor}/emulator")).json()

@@ -128,9 +128,9 @@ async def test_one_datagram_is_decoded(client: httpx.AsyncClient, chip: str) -> 
     assert any(entry["text"].startswith("read VERSION_NO (status") for entry in frames)
 
 
-async def test_its_world_is_seen_and_changed(client: httpx.AsyncClient, chip: str, clock: VirtualClock) -> None:
-    world = (await client.get(f"{chip}/emulator")).json()
-    assert (world["model"], world["load_torque_nm"]) == ("tmc4361", 0)
+async def test_its_emulator_is_seen_and_changed(client: httpx.AsyncClient, chip: str, clock: VirtualClock) -> None:
+    emulator = (await client.get(f"{chip}/emulator")).json()
+    assert (emulator["model"], emulator["load_torque_nm"]) == ("tmc4361", 0)
     changed = await client.patch(f"{chip}/emulator", json={"load_torque_nm": 0.1, "switches": {"left": True}})
     assert changed.status_code == 200, changed.text
     assert changed.json()["load_torque_nm"] == 0.1

@@ -1,4 +1,4 @@
-"""A TMCM-1161 over REST: known to the catalog, moved in turns, its world changed, its parameters kept and taken."""
+"""A TMCM-1161 over REST: known to the catalog, moved in turns, its emulator changed, its parameters kept and taken."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ async def test_it_moves_in_turns_and_says_what_it_counts_by(
     assert (await client.post(f"{axis}/stop", json={})).status_code == 200
 
 
-async def test_its_world_and_its_memory(client: httpx.AsyncClient, motor: str) -> None:
-    world = (await client.get(f"{motor}/emulator")).json()
-    assert world["model"] == "tmcm-1161"
+async def test_its_emulator_and_its_memory(client: httpx.AsyncClient, motor: str) -> None:
+    emulator = (await client.get(f"{motor}/emulator")).json()
+    assert emulator["model"] == "tmcm-1161"
     await client.put(f"{motor}/registers/ap4", json={"value": 1234})
     assert (await client.post(f"{motor}/registers/ap4/store")).json()["value"] == 1234
     await client.patch(f"{motor}/emulator", json={"power_cycle": True})

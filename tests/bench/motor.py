@@ -36,7 +36,7 @@ def fast_forward(seconds: int) -> tuple[float, int, int]:
     drive = Drive()
     for register, value in SETTINGS.items():
         drive.write(register, value)
-    drive.world.load_torque_nm = 0.05
+    drive.plant.load_torque_nm = 0.05
     drive.internal.limit = 2000
     drive.watch = EventKind.POSITION_REACHED
     travelled, last, target = 0, 0, 300_000
@@ -49,7 +49,7 @@ def fast_forward(seconds: int) -> tuple[float, int, int]:
         position = drive.read("XACTUAL")
         travelled += abs(position - last)
         last = position
-    return seconds / (time.perf_counter() - start), travelled, drive.truth.lost_fullsteps
+    return seconds / (time.perf_counter() - start), travelled, drive.plant_state.lost_fullsteps
 
 
 def standing(seconds: int) -> float:

@@ -36,7 +36,7 @@ class Chip:
         path = f"/devices/{self.device}/registers/{name}"
         self.api.put(path, params={"axis": self.number}, json=body).raise_for_status()
 
-    def world(self, **change: Any) -> dict[str, Any]:
+    def emulator(self, **change: Any) -> dict[str, Any]:
         """Change what is around the chip: `axes` for the motor's load, or faults."""
         answer = self.api.patch(f"/devices/{self.device}/emulator", json=change).raise_for_status()
         state: dict[str, Any] = answer.json()

@@ -37,7 +37,7 @@ class Motor:
         path = f"/devices/{self.device}/registers/{name}"
         self.api.put(path, params={"axis": 0}, json={"value": value}).raise_for_status()
 
-    def world(self, **change: Any) -> dict[str, Any]:
+    def emulator(self, **change: Any) -> dict[str, Any]:
         state: dict[str, Any] = self.call("PATCH", "emulator", change)
         return state
 

@@ -105,7 +105,7 @@ def pages(new_context: Callable[..., BrowserContext], rig: Chip) -> list[Page]:
 
 
 def blocked(chip: Chip, target: int = 4_000_000) -> None:
-    chip.world(axes=[{"axis": 0, "blocked": True}])
+    chip.emulator(axes=[{"axis": 0, "blocked": True}])
     chip.call("move", target=target)
 
 
@@ -118,7 +118,7 @@ def switched(chip: Chip) -> None:
     chip.write("SW_MODE", stop_l_enable=1)
     chip.call("rotate", velocity=-20_000)
     wait_for(lambda: bool(chip.axis()["moving"]), "it turns")
-    chip.world(axes=[{"axis": 0, "switches": {"left": True}}])
+    chip.emulator(axes=[{"axis": 0, "switches": {"left": True}}])
 
 
 def stalled(chip: Chip) -> None:
@@ -126,7 +126,7 @@ def stalled(chip: Chip) -> None:
     chip.write("TCOOLTHRS", 2_000)
     chip.call("rotate", velocity=40_000)
     wait_for(lambda: abs(chip.axis()["velocity_pps"]) > 35_000, "it turns")
-    chip.world(axes=[{"axis": 0, "blocked": True}])
+    chip.emulator(axes=[{"axis": 0, "blocked": True}])
 
 
 def stopped_for_ever(chip: Chip) -> None:
@@ -134,11 +134,11 @@ def stopped_for_ever(chip: Chip) -> None:
 
 
 def overheated(chip: Chip) -> None:
-    chip.world(axes=[{"axis": 0, "motor": {"temperature_c": 160}}])
+    chip.emulator(axes=[{"axis": 0, "motor": {"temperature_c": 160}}])
 
 
 def unplugged(chip: Chip) -> None:
-    chip.world(faults={"unplugged": True})
+    chip.emulator(faults={"unplugged": True})
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_what_helps_is_a_button_that_does_it(pages: list[Page], rig: Chip) -> No
     card = bench.get_by_test_id("condition-card")
     expect(card).to_contain_text("Lost steps")
     expect(card).to_contain_text("Really:")
-    rig.world(axes=[{"axis": 0, "blocked": False}])
+    rig.emulator(axes=[{"axis": 0, "blocked": False}])
     card.get_by_role("button", name="Why").click()
     detail = bench.get_by_test_id("condition-detail")
     expect(detail.get_by_role("table", name="Evidence")).to_contain_text("encoder - position")

@@ -70,7 +70,7 @@ class Rig(Chip):
             change = {"axes": [{"axis": 0, **change}]}
         elif model in ("tmc428", "tmc4210") and "switches" in change:
             change = {"switches": [{"axis": 0, **change["switches"]}]}
-        self.world(**change)
+        self.emulator(**change)
 
     def rotate_away(self) -> None:
         self.call("rotate", velocity=-2_000, unit="pps")
@@ -107,7 +107,7 @@ class Rig(Chip):
                 f"now: {device['state']}, {device['axes'][0]['condition']}",
                 f"axis: {self.axis()}",
                 f"stops: {stops[:3]}",
-                f"world: {self.api.get(f'/devices/{self.device}/emulator').json()}",
+                f"emulator: {self.api.get(f'/devices/{self.device}/emulator').json()}",
             ]
         )
 
@@ -126,7 +126,7 @@ class Incident:
 
 
 def plugged(rig: Rig) -> None:
-    rig.world(faults={"unplugged": False})
+    rig.emulator(faults={"unplugged": False})
     rig.api.post(f"/devices/{rig.device}/connect").raise_for_status()
 
 
@@ -141,9 +141,9 @@ def let_go(rig: Rig) -> None:
 
 
 SWITCH = Incident("held", lambda rig: rig.around(switches={"left": True}), let_go, Rig.rotate_away)
-UNPLUGGED = Incident("not_connected", lambda rig: rig.world(faults={"unplugged": True}), plugged)
-POWER = Incident("cannot_move", lambda rig: rig.world(power_cycle=True), lambda rig: None)
-MODULE_POWER = Incident("unknown", lambda rig: rig.world(power_cycle=True), lambda rig: None)
+UNPLUGGED = Incident("not_connected", lambda rig: rig.emulator(faults={"unplugged": True}), plugged)
+POWER = Incident("cannot_move", lambda rig: rig.emulator(power_cycle=True), lambda rig: None)
+MODULE_POWER = Incident("unknown", lambda rig: rig.emulator(power_cycle=True), lambda rig: None)
 BLOCKED = Incident("following_error", lambda rig: rig.around(blocked=True), freed, Rig.rotate_away)
 RIGS: dict[str, tuple[Incident, ...]] = {
     "tmc4210": (SWITCH, POWER, UNPLUGGED),

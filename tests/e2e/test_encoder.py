@@ -46,7 +46,7 @@ def amplitude(page: Page, per_turn: int) -> float:
 def test_a_slow_turn_shows_eccentricity_and_detent(encoder: Page, motor: Motor, errors: Errors) -> None:
     errors.expect("status of 409")  # `whole_run`
     eccentricity_deg = 0.4
-    motor.world(encoder={"eccentricity_deg": eccentricity_deg})
+    motor.emulator(encoder={"eccentricity_deg": eccentricity_deg})
     encoder.get_by_label("Speed rpm").fill("15")
     encoder.get_by_label("Speed rpm").press("Enter")
     whole_run(encoder, motor, "slow-turn")
@@ -113,21 +113,21 @@ def test_a_limit_is_staged_applied_and_read_back(encoder: Page, motor: Motor) ->
 
 def test_a_deviation_stop_is_told_with_its_cause(encoder: Page, motor: Motor) -> None:
     motor.write("maximum_encoder_deviation", 600)
-    motor.world(blocked=True)
+    motor.emulator(blocked=True)
     try:
         motor.rotate(0.5)
         wait_for(lambda: "deviation" in motor.reasons()[:2], "the module stops for its deviation")
         expect(encoder.get_by_test_id("stops")).to_contain_text("Deviation too large")
     finally:
         motor.write("maximum_encoder_deviation", 0)
-        motor.world(blocked=False)
+        motor.emulator(blocked=False)
         motor.stop()
 
 
 def test_the_encoder_is_set_to_the_motor(encoder: Page, motor: Motor) -> None:
     wait_for(lambda: not math.isnan(number(encoder, "deviation-internal")), "a number is there")
     before = number(encoder, "deviation-internal")  # steps that an earlier test lost, perhaps
-    motor.world(encoder={"slip_fullsteps": 3})
+    motor.emulator(encoder={"slip_fullsteps": 3})
     wait_for(lambda: abs(number(encoder, "deviation-internal") - before) > 500, "the slip is seen")
     encoder.get_by_test_id("encoder-to-actual").click()
     wait_for(lambda: abs(number(encoder, "deviation-internal")) < 60, "the deviation is gone")
@@ -144,12 +144,12 @@ def test_both_encoders_at_once(encoder: Page, motor: Motor) -> None:
 
 def test_a_module_that_vanishes_is_unknown_and_comes_back(encoder: Page, motor: Motor, errors: Errors) -> None:
     errors.expect("status of (409|502|504)")
-    motor.world(faults={"unplugged": True})
+    motor.emulator(faults={"unplugged": True})
     try:
         expect(encoder.get_by_test_id("actual")).to_have_text("\N{EN DASH}", timeout=20_000)
         expect(encoder.get_by_test_id("slow-turn")).to_be_disabled()
     finally:
-        motor.world(faults={"unplugged": False})
+        motor.emulator(faults={"unplugged": False})
     expect(encoder.get_by_test_id("actual")).not_to_have_text("\N{EN DASH}", timeout=20_000)
 
 

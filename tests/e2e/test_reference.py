@@ -1,4 +1,4 @@
-"""The bench of an emulated module in a browser: its reference search on the drawing, its motion, its world."""
+"""The bench of an emulated module in a browser: its reference search on the drawing, its motion, its emulated plant."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BETWEEN_ENDS = 800 * 256
 @pytest.fixture(scope="module")
 def motor(api: httpx.Client) -> Iterator[Motor]:
     with a_motor(api, "search motor") as running:
-        running.world(stage=STAGE)
+        running.emulator(stage=STAGE)
         running.write("reference_search_speed", 2 * TURN)
         running.write("reference_switch_speed", TURN // 2)
         yield running
@@ -31,7 +31,7 @@ def bench(page: Page, motor: Motor) -> Page:
     """The bench with the module in the hand, at rest between its switches, the search in view."""
     motor.api.request("DELETE", f"/devices/{motor.device}/axes/0/reference-search")
     motor.stop()
-    motor.world(stage={"position_fullsteps": 100}, blocked=False, load_torque_nm=0)
+    motor.emulator(stage={"position_fullsteps": 100}, blocked=False, load_torque_nm=0)
     select(page, motor)
     page.goto("/")
     expect(page.get_by_test_id("link-readout").first).to_contain_text("live")
@@ -75,7 +75,7 @@ def test_home_is_found_in_its_middle(bench: Page, motor: Motor) -> None:
     bench.get_by_test_id("reference-search").click()
     wait_for(lambda: state(bench) == "running", "it runs")
     wait_for(lambda: state(bench) == "done", "it is done", 40.0)
-    assert motor.world()["stage"]["position_fullsteps"] == pytest.approx(-40, abs=4)
+    assert motor.emulator()["stage"]["position_fullsteps"] == pytest.approx(-40, abs=4)
     assert motor.axis()["position"] == pytest.approx(0, abs=64)
 
 
@@ -103,25 +103,25 @@ def test_moving_and_setting_zero(bench: Page, motor: Motor) -> None:
     assert abs(motor.axis()["deviation"]) < 60
 
 
-def test_the_emulators_world_is_played_with(bench: Page, motor: Motor) -> None:
+def test_the_emulated_plant_is_played_with(bench: Page, motor: Motor) -> None:
     bench.get_by_test_id("emulator-open").click()
     panel = bench.get_by_test_id("emulator")
     expect(panel.get_by_test_id("lost-steps")).to_have_text(re.compile(r"^\d+ steps|^.\d+ steps"))
     panel.get_by_test_id("blocked").click()
-    wait_for(lambda: motor.world()["blocked"] is True, "the shaft is held")
-    lost = motor.world()["truth"]["lost_fullsteps"]
+    wait_for(lambda: motor.emulator()["blocked"] is True, "the shaft is held")
+    lost = motor.emulator()["truth"]["lost_fullsteps"]
     motor.rotate(0.5)
-    wait_for(lambda: motor.world()["truth"]["lost_fullsteps"] != lost, "it loses steps")
+    wait_for(lambda: motor.emulator()["truth"]["lost_fullsteps"] != lost, "it loses steps")
     motor.stop()
     panel.get_by_test_id("blocked").click()
-    wait_for(lambda: motor.world()["blocked"] is False, "the shaft is free")
+    wait_for(lambda: motor.emulator()["blocked"] is False, "the shaft is free")
     panel.get_by_test_id("supply").fill("12")
     panel.get_by_test_id("supply").press("Enter")
-    wait_for(lambda: motor.world()["supply_v"] == 12, "the supply is lower")
+    wait_for(lambda: motor.emulator()["supply_v"] == 12, "the supply is lower")
     panel.get_by_label("Home switch of the stage").get_by_text("on").click()
     expect(bench.get_by_test_id("motion-card").get_by_label("home switch on")).to_be_visible()
     panel.get_by_label("Home switch of the stage").get_by_text("stage").click()
-    motor.world(supply_v=24)
+    motor.emulator(supply_v=24)
 
 
 def test_the_scope_shows_what_a_module_has(bench: Page) -> None:

@@ -250,7 +250,7 @@ def winch(api: httpx.Client) -> Iterator[Motor]:
         pair = api.post("/calc/pmul-pdiv", json=ramp).raise_for_status().json()
         for name, value in {**ramp, "pmul": pair["pmul"], "pdiv": pair["pdiv"], "v_min": 1, "v_max": 2047}.items():
             motor.write(name, value)
-        motor.world(time_scale=4)
+        motor.emulator(time_scale=4)
         yield motor
     finally:
         api.post("/stop")

@@ -122,10 +122,10 @@ def test_a_sweep_behind_another_page_ends_where_the_motor_is_stuck(load: Page, m
     told = load.get_by_test_id("run-under-way")
     expect(told).to_be_visible()
     try:
-        motor.world(load_torque_nm=0.6)
+        motor.emulator(load_torque_nm=0.6)
         expect(told).to_have_count(0, timeout=10_000)
     finally:
-        motor.world(load_torque_nm=0)
+        motor.emulator(load_torque_nm=0)
         motor.write("stop_on_stall", 0)
     wait_for(lambda: not motor.axis()["moving"], "nothing goes on pressing", 5.0)
     ended = load.get_by_test_id("run-ended")
@@ -199,14 +199,14 @@ def test_load_lowers_the_value_and_a_stall_is_told(load: Page, motor: Motor) -> 
     wait_for(lambda: motor.axis()["velocity_pps"] >= 2 * 0.99 * TURN, "at its speed")
     free = settled(load)
     motor.write("stop_on_stall", 50_000)
-    motor.world(load_torque_nm=0.1)
+    motor.emulator(load_torque_nm=0.1)
     try:
         wait_for(lambda: shown(load, "load") < 0.85 * free, "load makes it smaller")
-        motor.world(load_torque_nm=0.6)
+        motor.emulator(load_torque_nm=0.6)
         wait_for(lambda: "stall" in motor.reasons()[:2], "a stall stops the motor")
         expect(load.get_by_test_id("stops")).to_contain_text("Stall")
     finally:
-        motor.world(load_torque_nm=0)
+        motor.emulator(load_torque_nm=0)
         motor.write("stop_on_stall", 0)
         motor.stop()
 
@@ -254,7 +254,7 @@ def test_a_chips_load_and_thresholds_are_in_its_registers(
     expect(page.get_by_text("register 320, as last written")).to_be_visible()
     chip.write("COOLCONF", semin=0)
     chip.write("SW_MODE", sg_stop=1)
-    chip.world(axes=[{"axis": 0, "load_torque_nm": 3.0}])
+    chip.emulator(axes=[{"axis": 0, "load_torque_nm": 3.0}])
     expect(page.get_by_test_id("stops")).to_contain_text("Stall")
     wait_for(lambda: not chip.axis()["moving"], "a stall stops the motor")
     page.goto("/connections")  # before the chip is gone

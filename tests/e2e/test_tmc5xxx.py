@@ -55,14 +55,14 @@ def test_each_motor_has_its_own_load_and_block(show: Callable[[str], Page], seco
     panel = bench.get_by_test_id("emulator")
     expect(panel.get_by_role("radio", name="Motor of axis 1")).to_be_checked()
     panel.get_by_test_id("blocked").click()
-    wait_for(lambda: [axis["blocked"] for axis in second.world()["axes"]] == [False, True], "the second is blocked")
+    wait_for(lambda: [axis["blocked"] for axis in second.emulator()["axes"]] == [False, True], "the second is blocked")
     panel.get_by_text("Motor of axis 0").click()
     expect(panel.get_by_test_id("blocked")).not_to_be_checked()
     expect(bench.get_by_test_id("axis-two-motors-0")).to_have_attribute("aria-pressed", "true")
     panel.get_by_label("Friction").fill("0.02")
     panel.get_by_label("Friction").press("Enter")
-    wait_for(lambda: [axis["friction"] for axis in second.world()["axes"]] == [0.02, 0.0], "the first rubs")
-    second.world(axes=[{"axis": 0, "friction": 0.0}, {"axis": 1, "blocked": False}])
+    wait_for(lambda: [axis["friction"] for axis in second.emulator()["axes"]] == [0.02, 0.0], "the first rubs")
+    second.emulator(axes=[{"axis": 0, "friction": 0.0}, {"axis": 1, "blocked": False}])
 
 
 def test_an_end_of_a_move_and_a_fault_get_their_rows(show: Callable[[str], Page], second: Chip) -> None:

@@ -332,7 +332,7 @@ class Oracle:
     # --- switches and conditions ------------------------------------------------------------------------
 
     def settle(self) -> None:
-        """After a write or a change of the world: what is not clocked follows at once."""
+        """After a write or a change of the plant: what is not clocked follows at once."""
         self._sample_direct()
         for axis in self.axes:
             self._conditions(axis)

@@ -80,7 +80,7 @@ class Patched(Protocol):
 
 
 def patch(wire: Wire, change: dict[str, object]) -> None:
-    """Change an emulator's world."""
+    """Change the plant of an emulator."""
     cast("Patched", wire).patch(family_of(wire.model).patch.model_validate(change))
 
 
@@ -108,7 +108,7 @@ class Bench:
         return cast("EmulatorPort", self.device.session.port).wire
 
     def patch(self, **change: object) -> None:
-        """Change the world of the first device's emulator."""
+        """Change the plant of the first device's emulator."""
         cast("EmulatorPort", self.device.session.port).take_turn()
         patch(self.wire, change)
 

@@ -38,9 +38,9 @@ def remedy_out(device: Device, remedy: signs.Remedy) -> Remedy:
 
 def standing_out(device: Device, standing: Standing) -> dict[str, Any]:
     """The members that every answer about an axis has."""
-    truth = standing.truth
+    ground_truth = standing.ground_truth
     return {
         "condition": condition_out(device, standing.condition),
         "referenced": standing.referenced,
-        "ground_truth": None if truth is None else GroundTruth.model_validate(truth),
+        "ground_truth": None if ground_truth is None else GroundTruth.model_validate(ground_truth),
     }

@@ -94,7 +94,7 @@ async def try_program(device: CurrentDevice, program: CurrentProgram, body: Prog
         raise OutOfRange("address of the program", body.address, 0, len(made.commands) - 1)
     trial = Trial(device, await capture(device), made.commands, body.address, body.duration_s)
     outcome = await _aside(trial.run)
-    state, truth = outcome.state, outcome.truth
+    state, truth = outcome.state, outcome.ground_truth
     assert state is not None
     return ProgramTrial(
         ended=outcome.ended,

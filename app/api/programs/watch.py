@@ -17,7 +17,7 @@ from ...devices.core.capabilities import ProgramMemory
 from ...devices.core.device import Device
 from ...devices.core.results import ProgramState
 from ...emulators.core.family import Emulator
-from ...emulators.core.ground_truth import ProgramTruth
+from ...emulators.core.ground_truth import ProgramGroundTruth
 from ...errors import BenchError, UsageError, WrongState
 from ...links.emulator import EmulatorPort
 from ...links.queue import Priority, SampleDropped
@@ -38,11 +38,11 @@ TRACE_MAX = 200
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """One look. `truth` is there for emulators alone; `trace` are the commands done by single steps since the last."""
+    """One sample. `ground_truth`: of emulators alone; `trace`: the commands done by single steps since the last one."""
 
     time_s: float
     state: ProgramState
-    truth: ProgramTruth | None
+    ground_truth: ProgramGroundTruth | None
     debug: DebugState
     trace: tuple[int, ...]
 
@@ -155,7 +155,7 @@ class ProgramWatch:
         variables = sorted({number for reader in watched.readers for number in reader.variables})
         try:
             state = await device.need(ProgramMemory).program_state(variables, Priority.SAMPLE)
-            truth = _truth(device)
+            ground_truth = _ground_truth(device)
         except SampleDropped:
             return None
         except BenchError as error:
@@ -167,7 +167,7 @@ class ProgramWatch:
             trace = tuple(run.trace)[-max(0, run.steps - told) :] if run.steps > told else ()
             watched.traced = (run, run.steps)
         time_s = device.session.port.last_exchange_s
-        return Seen(time_s, state, truth, self._procedures.debug_state(device), trace[-TRACE_MAX:])
+        return Seen(time_s, state, ground_truth, self._procedures.debug_state(device), trace[-TRACE_MAX:])
 
 
 def _require_few(readers: Iterable[Reader]) -> None:
@@ -176,7 +176,7 @@ def _require_few(readers: Iterable[Reader]) -> None:
         raise UsageError(f"{len(wanted)} variables are to be watched; at most {VARIABLES_MAX}")
 
 
-def _truth(device: Device) -> ProgramTruth | None:
+def _ground_truth(device: Device) -> ProgramGroundTruth | None:
     """What only an emulator can tell, of the moment of its latest answer."""
     port = device.session.port
     if not isinstance(port, EmulatorPort):

@@ -97,7 +97,7 @@ def _told(news: News, trace: tuple[int, ...], path: str) -> ProgramTold:
 
 
 def _seen(news: Seen, trace: tuple[int, ...]) -> ProgramSeen:
-    truth = news.truth
+    truth = news.ground_truth
     state = news.state
     return ProgramSeen(
         time_s=news.time_s,

@@ -1,1 +1,1 @@
-"""Between registers and the world: pps, pps^2, turns, times, and how numbers are written."""
+"""Between registers and physical units: pps, pps^2, turns, times, and how numbers are written."""

@@ -1,4 +1,4 @@
-"""Microsteps against the world behind the motor shaft: turns, angles, millimetres, and their rates.
+"""Between microsteps and the mechanics behind the motor shaft: turns, angles, millimetres, and their rates.
 
 Positions of revolution and angle are those of the output shaft, after the gear; a full step is the
 motor's own.

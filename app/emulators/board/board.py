@@ -75,7 +75,7 @@ class EmulatedBoard:
             return self._describe(at_s)
 
     def patch(self, change: BoardPatch, at_s: float | None = None) -> BoardState:
-        """Change the world around the board at chip time `at_s` [s], by default now. Raises what the chip raises."""
+        """Change what is outside the board at chip time `at_s` [s], by default now. Raises what the chip raises."""
         of_chip = self._patch_of_chip(change)
         with self._lock:
             self._registers.at_s = self.clock.now() if at_s is None else at_s

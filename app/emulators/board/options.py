@@ -1,4 +1,4 @@
-"""What can be said to an emulated board from outside: the world around it, its faults, and those of its chip."""
+"""What can be said to an emulated board from outside: its plant, its faults, and those of its chip."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class BoardPatch(Closed):
     faults: BoardFaultsChange = Field(default_factory=BoardFaultsChange)
     power_cycle: Flag = Field(default=False, description="board and chip off and on again; motor and stage stay")
     chip: Tmc4361Patch | Tmc5xxxPatch = Field(
-        default_factory=Tmc4361Patch, description="the chip in the slot and the world around it"
+        default_factory=Tmc4361Patch, description="the chip in the slot and its plant"
     )
 
 

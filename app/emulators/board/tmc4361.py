@@ -165,7 +165,7 @@ class Tmc4361Board(Parameters):
     # --- user functions --------------------------------------------------------------------------
 
     def user_function(self, number: int, motor: int, value: int) -> int:
-        """Command 144. Switch inputs that the board can pull (0..2) are refused: here the world around has them."""
+        """Command 144. Switch inputs that the board can pull (0..2) are refused: here they belong to the plant."""
         del motor, value
         if number == 3:  # closed-loop calibration by the firmware; ours is `app.procedures`
             raise Refusal(BoardStatus.DELAYED)

@@ -126,7 +126,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
     def model(self) -> str:
         """The name in the catalog."""
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def state(self, at_s: float | None = None) -> StateT:
         """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
@@ -135,7 +135,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
             return self._describe()
 
     def patch(self, change: ChangeT, at_s: float | None = None) -> StateT:
-        """Change the world around at chip time `at_s` [s], by default now.
+        """Change what is outside the chip at chip time `at_s` [s], by default now.
 
         Raises BenchError, before anything was changed, for what cannot be done to this one.
         """
@@ -152,7 +152,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         """How it really is with an axis at chip time `at_s` [s], by default now."""
         with self._lock:
             self._run_until(at_s)
-            return self._truth(axis)
+            return self._ground_truth(axis)
 
     @abstractmethod
     def _describe(self) -> StateT:
@@ -166,7 +166,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         """Do what has been checked, but for what every emulator has. The lock is held."""
 
     @abstractmethod
-    def _truth(self, axis: int) -> GroundTruth:
+    def _ground_truth(self, axis: int) -> GroundTruth:
         """How it really is at this moment. The lock is held."""
 
     @property

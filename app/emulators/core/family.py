@@ -31,7 +31,7 @@ class Emulator(Wire, Protocol):
 
     # Each takes the patch of its own family, and is only given one that `EmulatorFamily.patch` has made.
     def patch(self, change: Any, at_s: float | None = None) -> BaseModel:
-        """Change the world around it at chip time `at_s` [s], by default now. Raises BenchError."""
+        """Change what is outside it at chip time `at_s` [s], by default now. Raises BenchError."""
         ...
 
     def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:

@@ -1,4 +1,4 @@
-"""How it really is with an emulated axis, as no driver can know it."""
+"""Ground truth of an emulated axis: what no driver can read."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class ProgramTruth:
+class ProgramGroundTruth:
     """What an interpreter holds that no command reads."""
 
     flags: tuple[str, ...]
@@ -32,5 +32,5 @@ class GroundTruth:
     speed_fullsteps_s: float | None = None
     bridges: str = ""
     """What the driver's bridges do."""
-    program: ProgramTruth | None = None
+    program: ProgramGroundTruth | None = None
     """Of one that executes programs."""

@@ -11,7 +11,7 @@ from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .kernel import TICK_CLOCKS
 from .options import DriveOptions, EncoderOptions, LoadOptions, MotorOptions, StageSwitches
-from .world import Switches, Truth, World
+from .plant import Plant, PlantState, Switches
 
 __all__ = [
     "DRIVE_JOB",
@@ -24,9 +24,9 @@ __all__ = [
     "EventKind",
     "LoadOptions",
     "MotorOptions",
+    "Plant",
+    "PlantState",
     "StageSwitches",
     "Switches",
-    "Truth",
-    "World",
     "warm_up",
 ]

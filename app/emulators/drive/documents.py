@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from ...errors import OutOfRange
 from ..core.ground_truth import GroundTruth
 from .options import FullSteps, MotorOptions
-from .world import Short, Truth, World
+from .plant import Plant, PlantState, Short
 
 Flag = Annotated[bool, Field(strict=True)]
 Forced = Flag | Literal["auto"]
@@ -23,7 +23,7 @@ TimeScale = Annotated[float, Field(strict=True, ge=0, le=20, allow_inf_nan=False
 """A motor that turns is worked out 50 times as fast as it turns, or more; beyond that it would never be caught up."""
 
 PLACES = ("left_at_fullsteps", "right_at_fullsteps", "home_from_fullsteps", "home_to_fullsteps")
-"""Where the switches of a stage are: names in options, changes, states and in `World`."""
+"""Where the switches of a stage are: names in options, changes, states and in `Plant`."""
 
 
 class Closed(BaseModel):
@@ -79,12 +79,12 @@ class ChipFaultsState(BaseModel):
     bit_error_rate: float
 
 
-def motor_state(world: World, motor: MotorOptions) -> MotorState:
+def motor_state(plant: Plant, motor: MotorOptions) -> MotorState:
     """The motor as the API tells it."""
     return MotorState(
-        connected=world.motor_connected,
-        temperature_c=world.temperature_c,
-        short_to_ground=world.short_to_ground,
+        connected=plant.motor_connected,
+        temperature_c=plant.temperature_c,
+        short_to_ground=plant.short_to_ground,
         fullsteps_per_turn=4 * motor.rotor_teeth,
         torque_constant_nm_a=motor.torque_constant,
         holding_torque_nm=motor.holding_torque_nm,
@@ -92,42 +92,42 @@ def motor_state(world: World, motor: MotorOptions) -> MotorState:
     )
 
 
-def stage_state(world: World, truth: Truth) -> StageState:
+def stage_state(plant: Plant, state: PlantState) -> StageState:
     """Switches and carriage as the API tells them."""
     return StageState(
-        left_at_fullsteps=world.left_at_fullsteps,
-        right_at_fullsteps=world.right_at_fullsteps,
-        home_from_fullsteps=world.home_from_fullsteps,
-        home_to_fullsteps=world.home_to_fullsteps,
-        position_fullsteps=truth.rotor_fullsteps,
+        left_at_fullsteps=plant.left_at_fullsteps,
+        right_at_fullsteps=plant.right_at_fullsteps,
+        home_from_fullsteps=plant.home_from_fullsteps,
+        home_to_fullsteps=plant.home_to_fullsteps,
+        position_fullsteps=state.rotor_fullsteps,
     )
 
 
-def ground_truth(truth: Truth, world: World) -> GroundTruth:
+def ground_truth(state: PlantState, plant: Plant) -> GroundTruth:
     """What no driver can know."""
     return GroundTruth(
-        truth.rotor_fullsteps,
-        truth.lost_fullsteps,
-        world.blocked,
-        truth.speed_rad_s / world.fullstep_rad,
-        truth.bridges,
+        state.rotor_fullsteps,
+        state.lost_fullsteps,
+        plant.blocked,
+        state.speed_rad_s / plant.fullstep_rad,
+        state.bridges,
     )
 
 
-def truth_state(truth: Truth) -> TruthState:
+def truth_state(state: PlantState) -> TruthState:
     """What no register tells, as the API tells it."""
     return TruthState(
-        rotor_rad=truth.rotor_rad,
-        rotor_fullsteps=truth.rotor_fullsteps,
-        field_fullsteps=truth.field_fullsteps,
-        speed_rad_s=truth.speed_rad_s,
-        load_angle_deg=truth.load_angle_deg,
-        current_a_a=truth.current_a_a,
-        current_b_a=truth.current_b_a,
-        torque_nm=truth.torque_nm,
-        lost_fullsteps=truth.lost_fullsteps,
-        current_scale=truth.current_scale,
-        bridges=truth.bridges,
+        rotor_rad=state.rotor_rad,
+        rotor_fullsteps=state.rotor_fullsteps,
+        field_fullsteps=state.field_fullsteps,
+        speed_rad_s=state.speed_rad_s,
+        load_angle_deg=state.load_angle_deg,
+        current_a_a=state.current_a_a,
+        current_b_a=state.current_b_a,
+        torque_nm=state.torque_nm,
+        lost_fullsteps=state.lost_fullsteps,
+        current_scale=state.current_scale,
+        bridges=state.bridges,
     )
 
 
@@ -173,31 +173,31 @@ def check_stage(places: Mapping[str, float], wanted: StageChange) -> None:
             raise OutOfRange(low, moved[low], None, moved[high], f"{high} lies to the right of it")
 
 
-def places_of(world: World) -> dict[str, float]:
+def places_of(plant: Plant) -> dict[str, float]:
     """Where the switches of a drive's stage are."""
-    return {name: getattr(world, name) for name in PLACES}
+    return {name: getattr(plant, name) for name in PLACES}
 
 
-def change_motor(world: World, wanted: MotorChange) -> None:
+def change_motor(plant: Plant, wanted: MotorChange) -> None:
     """Plug and temperature."""
     if wanted.connected is not None:
-        world.motor_connected = wanted.connected
+        plant.motor_connected = wanted.connected
     if wanted.temperature_c is not None:
-        world.temperature_c = wanted.temperature_c
+        plant.temperature_c = wanted.temperature_c
     if wanted.short_to_ground is not None:
-        world.short_to_ground = wanted.short_to_ground
+        plant.short_to_ground = wanted.short_to_ground
 
 
-def change_stage(world: World, wanted: StageChange) -> None:
+def change_stage(plant: Plant, wanted: StageChange) -> None:
     """Switches, then the shaft; the stage has been checked."""
     for name in PLACES:
         place = getattr(wanted, name)
         if place is not None:
-            setattr(world, name, place)
+            setattr(plant, name, place)
     if wanted.position_fullsteps is not None:
-        world.rotor_fullsteps = wanted.position_fullsteps
+        plant.rotor_fullsteps = wanted.position_fullsteps
 
 
 def forced(wanted: Forced) -> bool | None:
-    """As `World` counts it: None is the stage's."""
+    """As `Plant` counts it: None is the stage's."""
     return None if wanted == "auto" else wanted

@@ -10,11 +10,11 @@ from . import kernel as k
 from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .options import DriveOptions
-from .physics import set_physics, truth_of
+from .physics import plant_state_of, set_physics
+from .plant import OT_C, OTPW_C, UNDERVOLTAGE_V, Plant, PlantState, Switches
 from .registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
 from .table import wave_of
 from .units import bits, signed, wrap32
-from .world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
 
 _VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "V2": k.V2, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
 # a deceleration of 0 would never end: it is taken for the least there is
@@ -99,12 +99,12 @@ class Drive:
         self._least_supply_v = UNDERVOLTAGE_V
         self._stall_stop_velocity: int | None = None
         self._set_constants()
-        self.world = World(options, self._s, self._f, self._world_changed)
+        self.plant = Plant(options, self._s, self._f, self._plant_changed)
         self.internal = EncoderChannel(self._s, self._f, k.INTERNAL, self._changed)
         self.external = EncoderChannel(self._s, self._f, k.EXTERNAL, self._changed)
-        self._f[k.THETA] = options.start_fullsteps * self.world.fullstep_rad
+        self._f[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
         self._s[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
-        self.world.push()
+        self.plant.push()
         self.power_cycle()
 
     # --- registers -------------------------------------------------------------------------------
@@ -294,9 +294,9 @@ class Drive:
         word = int(k.driver_stat(self._s)) | self._short
         if self._hot:
             word |= 1 << 25
-        if self.world.temperature_c >= OTPW_C:
+        if self.plant.temperature_c >= OTPW_C:
             word |= 1 << 26
-        if not self.world.motor_connected and self._toff > 0:
+        if not self.plant.motor_connected and self._toff > 0:
             word |= 3 << 29
         return word
 
@@ -377,7 +377,7 @@ class Drive:
     def power_cycle(self) -> None:
         """The chip loses supply and comes back: registers and counters at reset, GSTAT.reset set, field at MSCNT 0.
 
-        Rotor, load, stage and magnet stay where they are, so does `world`; `watch`, `stall_stop_velocity` and `clocks`
+        Rotor, load, stage and magnet stay where they are, so does `plant`; `watch`, `stall_stop_velocity` and `clocks`
         stay too. The encoders' positions are 0, their scales and limits as at first.
         """
         s, f = self._s, self._f
@@ -405,7 +405,7 @@ class Drive:
         s[k.REACHED] = s[k.ARRIVED] = s[k.FAST] = 1
         s[k.PHYS] = k.physical(s, f)
         self._gstat = _GSTAT_RESET
-        self._world_changed()
+        self._plant_changed()
 
     # --- the rest --------------------------------------------------------------------------------
 
@@ -487,7 +487,7 @@ class Drive:
     @least_supply_v.setter
     def least_supply_v(self, value: float) -> None:
         self._least_supply_v = value
-        self._world_changed()
+        self._plant_changed()
 
     @property
     def undervoltage(self) -> bool:
@@ -575,13 +575,13 @@ class Drive:
 
     @property
     def quiet(self) -> bool:
-        """Nothing happens until a register is written or changes the world."""
+        """Nothing happens until a register is written or changes the plant."""
         return bool(self._s[k.QUIET])
 
     @property
-    def truth(self) -> Truth:
-        """How motor and shaft really are."""
-        return truth_of(self._s, self._f, self.options.motor)
+    def plant_state(self) -> PlantState:
+        """State of motor and shaft at the last tick."""
+        return plant_state_of(self._s, self._f, self.options.motor)
 
     @property
     def _toff(self) -> int:
@@ -606,17 +606,17 @@ class Drive:
         works = switched_on and not self._undervoltage and not self._hot
         if not switched_on:
             self._short = 0
-        elif works and self.world.short_to_ground != "none" and not self._short:
-            self._short = _S2G[self.world.short_to_ground]
+        elif works and self.plant.short_to_ground != "none" and not self._short:
+            self._short = _S2G[self.plant.short_to_ground]
             self._gstat |= _GSTAT_DRV_ERR
-        self._s[k.DRIVER_ON] = works and not self._short and self.world.motor_connected
+        self._s[k.DRIVER_ON] = works and not self._short and self.plant.motor_connected
 
-    def _world_changed(self) -> None:
+    def _plant_changed(self) -> None:
         if not self._registers:  # still being made
             return
-        self._undervoltage = self.world.supply_v < self._least_supply_v
+        self._undervoltage = self.plant.supply_v < self._least_supply_v
         was_hot = self._hot
-        self._hot = self.world.temperature_c >= (OTPW_C if was_hot else OT_C)
+        self._hot = self.plant.temperature_c >= (OTPW_C if was_hot else OT_C)
         if self._hot and not was_hot:
             self._gstat |= _GSTAT_DRV_ERR
         if self._undervoltage:

@@ -19,7 +19,7 @@ The motor is motor-physics' model: coils behind a regulator of first order that 
 behind the voltage of its PWM, which nothing but the looks of its regulation corrects), back-EMF, detent,
 Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
 it. From there a motor at rest is an exact fixed point of the step, so passing over ticks in which neither reference
-nor world changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
+nor plant changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
 
 A rigid motor has none of that: the shaft is where the field is, in whole microsteps, and its encoder is worked out in
 integers. While its ramp generator keeps its velocity, ticks differ in nothing but sums, so they are added up at once

@@ -65,7 +65,7 @@ class MotorOptions(_Closed):
 
 
 class LoadOptions(_Closed):
-    """What hangs on the shaft from the start; `World` changes torque and friction while it runs."""
+    """What hangs on the shaft from the start; `Plant` changes torque and friction while it runs."""
 
     torque_nm: Annotated[float, Field(strict=True, ge=-50, le=50)] = Field(
         default=0.0,

@@ -1,4 +1,4 @@
-"""The motor's side of the cells: constants in, truth out. For every chip that turns this motor."""
+"""The motor's side of the cells: constants in, plant state out. For every chip that turns this motor."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 from . import kernel as k
 from .options import DriveOptions, MotorOptions
-from .world import Truth
+from .plant import PlantState
 
 _BRIDGES = {
     k.REGULATED: "regulated",
@@ -42,13 +42,13 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
         f[k.HIGH_END] = math.inf if right is None else right * step
 
 
-def truth_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> Truth:
-    """How motor and shaft really are. The field is what LOOK says."""
+def plant_state_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> PlantState:
+    """State of motor and shaft at the last tick. The field is what LOOK says."""
     angle = float(f[k.TEETH] * f[k.THETA])
     field = (int(s[k.LOOK]) + 0.5) * math.pi / 512
     ia, ib, ia0, ib0 = (float(f[cell]) for cell in (k.IA, k.IB, k.IA0, k.IB0))
     rise = motor.inductance_h / float(f[k.DT])
-    return Truth(
+    return PlantState(
         rotor_rad=float(f[k.THETA]),
         rotor_fullsteps=angle / (math.pi / 2),
         speed_rad_s=float(f[k.OMEGA]),

@@ -160,7 +160,7 @@ class Line:
         up_to_date = [module.catch_up(slice_s) for module in self.modules]  # every one of them, also after a False
         return all(up_to_date)
 
-    # --- the world around ---------------------------------------------------------------------------
+    # --- plant -------------------------------------------------------------------------------------
 
     @property
     def plugged(self) -> bool:

@@ -150,7 +150,7 @@ class PlainChip(PlainEmulatorBase):
                 self._held[row.address] = min(value, row.maximum)
             self._drive(ramp, axis, ramp.mode.register)
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _describe(self) -> ListedState:
         return self._told(PLAIN_CHIP, self.options.node)

@@ -276,7 +276,7 @@ class ListedModule(PlainEmulatorBase):
             if self._roles[key] not in ("target_position", "position", "target_speed"):
                 self._put(key, value)
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _describe(self) -> ListedState:
         return self._told(PLAIN, self.options.address)

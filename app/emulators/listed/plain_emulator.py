@@ -53,7 +53,7 @@ class PlainEmulatorBase(EmulatorBase[ListedPatch, ListedState]):
         if change.power_cycle:
             self._power_on()
 
-    def _truth(self, axis: int) -> GroundTruth:
+    def _ground_truth(self, axis: int) -> GroundTruth:
         moving = self._axes[axis]  # the counter: there is no motor that could be elsewhere
         return GroundTruth(moving.position / FULL_STEP, speed_fullsteps_s=moving.speed / FULL_STEP)
 

@@ -134,7 +134,7 @@ class Chip(ABC):
         self.chip[k.GPIN] = level
 
     def refresh(self) -> None:
-        """After a change of the world outside the chip; a chip without clocks does not notice yet."""
+        """After a change outside the chip; a chip without clocks does not notice yet."""
         if not self.powered_down:
             k.refresh(self.axes, self.chip)
 

@@ -53,7 +53,7 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             reply: int = self._chip.exchange(int.from_bytes(frame, "big"), clocks)
             return self.faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: EmulatorPatch) -> None:
         chip = self._chip
@@ -83,7 +83,7 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             chip.set_general_input(change.inputs.gp_in)
         chip.refresh()
 
-    def _truth(self, axis: int) -> GroundTruth:
+    def _ground_truth(self, axis: int) -> GroundTruth:
         return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
 
     def _run(self, until_s: float) -> None:

@@ -1,4 +1,4 @@
-"""What an emulator tells about itself and the world behind its pins."""
+"""What an emulator tells about itself and what is at its pins."""
 
 from __future__ import annotations
 

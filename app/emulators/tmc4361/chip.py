@@ -8,7 +8,7 @@ from ...clock import Clock
 from ..core.chip40 import EmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.documents import ChipFaultsState, ground_truth
-from . import world
+from . import plant
 from .options import Tmc4361Options, Tmc4361Patch
 from .registers import Chip
 from .state import Tmc4361State
@@ -24,7 +24,7 @@ class EmulatedTmc4361(EmulatorBase40[Chip, Tmc4361Patch, Tmc4361State]):
         self.options = options = options or Tmc4361Options()
         chip = Chip(options.feedback(), options.clock_hz)
         super().__init__(clock, options.time_scale, chip, options.clock_hz, options.seed)
-        world.place(chip, options.stage)
+        plant.place(chip, options.stage)
         chip.reset()
 
     @property
@@ -35,20 +35,20 @@ class EmulatedTmc4361(EmulatorBase40[Chip, Tmc4361Patch, Tmc4361State]):
     def _selected(self) -> None:
         self._chip.wake()
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: Tmc4361Patch) -> None:
-        world.check(self._chip, change)
+        plant.check(self._chip, change)
 
     def _change(self, change: Tmc4361Patch) -> None:
         self._chip.feedback.change(change.feedback())
         if change.power_cycle:
             self._power_cycle()
-        world.change(self._chip, change, self.options.clock_hz)
+        plant.change(self._chip, change, self.options.clock_hz)
 
-    def _truth(self, axis: int) -> GroundTruth:
-        return ground_truth(self._chip.feedback.truth, self._chip.feedback.world)
+    def _ground_truth(self, axis: int) -> GroundTruth:
+        return ground_truth(self._chip.feedback.plant_state, self._chip.feedback.plant)
 
     def _describe(self) -> Tmc4361State:
         faults = ChipFaultsState(**asdict(self.faults))
-        return world.describe(self._chip, faults, self._times, self.options.clock_hz)
+        return plant.describe(self._chip, faults, self._times, self.options.clock_hz)

@@ -49,7 +49,7 @@ SLOW_SLOPE_S = 20.0
 # `motor_and_encoder_tick` returns it. Bits that STATUS (0x0F) has stand where STATUS has them (13, 14, 15, 16, 17, 19,
 # 20..23 serial encoder flags, 24..31 driver flags); the others are these. Levels are levels: the kernel finds edges.
 FB_QUIET = 1 << 0
-"""Level: nothing in the feedback unit will change until a register, the world or the commanded position does."""
+"""Level: nothing in the feedback unit will change until a register, the plant or the commanded position does."""
 FB_TARGET_OK = 1 << 1
 """Level: the deviation is within CL_TR_TOLERANCE, or nothing regulates: TARGET_REACHED may be told."""
 FB_ENC_DONE = 1 << 2

@@ -88,7 +88,7 @@ class Chip:
     # --- power and time --------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Registers, counters and the ramp generator as after power-on; the world stays, and time goes on."""
+        """Registers, counters and the ramp generator as after power-on; the plant stays, and time goes on."""
         r, s, f = self.r, self.s, self.f
         kept = [(cell, int(s[cell])) for cell in _KEPT]
         kept_reals = [(cell, float(f[cell])) for cell in _KEPT_REALS]

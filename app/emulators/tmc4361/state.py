@@ -1,4 +1,4 @@
-"""What an emulated TMC4361 tells about itself, its motor and the world behind its pins."""
+"""What an emulated TMC4361 tells about itself, and its plant: motor, load, stage and what is at its pins."""
 
 from __future__ import annotations
 

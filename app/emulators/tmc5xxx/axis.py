@@ -48,7 +48,7 @@ class Axis:
         read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
         match row.name:
             case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
-                return lambda: _measured(self.drive.world.supply_v / _SUPPLY_V)
+                return lambda: _measured(self.drive.plant.supply_v / _SUPPLY_V)
             case "ADC_TEMP":
                 return self._temperature
             case "DRV_STATUS":
@@ -58,7 +58,7 @@ class Axis:
         return lambda: read(name) & mask
 
     def _temperature(self) -> int:
-        return _measured(_ZERO_C + _PER_C * self.drive.world.temperature_c)
+        return _measured(_ZERO_C + _PER_C * self.drive.plant.temperature_c)
 
     def _warned(self, status: int) -> int:
         """DRV_STATUS, whose warning of temperature a register may say."""

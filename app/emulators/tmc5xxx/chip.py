@@ -8,7 +8,7 @@ from ...clock import Clock
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.documents import ChipFaultsState, ground_truth
-from . import world
+from . import plant
 from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from .registers import Chip
@@ -32,20 +32,20 @@ class EmulatedTmc5xxx(UartEmulatorBase40[Chip, Tmc5xxxPatch, Tmc5xxxState]):
         """The name in the catalog."""
         return self._model
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: Tmc5xxxPatch) -> None:
-        world.check(self._chip, self._model, self.options, change)
+        plant.check(self._chip, self._model, self.options, change)
 
     def _change(self, change: Tmc5xxxPatch) -> None:
         if change.power_cycle:
             self._power_cycle()
-        world.change(self._chip, change)
+        plant.change(self._chip, change)
 
-    def _truth(self, axis: int) -> GroundTruth:
+    def _ground_truth(self, axis: int) -> GroundTruth:
         drive = self._chip.axes[axis].drive
-        return ground_truth(drive.truth, drive.world)
+        return ground_truth(drive.plant_state, drive.plant)
 
     def _describe(self) -> Tmc5xxxState:
         faults = ChipFaultsState(**asdict(self.faults))
-        return world.describe(self._chip, self._model, self.options, faults, self._times)
+        return plant.describe(self._chip, self._model, self.options, faults, self._times)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..drive.kernel import AMPLITUDE, FIXED, TUNED
-from ..drive.world import UNDERVOLTAGE_V
+from ..drive.plant import UNDERVOLTAGE_V
 from .options import Tmc5xxxModel
 
 

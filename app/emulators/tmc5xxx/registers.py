@@ -45,7 +45,7 @@ class Chip:
     # --- power and time --------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Registers and ramp generators as after power-on; the world stays, and time goes on."""
+        """Registers and ramp generators as after power-on; the plant stays, and time goes on."""
         self._words = {}
         self.ifcnt = 0
         self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask

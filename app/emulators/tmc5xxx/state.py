@@ -1,4 +1,4 @@
-"""What an emulated TMC5xxx tells about itself, its motors and the world behind its pins."""
+"""What an emulated TMC5xxx tells about itself, and its plant: motors, loads, stages and what is at its pins."""
 
 from __future__ import annotations
 

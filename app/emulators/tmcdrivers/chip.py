@@ -35,38 +35,38 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         return super().exchange(frame, at_s) if CHIPS[self._model].spi else self.uart(frame, at_s)
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: TmcDriverPatch) -> None:
         require_physics(self.options.rigid, change)
 
     def _change(self, change: TmcDriverPatch) -> None:
-        chip, world = self._chip, self._chip.drive.world
+        chip, plant = self._chip, self._chip.drive.plant
         if change.power_cycle:
             self._power_cycle()
         if change.pins.enn is not None:
             chip.enn = change.pins.enn
         if change.supply_v is not None:
-            world.supply_v = change.supply_v
-        change_load(world, change)
+            plant.supply_v = change.supply_v
+        change_load(plant, change)
 
-    def _truth(self, axis: int) -> GroundTruth:
-        return ground_truth(self._chip.drive.truth, self._chip.drive.world)
+    def _ground_truth(self, axis: int) -> GroundTruth:
+        return ground_truth(self._chip.drive.plant_state, self._chip.drive.plant)
 
     def _describe(self) -> TmcDriverState:
         chip, drive = self._chip, self._chip.drive
-        world = drive.world
+        plant = drive.plant
         return TmcDriverState(
             model=self._model,
             **self._times,
             clock_hz=self.options.clock_hz,
             rigid=self.options.rigid,
-            supply_v=world.supply_v,
-            motor=motor_state(world, drive.options.motor),
-            load_torque_nm=world.load_torque_nm,
-            blocked=world.blocked,
-            friction=world.extra_friction_nm,
-            truth=truth_state(drive.truth),
+            supply_v=plant.supply_v,
+            motor=motor_state(plant, drive.options.motor),
+            load_torque_nm=plant.load_torque_nm,
+            blocked=plant.blocked,
+            friction=plant.extra_friction_nm,
+            truth=truth_state(drive.plant_state),
             uart=DriverUartState(node=chip.pins, reply_delay_bits=self.reply_delay_bits, writes=chip.ifcnt),
             pins=DriverPinsState(enn=chip.enn, diag=chip.diag),
             faults=ChipFaultsState(**asdict(self.faults)),

@@ -51,7 +51,7 @@ class Chip:
     # --- power and time --------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Registers as after power-on; the world stays, and time goes on."""
+        """Registers as after power-on; the plant stays, and time goes on."""
         self._words = {}
         self.ifcnt = 0
         self.drive.power_cycle()
@@ -183,7 +183,7 @@ class Chip:
         return bool(self.drive.gstat & _DRV_ERR) or stalled
 
     def _status(self, row: Register) -> int:
-        inside, heat = self.drive.read("DRV_STATUS"), self.drive.world.temperature_c
+        inside, heat = self.drive.read("DRV_STATUS"), self.drive.plant.temperature_c
         word = inside & 0x1F << 16  # CS_ACTUAL
         for part in row.fields:
             if part.name in FROM_INSIDE:

@@ -1,4 +1,4 @@
-"""What an emulated driver tells about itself, its motor and the world behind its pins."""
+"""What an emulated driver tells about itself, and its plant: motor, load, stage and what is at its pins."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Firmware:
         self.axis = Axis(played, drive, lambda number: self.globals.configuration[number], eeprom.axis, unknown)
         self.globals.changed = self.axis.parameters.configured
         self.ports = Ports(
-            played.module, lambda: drive.switches.home, lambda: drive.world.supply_v, lambda: drive.world.temperature_c
+            played.module, lambda: drive.switches.home, lambda: drive.plant.supply_v, lambda: drive.plant.temperature_c
         )
         self.axis.arrived = self._arrived
         self.events: list[tuple[int, bytes]] = []

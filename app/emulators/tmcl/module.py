@@ -10,10 +10,10 @@ from ...clock import Clock
 from ...errors import WrongState
 from ...links.tmcl import FRAME_BYTES
 from ..core.base import EmulatorBase
-from ..core.ground_truth import GroundTruth, ProgramTruth
+from ..core.ground_truth import GroundTruth, ProgramGroundTruth
 from ..drive import Drive
 from ..drive.documents import ground_truth
-from . import world
+from . import plant
 from .eeprom import Eeprom
 from .faults import UNDERVOLTAGE_V, Faults
 from .firmware import Firmware
@@ -109,31 +109,31 @@ class EmulatedModule(EmulatorBase[TmclPatch, TmclState]):
             return faults.spoil(reply, self._noise)
         return reply
 
-    # --- the world around ------------------------------------------------------------------------
+    # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: TmclPatch) -> None:
-        world.check(self._drive, change)
+        plant.check(self._drive, change)
 
     def _change(self, change: TmclPatch) -> None:
         if change.factory_default:
             self._erase()
         if change.factory_default or change.power_cycle:
             self._firmware.power_on()
-        world.change(self._drive, change)
+        plant.change(self._drive, change)
         self._change_inputs(change)
         self.faults.change(change.faults)
         if change.supply_v is not None:
             self._supply_v = change.supply_v
-        self._drive.world.supply_v = UNDERVOLTAGE_V if self.faults.undervoltage else self._supply_v
+        self._drive.plant.supply_v = UNDERVOLTAGE_V if self.faults.undervoltage else self._supply_v
         if change.step_dir is not None:
             self._firmware.axis.feed_pulses(change.step_dir.pulses, change.step_dir.rate_hz)
 
-    def _truth(self, axis: int) -> GroundTruth:
+    def _ground_truth(self, axis: int) -> GroundTruth:
         application, interpreter = self._firmware.application, self._firmware.interpreter
-        program = ProgramTruth(
+        program = ProgramGroundTruth(
             tuple(application.flags), tuple(application.stack), interpreter.waits, interpreter.serves
         )
-        return replace(ground_truth(self._drive.truth, self._drive.world), program=program)
+        return replace(ground_truth(self._drive.plant_state, self._drive.plant), program=program)
 
     # --- within ----------------------------------------------------------------------------------
 
@@ -164,4 +164,4 @@ class EmulatedModule(EmulatorBase[TmclPatch, TmclState]):
 
     def _describe(self) -> TmclState:
         faults = self.faults.describe()
-        return world.describe(self._model, self._drive, self._firmware, faults, self._times)
+        return plant.describe(self._model, self._drive, self._firmware, faults, self._times)

@@ -1,4 +1,4 @@
-"""What an emulated PD42-1241 tells about itself, its motor and the world behind its plugs."""
+"""What an emulated PD42-1241 tells about itself, and its plant: motor, load, stage and what is at its plugs."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urllib.parse import quote
 
 from .plan import Plan, meaning
-from .standing import busy_of, target_of
+from .preconditions import busy_of, target_of
 from .text import lines, one_line
 
 _HEAD = """\

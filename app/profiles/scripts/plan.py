@@ -13,7 +13,7 @@ from ...registers.model import Access, Register
 from ..document import AxisPart, ProfileDocument
 from ..errors import UnreadableProfile
 from ..words import Want, check_range, wants_of
-from .standing import kept_ready, ready_of
+from .preconditions import kept_ready, ready_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from ..rules import Busy
 from .plan import Plan, Write, meaning
-from .standing import busy_of, target_of
+from .preconditions import busy_of, target_of
 from .text import WIDTH, lines, one_line
 
 GLUE = "\u00a0"

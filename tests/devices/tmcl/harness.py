@@ -87,7 +87,7 @@ class Bench:
         return self.tap.module
 
     def patch(self, **change: object) -> None:
-        """Change the world; samples that fell due before are taken first, as by everybody who uses the port."""
+        """Change the plant; samples that fell due before are taken first, as by everybody who uses the port."""
         cast("EmulatorPort", self.device.session.port).take_turn()
         self.module.patch(TmclPatch.model_validate(change))
 

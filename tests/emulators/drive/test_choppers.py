@@ -23,17 +23,17 @@ def currents(drive: Drive, seconds: float) -> list[tuple[float, float]]:
     seen = []
     for _ in range(round(seconds / TICK_S)):
         drive.advance(drive.clocks + TICK_CLOCKS)
-        seen.append((drive.truth.current_a_a, drive.truth.current_b_a))
+        seen.append((drive.plant_state.current_a_a, drive.plant_state.current_b_a))
     return seen
 
 
 def falling(toff: int, tfd: int, tbl: int) -> float:
     """Time [s] in which the current of coil B falls from its peak to half of it, the shaft clamped."""
     drive = energised(motor=IDEAL)
-    drive.world.blocked = True
+    drive.plant.blocked = True
     drive.write("CHOPCONF", constant_off(toff, tfd, tbl=tbl))
     wait(drive, 0.1)
-    whole = drive.truth.current_b_a
+    whole = drive.plant_state.current_b_a
     drive.write("IHOLD_IRUN", 0)
     for tick, (_, now) in enumerate(currents(drive, 0.1)):
         if now < whole / 2:
@@ -72,8 +72,8 @@ def test_the_sine_offset_is_added_to_the_amount(offset: int) -> None:
     drive = energised(motor=IDEAL)
     drive.write("CHOPCONF", constant_off(3, 12, offset))
     wait(drive, 0.2)
-    assert drive.truth.current_b_a == pytest.approx(PEAK_A * (247.5 / 248 + offset / 512), abs=1e-6)
-    assert drive.truth.current_a_a == pytest.approx(PEAK_A * (0.5 / 248 + offset / 512), abs=1e-6)
+    assert drive.plant_state.current_b_a == pytest.approx(PEAK_A * (247.5 / 248 + offset / 512), abs=1e-6)
+    assert drive.plant_state.current_a_a == pytest.approx(PEAK_A * (0.5 / 248 + offset / 512), abs=1e-6)
 
 
 @pytest.mark.parametrize("by_velocity", [False, True])
@@ -93,10 +93,10 @@ def test_full_steps_begin_at_the_high_velocity_and_end_below_it(by_velocity: boo
         assert (both > len(seen) / 2) is full
         if full:
             assert max(abs(a) for a, _ in seen) == pytest.approx(PEAK_A / math.sqrt(2), rel=0.01)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
     write(drive, {"XTARGET": 0, "RAMPMODE": 0, "VMAX": 3 * ONE_TURN_A_SECOND})
     wait(drive, 10.0)
-    assert drive.truth.rotor_fullsteps == pytest.approx(drive.truth.field_fullsteps, abs=0.02)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(drive.plant_state.field_fullsteps, abs=0.02)
 
 
 def test_full_steps_shake_the_motor() -> None:
@@ -108,7 +108,7 @@ def test_full_steps_shake_the_motor() -> None:
         speeds = []
         for _ in range(1000):
             drive.advance(drive.clocks + TICK_CLOCKS)
-            speeds.append(drive.truth.speed_rad_s)
+            speeds.append(drive.plant_state.speed_rad_s)
         ripples.append(max(speeds) - min(speeds))
     assert ripples[1] > 10 * ripples[0]
 

@@ -24,7 +24,7 @@ def drive_at(load_nm: float, dc_step: bool = True, dc_time: int = DC_TIME, dc_sg
         write(drive, {"VDCMIN": LEAST * ONE_TURN_A_SECOND, "DCCTRL": dc_time | dc_sg << 16})
     write(drive, registers)
     wait(drive, 2.0)
-    drive.world.load_torque_nm = load_nm
+    drive.plant.load_torque_nm = load_nm
     wait(drive, 0.5)
     return drive
 
@@ -40,29 +40,29 @@ def test_the_velocity_falls_with_the_load_and_no_step_is_lost() -> None:
     for load_nm in (0.05, 0.22, 0.24, 0.26):
         drive = drive_at(load_nm)
         reached.append(turns_a_second(drive))
-        assert drive.truth.lost_fullsteps == 0
+        assert drive.plant_state.lost_fullsteps == 0
         assert bit(drive.read("DRV_STATUS"), 15)
         speed = drive.read("VACTUAL") / ONE_TURN_A_SECOND
         assert speed == pytest.approx(reached[-1], rel=0.1), "VACTUAL tells the speed that it has"
     assert reached[0] == pytest.approx(FAST, rel=0.01)
     assert reached[0] > reached[1] > reached[2] > reached[3] > LEAST
-    assert drive_at(0.25, dc_step=False).truth.lost_fullsteps > 0, "without it this load is too much"
+    assert drive_at(0.25, dc_step=False).plant_state.lost_fullsteps > 0, "without it this load is too much"
 
 
 def test_it_gets_fast_again_when_the_load_is_gone_and_ends_on_its_target() -> None:
     drive = drive_at(0.25)
     assert turns_a_second(drive) < 0.8 * FAST
-    drive.world.load_torque_nm = 0.0
+    drive.plant.load_torque_nm = 0.0
     wait(drive, 1.0)
     assert turns_a_second(drive) == pytest.approx(FAST, rel=0.01)
     target = drive.read("XACTUAL") + 40 * TURN
     write(drive, {"XTARGET": target, "RAMPMODE": 0, "D1": 2000})
     wait(drive, 1.0)
-    drive.world.load_torque_nm = 0.24
+    drive.plant.load_torque_nm = 0.24
     until(drive, EventKind.POSITION_REACHED)
     wait(drive, 0.5)
     assert drive.read("XACTUAL") == target
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 @pytest.mark.parametrize("dc_time", [0, 35])
@@ -83,7 +83,7 @@ def test_a_motor_that_does_not_follow_is_found_by_dc_sg(dc_sg: int, found: bool,
     drive = drive_at(0.22, dc_sg=dc_sg, TCOOLTHRS=0xFFFFF, SW_MODE=int(stops) << 10)
     assert not bit(drive.read("DRV_STATUS"), 24), "load is no stall"
     assert drive.read("VACTUAL") > 0
-    drive.world.blocked = True
+    drive.plant.blocked = True
     wait(drive, 0.2)
     assert (drive.read("VACTUAL") == 0) is (found and stops)
     assert bit(drive.read("RAMP_STAT"), 6) is (found and stops)
@@ -91,7 +91,7 @@ def test_a_motor_that_does_not_follow_is_found_by_dc_sg(dc_sg: int, found: bool,
         assert bit(drive.read("DRV_STATUS"), 24) is found
         # it goes on at its least velocity, and the steps are lost
         assert turns_a_second(drive) == pytest.approx(LEAST, rel=0.02)
-        assert drive.truth.lost_fullsteps > 0
+        assert drive.plant_state.lost_fullsteps > 0
 
 
 @pytest.mark.parametrize("vdcmin", [0, 200, FAST * ONE_TURN_A_SECOND + 300])

@@ -32,13 +32,19 @@ def everything(drive: Drive) -> dict[str, object]:
     """All that can be seen of a drive."""
     registers = {name: drive.read(name) for name in (*WRITABLE, *READ_ONLY, "RAMP_STAT", "GSTAT", "ENC_STATUS")}
     encoders = [(e.counts, e.position, e.exceeded, e.clear_on_null) for e in (drive.internal, drive.external)]
-    return {"clocks": drive.clocks, "truth": drive.truth, "encoders": encoders, "switches": drive.switches, **registers}
+    return {
+        "clocks": drive.clocks,
+        "plant": drive.plant_state,
+        "encoders": encoders,
+        "switches": drive.switches,
+        **registers,
+    }
 
 
 def busy(seed: int = 3) -> Drive:
     """One that moves between switches under load, with stalls and deviation looked for."""
     drive = energised(seed=seed, stage=StageSwitches(left_at_fullsteps=-90.0, right_at_fullsteps=150.0))
-    drive.world.load_torque_nm = 0.05
+    drive.plant.load_torque_nm = 0.05
     drive.internal.limit = 40_000
     write(drive, {"SW_MODE": 0x0EF, "TCOOLTHRS": 0xFFFFF, "COOLCONF": 0x0000_2304, "VMAX": 3 * ONE_TURN_A_SECOND})
     return drive
@@ -150,7 +156,7 @@ def test_more_physics_steps_a_tick_change_little() -> None:
         drive = energised(regulator_s=regulator_s)
         drive.write("XTARGET", 30_000)
         until(drive, EventKind.POSITION_REACHED)
-        places.append(drive.truth.rotor_fullsteps)
+        places.append(drive.plant_state.rotor_fullsteps)
     assert places[0] == pytest.approx(places[1], abs=0.02)
 
 
@@ -158,7 +164,7 @@ def test_the_current_falls_to_the_hold_current_in_steps_after_its_delay() -> Non
     drive = energised()
     write(drive, {"IHOLD_IRUN": 4 | 20 << 8 | 2 << 16, "TPOWERDOWN": 6, "XTARGET": 3000})
     wait(drive, 0.01)
-    assert drive.truth.current_scale == 20
+    assert drive.plant_state.current_scale == 20
     assert not bit(drive.read("DRV_STATUS"), 31)
     stop = until(drive, EventKind.POSITION_REACHED).clocks
     standstill = until(drive, EventKind.STANDSTILL).clocks
@@ -168,7 +174,7 @@ def test_the_current_falls_to_the_hold_current_in_steps_after_its_delay() -> Non
     last = 20
     for at in range(standstill, standstill + 50 * DELAY, 2048):
         drive.advance(at)
-        now = drive.truth.current_scale
+        now = drive.plant_state.current_scale
         if now != last:
             falls.append((now, (at - standstill) / DELAY))
             last = now
@@ -178,25 +184,25 @@ def test_the_current_falls_to_the_hold_current_in_steps_after_its_delay() -> Non
     assert (drive.read("DRV_STATUS") >> 16) & 31 == 4
     drive.write("XTARGET", 0)
     wait(drive, 0.01)
-    assert drive.truth.current_scale == 20
+    assert drive.plant_state.current_scale == 20
 
 
 def test_scalers_make_the_current() -> None:
     drive = Drive()
     write(drive, {"CHOPCONF": CHOPPER_ON, "IHOLD_IRUN": 31 | 31 << 8})
     wait(drive, 0.1)
-    assert drive.truth.current_b_a == pytest.approx(4.2, rel=0.003)
+    assert drive.plant_state.current_b_a == pytest.approx(4.2, rel=0.003)
     write(drive, {"GLOBALSCALER": 128, "IHOLD_IRUN": 15 | 15 << 8})
     wait(drive, 0.1)
-    assert drive.truth.current_b_a == pytest.approx(4.2 / 4, rel=0.003)
+    assert drive.plant_state.current_b_a == pytest.approx(4.2 / 4, rel=0.003)
 
 
 def test_without_toff_the_rotor_is_free() -> None:
     drive = energised()
     drive.write("CHOPCONF", CHOPPER_ON & ~0xF)
-    drive.world.load_torque_nm = 0.05
+    drive.plant.load_torque_nm = 0.05
     wait(drive, 0.2)
-    truth = drive.truth
+    truth = drive.plant_state
     assert truth.bridges == "open"
     assert (truth.current_a_a, truth.current_b_a) == (0.0, 0.0)
     assert truth.speed_rad_s < -20
@@ -209,10 +215,10 @@ def test_a_standing_motor_freewheels_or_brakes_in_stealthchop(mode: int, bridges
     write(drive, {"GCONF": 0x4, "IHOLD_IRUN": RATED << 8, "PWMCONF": 0xC40C001E | mode << 20, "XTARGET": 100})
     until(drive, EventKind.STANDSTILL)
     wait(drive, 0.5)
-    assert drive.truth.bridges == bridges
-    drive.world.load_torque_nm = 0.1
+    assert drive.plant_state.bridges == bridges
+    drive.plant.load_torque_nm = 0.1
     wait(drive, 0.5)
-    speed = abs(drive.truth.speed_rad_s)
+    speed = abs(drive.plant_state.speed_rad_s)
     if mode == 0:  # a 32nd of the current is left, which is not enough, and bridges that are a voltage brake too
         assert 1 < speed < 30
     elif mode == 1:
@@ -222,7 +228,7 @@ def test_a_standing_motor_freewheels_or_brakes_in_stealthchop(mode: int, bridges
         assert speed < 30
     drive.write("PWMCONF", 0xC40C001E)
     wait(drive, 0.1)
-    assert drive.truth.bridges == "voltage"
+    assert drive.plant_state.bridges == "voltage"
 
 
 def test_stealthchop_ends_above_its_threshold() -> None:
@@ -245,7 +251,7 @@ def test_a_coarser_resolution_takes_bigger_steps_and_interpolates_them() -> None
     event = until(drive, EventKind.POSITION_REACHED)
     wait(drive, 0.2)
     assert event.position == 800
-    assert drive.truth.rotor_fullsteps == pytest.approx(50, abs=0.1)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(50, abs=0.1)
     smooth = []
     for interpolate in (0, 1):
         write(drive, {"CHOPCONF": CHOPPER_ON | 4 << 24 | interpolate << 28, "RAMPMODE": 1})
@@ -267,8 +273,8 @@ def test_shaft_turns_the_motor_around() -> None:
     write(drive, {"GCONF": 0x10, "XTARGET": 2560})
     until(drive, EventKind.POSITION_REACHED)
     wait(drive, 0.2)
-    assert drive.truth.rotor_fullsteps == pytest.approx(-10, abs=0.1)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(-10, abs=0.1)
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 def test_the_table_in_the_chip_makes_the_currents() -> None:
@@ -281,38 +287,38 @@ def test_the_table_in_the_chip_makes_the_currents() -> None:
     drive.write("MSLUTSTART", 0x00F7_0000 | 3)
     assert drive.read("MSCURACT") & 0x1FF == 48
     wait(drive, 0.01)
-    assert drive.truth.current_a_a == pytest.approx(4.2 * 12 / 32 * 48.5 / 248, abs=1e-6)
+    assert drive.plant_state.current_a_a == pytest.approx(4.2 * 12 / 32 * 48.5 / 248, abs=1e-6)
 
 
 def test_undervoltage_heat_and_a_pulled_plug_switch_the_bridges_off() -> None:
     drive = energised()
     assert drive.read("GSTAT") == 1
     drive.write("GSTAT", 7)
-    drive.world.supply_v = 5.0
+    drive.plant.supply_v = 5.0
     wait(drive, 0.1)
-    assert drive.truth.bridges == "open"
+    assert drive.plant_state.bridges == "open"
     assert drive.read("GSTAT") == 4
-    drive.world.supply_v = 24.0
+    drive.plant.supply_v = 24.0
     assert drive.read("GSTAT") == 4
     drive.write("GSTAT", 4)
     wait(drive, 0.1)
-    assert (drive.read("GSTAT"), drive.truth.bridges) == (0, "regulated")
-    drive.world.temperature_c = 130.0
+    assert (drive.read("GSTAT"), drive.plant_state.bridges) == (0, "regulated")
+    drive.plant.temperature_c = 130.0
     assert (drive.read("DRV_STATUS") >> 25) & 3 == 2
-    drive.world.temperature_c = 155.0
+    drive.plant.temperature_c = 155.0
     wait(drive, 0.1)
     assert (drive.read("DRV_STATUS") >> 25) & 3 == 3
-    assert (drive.read("GSTAT"), drive.truth.bridges) == (2, "open")
-    drive.world.temperature_c = 130.0
+    assert (drive.read("GSTAT"), drive.plant_state.bridges) == (2, "open")
+    drive.plant.temperature_c = 130.0
     wait(drive, 0.1)
-    assert drive.truth.bridges == "open"
-    drive.world.temperature_c = 60.0
+    assert drive.plant_state.bridges == "open"
+    drive.plant.temperature_c = 60.0
     wait(drive, 0.1)
-    assert drive.truth.bridges == "regulated"
-    drive.world.motor_connected = False
+    assert drive.plant_state.bridges == "regulated"
+    drive.plant.motor_connected = False
     wait(drive, 0.1)
     assert (drive.read("DRV_STATUS") >> 29) & 3 == 3
-    assert drive.truth.current_b_a == 0.0
+    assert drive.plant_state.current_b_a == 0.0
 
 
 def test_a_power_cycle_forgets_registers_but_not_where_the_rotor_is() -> None:
@@ -321,27 +327,27 @@ def test_a_power_cycle_forgets_registers_but_not_where_the_rotor_is() -> None:
     until(drive, EventKind.POSITION_REACHED)
     wait(drive, 0.3)
     absolute, clocks, load = drive.internal.absolute, drive.clocks, 0.01
-    drive.world.load_torque_nm = load
+    drive.plant.load_torque_nm = load
     drive.power_cycle()
     assert drive.clocks == clocks
     assert (drive.read("XACTUAL"), drive.read("VMAX"), drive.read("GSTAT")) == (0, 0, 1)
     assert (drive.internal.position, drive.external.position, drive.internal.absolute) == (0, 0, absolute)
-    assert drive.truth.rotor_fullsteps == pytest.approx(41, abs=0.1)
-    assert drive.world.load_torque_nm == load
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(41, abs=0.1)
+    assert drive.plant.load_torque_nm == load
     write(drive, {"CHOPCONF": CHOPPER_ON, "IHOLD_IRUN": RATED})
     wait(drive, 0.3)
     # MSCNT 0 is a place every four full steps
-    assert drive.truth.rotor_fullsteps == pytest.approx(40, abs=0.2)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(40, abs=0.2)
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 @pytest.mark.parametrize(
     ("name", "value"),
     [("load_torque_nm", 51.0), ("supply_v", -1.0), ("extra_friction_nm", -0.1), ("supply_v", float("nan"))],
 )
-def test_a_world_out_of_range_is_refused(name: str, value: float) -> None:
+def test_a_plant_value_out_of_range_is_refused(name: str, value: float) -> None:
     drive = Drive()
-    before = getattr(drive.world, name)
+    before = getattr(drive.plant, name)
     with pytest.raises(ValueError, match=name):
-        setattr(drive.world, name, value)
-    assert getattr(drive.world, name) == before
+        setattr(drive.plant, name, value)
+    assert getattr(drive.plant, name) == before

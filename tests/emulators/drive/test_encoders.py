@@ -16,7 +16,7 @@ PERFECT = EncoderOptions(eccentricity_deg=0.0, second_harmonic_deg=0.0)
 
 def by_hand(fullsteps: float, **options: object) -> Drive:
     drive = energised(encoders=EncoderOptions.model_validate(options))
-    drive.world.rotor_fullsteps = fullsteps
+    drive.plant.rotor_fullsteps = fullsteps
     return drive
 
 
@@ -34,7 +34,7 @@ def test_eccentricity_is_an_error_once_a_turn_and_the_second_harmonic_twice() ->
     drive = by_hand(0.0, internal_zero_fullsteps=0.0, **options)
     errors = []
     for fullstep in range(200):
-        drive.world.rotor_fullsteps = float(fullstep)
+        drive.plant.rotor_fullsteps = float(fullstep)
         errors.append(drive.internal.counts / (1 << 20) * 360 - fullstep * 1.8)
     for harmonic, amplitude, phase in ((1, 2.0, 40.0), (2, 1.0, 110.0), (3, 0.0, 0.0)):
         sine, cosine = (
@@ -49,7 +49,7 @@ def test_eccentricity_is_an_error_once_a_turn_and_the_second_harmonic_twice() ->
 def test_lines_give_four_counts_each(lines: int, backwards: bool) -> None:
     drive = by_hand(0.0, external_lines=lines, external_reversed=backwards)
     drive.external.scale(51_200 * (-1 if backwards else 1), 4 * lines)
-    drive.world.rotor_fullsteps = 300.0
+    drive.plant.rotor_fullsteps = 300.0
     assert drive.external.counts == (-1 if backwards else 1) * 6 * lines
     assert drive.external.position == pytest.approx(300 * 256, abs=15)
 
@@ -76,13 +76,13 @@ def test_positions_are_zero_at_power_on_and_follow_the_rotor() -> None:
 def test_the_chip_counts_by_enc_const_binary_or_decimal() -> None:
     drive = Drive()
     drive.write("ENC_CONST", 12 << 16 | 0xCCCC)
-    drive.world.rotor_fullsteps = 20.0  # 400 counts
+    drive.plant.rotor_fullsteps = 20.0  # 400 counts
     assert drive.read("X_ENC") == 400 * (12 * 65_536 + 0xCCCC) // 65_536
     write(drive, {"ENCMODE": 1 << 10, "ENC_CONST": 12 << 16 | 8000, "X_ENC": 0})
-    drive.world.rotor_fullsteps = 40.0
+    drive.plant.rotor_fullsteps = 40.0
     assert drive.read("X_ENC") == 5120
     write(drive, {"ENC_CONST": (2**16 - 13) << 16 | 2000, "X_ENC": 0})  # -12.8
-    drive.world.rotor_fullsteps = 60.0
+    drive.plant.rotor_fullsteps = 60.0
     assert drive.read("X_ENC") == -5120
 
 
@@ -91,11 +91,11 @@ def test_a_null_clears_once_where_it_is() -> None:
     drive.internal.clear_on_null = True
     write(drive, {"VMAX": ONE_TURN_A_SECOND, "RAMPMODE": 1})
     until(drive, EventKind.INTERNAL_NULL)
-    assert drive.truth.rotor_fullsteps == pytest.approx(37.3, abs=0.15)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(37.3, abs=0.15)
     assert not drive.internal.clear_on_null
     assert drive.internal.position == pytest.approx(0, abs=50)
     wait(drive, 2.0)
-    assert drive.internal.position == pytest.approx((drive.truth.rotor_fullsteps - 37.3) * 256, abs=60)
+    assert drive.internal.position == pytest.approx((drive.plant_state.rotor_fullsteps - 37.3) * 256, abs=60)
     drive.external.clear_on_null = True
     until(drive, EventKind.EXTERNAL_NULL)
     assert drive.external.absolute in (0, 1)
@@ -111,14 +111,14 @@ def test_a_deviation_stops_the_motor_until_it_is_taken_back(which: str) -> None:
     write(drive, {"VMAX": ONE_TURN_A_SECOND, "RAMPMODE": 1})
     wait(drive, 2.0)
     assert drive.read("VACTUAL") == ONE_TURN_A_SECOND
-    drive.world.blocked = True
+    drive.plant.blocked = True
     event = until(drive, kind, 0.1)
     assert encoder.exceeded
     assert abs(encoder.deviation) == pytest.approx(1000, abs=80)
     wait(drive, 0.5)
     assert drive.read("VACTUAL") == 0
     assert drive.read("XACTUAL") == event.position
-    drive.world.blocked = False
+    drive.plant.blocked = False
     encoder.position = drive.read("XACTUAL")
     encoder.exceeded = False
     wait(drive, 1.0)
@@ -132,9 +132,9 @@ def test_the_tick_of_a_deviation_is_the_first_in_which_it_is_too_large(limit: in
     watched, looked_at = energised(), energised()
     for drive in (watched, looked_at):
         drive.external.scale(51_200, 4000)
-        drive.world.encoder_slip_fullsteps = drive.world.external_slip_fullsteps = slip
+        drive.plant.encoder_slip_fullsteps = drive.plant.external_slip_fullsteps = slip
         write(drive, {"VMAX": 2 * ONE_TURN_A_SECOND, "RAMPMODE": 1})
-        drive.world.load_torque_nm = load_nm
+        drive.plant.load_torque_nm = load_nm
     watched.internal.limit = watched.external.limit = limit
     watched.watch = EventKind.DEVIATION_INTERNAL | EventKind.DEVIATION_EXTERNAL
     event = watched.advance(watched.clocks + 1_600_000)
@@ -157,12 +157,12 @@ def test_a_deviation_may_be_only_told() -> None:
     write(drive, {"ENC_DEVIATION": 1000, "VMAX": ONE_TURN_A_SECOND, "RAMPMODE": 1})
     wait(drive, 0.5)
     assert drive.read("ENC_STATUS") == 0
-    drive.world.blocked = True
+    drive.plant.blocked = True
     until(drive, EventKind.DEVIATION_EXTERNAL, 0.1)
     assert bit(drive.read("ENC_STATUS"), 1)
     wait(drive, 0.5)
     assert drive.read("VACTUAL") == ONE_TURN_A_SECOND
-    drive.world.blocked = False
+    drive.plant.blocked = False
     drive.write("X_ENC", drive.read("XACTUAL"))
     drive.write("ENC_STATUS", 2)
     wait(drive, 0.1)
@@ -171,15 +171,15 @@ def test_a_deviation_may_be_only_told() -> None:
 
 def test_a_slipping_magnet_is_a_deviation_that_the_rotor_knows_nothing_of() -> None:
     drive = energised()
-    before, rotor = drive.internal.position, drive.truth.rotor_fullsteps
+    before, rotor = drive.internal.position, drive.plant_state.rotor_fullsteps
     drive.internal.limit = 500
-    drive.world.encoder_slip_fullsteps = 4.0
+    drive.plant.encoder_slip_fullsteps = 4.0
     until(drive, EventKind.DEVIATION_INTERNAL, 0.001)
     assert drive.internal.position - before == pytest.approx(1024, abs=60)
     assert drive.external.position == 0
-    drive.world.external_slip_fullsteps = -10.0
+    drive.plant.external_slip_fullsteps = -10.0
     assert drive.external.position == -200
-    assert drive.truth.rotor_fullsteps == pytest.approx(rotor, abs=1e-9)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(rotor, abs=1e-9)
 
 
 @pytest.mark.parametrize(("numerator", "denominator"), [(1, 0), (1 << 40, 1), (1, 1 << 33)])

@@ -36,14 +36,14 @@ def test_the_value_falls_about_linearly_with_the_load() -> None:
     drive = turning()
     values = []
     for load_nm in (0.0, 0.07, 0.14, 0.21):
-        drive.world.load_torque_nm = load_nm
+        drive.plant.load_torque_nm = load_nm
         wait(drive, 0.3)
         values.append(mean_load(drive))
     falls = [a - b for a, b in pairwise(values)]
     assert values[0] > 300
     assert min(falls) > 60
     assert max(falls) < 1.3 * min(falls)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 def test_the_value_rises_with_speed_until_the_supply_is_not_enough() -> None:
@@ -51,7 +51,7 @@ def test_the_value_rises_with_speed_until_the_supply_is_not_enough() -> None:
     assert values == sorted(values)
     drive = turning(14.0)
     wait(drive, 3.0)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
     assert mean_load(drive) < values[-1]
 
 
@@ -94,14 +94,14 @@ def test_no_value_and_no_stall_at_standstill_or_in_stealthchop() -> None:
 def test_a_stall_stops_the_motor_until_the_event_is_cleared() -> None:
     drive = turning(SW_MODE=SG_STOP, TCOOLTHRS=ALL_SPEEDS)
     assert drive.read("VACTUAL") == 2 * ONE_TURN_A_SECOND
-    drive.world.blocked = True
+    drive.plant.blocked = True
     event = until(drive, EventKind.STALL_STOP | EventKind.STOPPED, 0.2)
     assert event.kinds == EventKind.STALL_STOP | EventKind.STOPPED
     assert drive.read("VACTUAL") == 0
     assert bit(drive.read("RAMP_STAT"), 6)
     wait(drive, 0.5)
     assert drive.read("XACTUAL") == event.position
-    drive.world.blocked = False
+    drive.plant.blocked = False
     drive.write("RAMP_STAT", 1 << 6)
     wait(drive, 1.0)
     assert drive.read("VACTUAL") == 2 * ONE_TURN_A_SECOND
@@ -118,7 +118,7 @@ def test_below_the_threshold_speed_a_stall_stops_nothing(by_register: bool) -> N
             drive.stall_stop_velocity = ONE_TURN_A_SECOND
         write(drive, {"VMAX": round(turns * ONE_TURN_A_SECOND), "RAMPMODE": 1})
         wait(drive, 1.0)
-        drive.world.blocked = True
+        drive.plant.blocked = True
         wait(drive, 1.0)
         assert bit(drive.read("RAMP_STAT"), 6) is stops
         assert (drive.read("VACTUAL") == 0) is stops
@@ -126,7 +126,7 @@ def test_below_the_threshold_speed_a_stall_stops_nothing(by_register: bool) -> N
 
 def test_without_sg_stop_a_stall_is_only_told() -> None:
     drive = turning(TCOOLTHRS=ALL_SPEEDS)
-    drive.world.blocked = True
+    drive.plant.blocked = True
     seen = False
     for _ in range(100):
         wait(drive, 0.005)
@@ -139,15 +139,15 @@ def test_without_sg_stop_a_stall_is_only_told() -> None:
 def test_coolstep_takes_current_away_and_gives_it_back(seimin: int, lowest: int, friction_nm: float) -> None:
     drive = turning(TCOOLTHRS=ALL_SPEEDS, COOLCONF=coolconf(semin=3, semax=1, seup=1, sedn=2, seimin=seimin))
     wait(drive, 3.0)
-    assert drive.truth.current_scale == lowest
+    assert drive.plant_state.current_scale == lowest
     assert drive.read("DRV_STATUS") >> 16 & 31 == lowest
-    drive.world.extra_friction_nm = friction_nm
+    drive.plant.extra_friction_nm = friction_nm
     wait(drive, 0.5)
-    assert lowest < drive.truth.current_scale <= 11
-    assert drive.truth.lost_fullsteps == 0
+    assert lowest < drive.plant_state.current_scale <= 11
+    assert drive.plant_state.lost_fullsteps == 0
     drive.write("COOLCONF", 0)
     wait(drive, 0.01)
-    assert drive.truth.current_scale == 11
+    assert drive.plant_state.current_scale == 11
 
 
 def test_coolstep_steps_down_as_slowly_as_sedn_says() -> None:
@@ -156,7 +156,7 @@ def test_coolstep_steps_down_as_slowly_as_sedn_says() -> None:
         drive = turning(TCOOLTHRS=ALL_SPEEDS, COOLCONF=coolconf(semin=1, semax=0, sedn=sedn))
         drive.write("COOLCONF", coolconf(semin=1, semax=0, sedn=sedn))  # at full current again
         start = drive.clocks
-        while drive.truth.current_scale > 5:
+        while drive.plant_state.current_scale > 5:
             drive.advance(drive.clocks + 4000)
         times.append(drive.clocks - start)
     assert times[0] == pytest.approx(2 * times[1], rel=0.25)
@@ -166,4 +166,4 @@ def test_coolstep_steps_down_as_slowly_as_sedn_says() -> None:
 def test_coolstep_works_between_its_two_thresholds_only(registers: dict[str, int]) -> None:
     drive = turning(COOLCONF=coolconf(semin=1, sedn=3), **registers)
     wait(drive, 1.0)
-    assert drive.truth.current_scale == 11
+    assert drive.plant_state.current_scale == 11

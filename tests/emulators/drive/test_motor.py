@@ -34,7 +34,7 @@ def speeds(drive: Drive, seconds: float) -> np.ndarray:
     values = []
     for _ in range(round(seconds / TICK_S)):
         drive.advance(drive.clocks + TICK_CLOCKS)
-        values.append(drive.truth.speed_rad_s)
+        values.append(drive.plant_state.speed_rad_s)
     return np.array(values)
 
 
@@ -43,12 +43,12 @@ def speeds(drive: Drive, seconds: float) -> np.ndarray:
 def test_a_motor_let_go_rings_at_its_natural_frequency(detent_nm: float, load_inertia: float) -> None:
     motor = MotorOptions(detent_torque_nm=detent_nm, friction_nm=0.0, viscous_nms=1e-4)
     drive = energised(motor=motor, load={"inertia_kgm2": load_inertia})
-    rest = drive.truth.field_fullsteps
-    drive.world.rotor_fullsteps = rest + 0.03  # 2.7 degrees electrical
+    rest = drive.plant_state.field_fullsteps
+    drive.plant.rotor_fullsteps = rest + 0.03  # 2.7 degrees electrical
     offsets = []
     for _ in range(round(0.05 / TICK_S)):
         drive.advance(drive.clocks + TICK_CLOCKS)
-        offsets.append(drive.truth.rotor_fullsteps - rest)
+        offsets.append(drive.plant_state.rotor_fullsteps - rest)
     swing = np.array(offsets)
     rising = np.flatnonzero((swing[:-1] < 0) & (swing[1:] >= 0))
     exact = rising - swing[rising] / (swing[rising + 1] - swing[rising])
@@ -62,24 +62,24 @@ def test_a_motor_let_go_rings_at_its_natural_frequency(detent_nm: float, load_in
 def test_the_static_load_angle_is_the_arc_sine_of_the_load(load_nm: float) -> None:
     drive = energised(motor=IDEAL)
     for part in range(1, 51):  # put on gently: all at once it would swing to twice the angle
-        drive.world.load_torque_nm = load_nm * part / 50
+        drive.plant.load_torque_nm = load_nm * part / 50
         wait(drive, 0.02)
     wait(drive, 1.0)
     expected = static_angle_deg(drive, load_nm, PEAK_A)
-    assert drive.truth.load_angle_deg == pytest.approx(expected, abs=0.1)  # the table is 0.06 off at this place
-    assert drive.truth.lost_fullsteps == 0
-    assert drive.truth.torque_nm == pytest.approx(load_nm, abs=1e-6)
+    assert drive.plant_state.load_angle_deg == pytest.approx(expected, abs=0.1)  # the table is 0.06 off at this place
+    assert drive.plant_state.lost_fullsteps == 0
+    assert drive.plant_state.torque_nm == pytest.approx(load_nm, abs=1e-6)
 
 
 def test_friction_holds_the_rotor_within_its_dead_band() -> None:
     drive = energised(motor=MotorOptions(detent_torque_nm=0.0, friction_nm=0.03, stiction_ratio=1.0))
     width = static_angle_deg(drive, 0.03, PEAK_A) / 90
-    here = drive.truth.field_fullsteps
+    here = drive.plant_state.field_fullsteps
     for offset, stays in ((0.9 * width, True), (-0.9 * width, True), (1.5 * width, False)):
-        drive.world.rotor_fullsteps = here + offset
+        drive.plant.rotor_fullsteps = here + offset
         wait(drive, 0.2)
-        assert (drive.truth.rotor_fullsteps == pytest.approx(here + offset, abs=1e-9)) is stays
-        assert abs(drive.truth.rotor_fullsteps - here) <= width * 1.001
+        assert (drive.plant_state.rotor_fullsteps == pytest.approx(here + offset, abs=1e-9)) is stays
+        assert abs(drive.plant_state.rotor_fullsteps - here) <= width * 1.001
 
 
 @pytest.mark.parametrize("load_nm", [0.31, -0.31])
@@ -87,18 +87,18 @@ def test_an_overload_slips_by_multiples_of_four_full_steps(load_nm: float) -> No
     drive = energised(motor=MotorOptions(detent_torque_nm=0.0, viscous_nms=0.02))
     write(drive, {"VMAX": ONE_TURN_A_SECOND, "RAMPMODE": 1 if load_nm > 0 else 2})
     wait(drive, 0.5)
-    assert drive.truth.lost_fullsteps == 0
-    drive.world.load_torque_nm = load_nm * 1.5
+    assert drive.plant_state.lost_fullsteps == 0
+    drive.plant.load_torque_nm = load_nm * 1.5
     wait(drive, 0.2)
-    drive.world.load_torque_nm = 0.0
+    drive.plant.load_torque_nm = 0.0
     drive.write("VMAX", 0)
     until(drive, EventKind.STOPPED)
     wait(drive, 1.0)
-    behind = drive.truth.field_fullsteps - drive.truth.rotor_fullsteps
+    behind = drive.plant_state.field_fullsteps - drive.plant_state.rotor_fullsteps
     assert behind * load_nm > 0
-    assert drive.truth.lost_fullsteps != 0
-    assert behind == pytest.approx(drive.truth.lost_fullsteps, abs=0.05)
-    assert drive.truth.lost_fullsteps % 4 == 0
+    assert drive.plant_state.lost_fullsteps != 0
+    assert behind == pytest.approx(drive.plant_state.lost_fullsteps, abs=0.05)
+    assert drive.plant_state.lost_fullsteps % 4 == 0
 
 
 def test_the_ripple_of_the_velocity_is_the_detent() -> None:
@@ -126,7 +126,7 @@ def test_the_detent_bends_the_position_once_a_full_step() -> None:
     for microstep in range(0, 257, 32):
         drive.write("XTARGET", microstep)
         wait(drive, 0.4)
-        deviations[microstep] = drive.truth.load_angle_deg
+        deviations[microstep] = drive.plant_state.load_angle_deg
     for microstep, deviation in deviations.items():
         e = math.radians((microstep + 0.5) * 360 / 1024 - deviation)
         assert deviation == pytest.approx(math.degrees(share * math.sin(4 * e)), abs=0.3)  # the table adds 0.22
@@ -139,13 +139,13 @@ def test_electrical_power_goes_into_heat_field_and_work() -> None:
     motor = drive.options.motor
     assert drive.options.steps_a_tick == 1  # so that every physics step is seen
     write(drive, {"VMAX": 2 * ONE_TURN_A_SECOND, "RAMPMODE": 1})
-    drive.world.load_torque_nm = 0.1
+    drive.plant.load_torque_nm = 0.1
     electrical = copper = field = work = shaft = 0.0
-    last = drive.truth
+    last = drive.plant_state
     kinetic_before = 0.5 * drive.options.inertia_kgm2 * last.speed_rad_s**2
     for _ in range(round(0.5 / TICK_S)):
         drive.advance(drive.clocks + TICK_CLOCKS)
-        now = drive.truth
+        now = drive.plant_state
         for voltage, i0, i1 in (
             (now.voltage_a_v, last.current_a_a, now.current_a_a),
             (now.voltage_b_v, last.current_b_a, now.current_b_a),
@@ -171,12 +171,12 @@ def test_the_supply_limits_the_current_at_speed() -> None:
         write(drive, {"AMAX": 600, "VMAX": round(turns * ONE_TURN_A_SECOND), "RAMPMODE": 1})
         until(drive, EventKind.VELOCITY_REACHED)
         wait(drive, 0.3)
-        assert drive.truth.lost_fullsteps == 0
+        assert drive.plant_state.lost_fullsteps == 0
         samples = []
-        lags.append(drive.truth.load_angle_deg)
+        lags.append(drive.plant_state.load_angle_deg)
         for _ in range(500):
             drive.advance(drive.clocks + TICK_CLOCKS)
-            samples.append(math.hypot(drive.truth.current_a_a, drive.truth.current_b_a))
+            samples.append(math.hypot(drive.plant_state.current_a_a, drive.plant_state.current_b_a))
         currents.append(sum(samples) / len(samples))
     assert currents[0] == pytest.approx(FULL_SCALE_A * 12 / 32, rel=0.01)
     # A simulation with another regulator, for 1.5 A: 1.27 A and 40 degrees at 2000 full steps/s, 0.68 A and 77 at 3000
@@ -188,11 +188,11 @@ def test_the_supply_limits_the_current_at_speed() -> None:
 @pytest.mark.parametrize(("turns", "load_nm", "loses"), [(2, 0.15, False), (18, 0.15, True), (4, 0.6, True)])
 def test_too_much_load_or_speed_pulls_the_motor_out_of_step(turns: float, load_nm: float, loses: bool) -> None:
     drive = energised()
-    drive.world.extra_friction_nm = load_nm
+    drive.plant.extra_friction_nm = load_nm
     write(drive, {"AMAX": 1500, "VMAX": round(turns * ONE_TURN_A_SECOND), "RAMPMODE": 1})
     until(drive, EventKind.VELOCITY_REACHED)
     wait(drive, 1.0)
-    assert (drive.truth.lost_fullsteps > 0) is loses
+    assert (drive.plant_state.lost_fullsteps > 0) is loses
 
 
 def test_a_blocked_shaft_loses_every_step_and_the_load_value_falls_to_nothing() -> None:
@@ -200,26 +200,26 @@ def test_a_blocked_shaft_loses_every_step_and_the_load_value_falls_to_nothing() 
     write(drive, {"VMAX": 2 * ONE_TURN_A_SECOND, "RAMPMODE": 1})
     wait(drive, 1.0)
     free = load_value(drive)
-    here = drive.truth.rotor_fullsteps
-    drive.world.blocked = True
+    here = drive.plant_state.rotor_fullsteps
+    drive.plant.blocked = True
     wait(drive, 0.5)
-    assert drive.truth.rotor_fullsteps == pytest.approx(here, abs=1e-9)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(here, abs=1e-9)
     assert free > 300
     assert load_value(drive) < 15
-    assert drive.truth.lost_fullsteps == pytest.approx(200, abs=4)
-    drive.world.blocked = False
+    assert drive.plant_state.lost_fullsteps == pytest.approx(200, abs=4)
+    drive.plant.blocked = False
     drive.write("VMAX", 0)
     wait(drive, 1.0)
-    assert drive.truth.speed_rad_s == 0.0
+    assert drive.plant_state.speed_rad_s == 0.0
 
 
 def test_the_kernel_equals_the_plain_motor_and_resting_changes_nothing() -> None:
     """Standing, moving and standing again under a load: the oracle works out every tick, the kernel skips rests."""
     drive = energised()
-    drive.world.load_torque_nm = 0.03
+    drive.plant.load_torque_nm = 0.03
     plain = PlainMotor(drive.options, load_nm=0.03)
-    plain.theta, plain.omega = drive.truth.rotor_rad, drive.truth.speed_rad_s
-    plain.currents = [drive.truth.current_a_a, drive.truth.current_b_a]
+    plain.theta, plain.omega = drive.plant_state.rotor_rad, drive.plant_state.speed_rad_s
+    plain.currents = [drive.plant_state.current_a_a, drive.plant_state.current_b_a]
     scale = FULL_SCALE_A * (RATED + 1) / 32
     for target in (0, 700, -300):
         drive.write("XTARGET", target)
@@ -228,7 +228,7 @@ def test_the_kernel_equals_the_plain_motor_and_resting_changes_nothing() -> None
             at = drive.read("MSCNT")
             sine, cosine = (drive._wave[(at + shift) % 1024] + 0.5 for shift in (0, 256))
             plain.tick((scale * sine / 248, scale * cosine / 248))
-        truth = drive.truth
+        truth = drive.plant_state
         assert truth.rotor_rad == pytest.approx(plain.theta, abs=1e-9)
         assert (truth.speed_rad_s, plain.omega) == (0.0, 0.0)
         assert [truth.current_a_a, truth.current_b_a] == pytest.approx(plain.currents, abs=1e-9)
@@ -242,7 +242,7 @@ def test_sine_and_cosine_that_are_carried_on_stay_those_of_the_rotor(turns_per_s
     for look in range(200):
         f[k.OMEGA] = 2 * math.pi * turns_per_s
         if look % 50 == 25:
-            drive.world.rotor_fullsteps += 0.05
+            drive.plant.rotor_fullsteps += 0.05
         drive.write("XTARGET", look)  # what rests is not worked out
         drive.advance(drive.clocks + 37 * TICK_CLOCKS)
         assert f[k.SINE] == pytest.approx(math.sin(f[k.ANGLE]), abs=1e-12)
@@ -254,9 +254,9 @@ def test_sine_and_cosine_that_are_carried_on_stay_those_of_the_rotor(turns_per_s
 def test_a_motor_that_stands_costs_nothing() -> None:
     drive = energised()
     wait(drive, 10.0)
-    before = drive.truth
+    before = drive.plant_state
     drive.advance(drive.clocks + 10_000_000 * SECOND)  # would take hours, were it worked out
-    assert drive.truth == before
+    assert drive.plant_state == before
     drive.write("XTARGET", 51_200)
     assert until(drive, EventKind.POSITION_REACHED).position == 51_200
     wait(drive, 0.1)

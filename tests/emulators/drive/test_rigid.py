@@ -161,15 +161,15 @@ def test_a_day_of_rotation_ends_on_the_exact_microstep() -> None:
     assert drive._s[k.ACC] == rest_after
     assert drive.positions_passed - compared == (start + steps) // 2**32
     assert abs((drive.external.counts - counts) * 51_200 - steps * 40_000) <= 51_200
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 def test_the_shaft_is_where_the_field_is() -> None:
     drive = rigid(start_fullsteps=800.0)
-    assert drive.truth.rotor_fullsteps == pytest.approx(800.0)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(800.0)
     write(drive, {"RAMPMODE": 1})
     drive.advance(2 * SECOND)
-    truth = drive.truth
+    truth = drive.plant_state
     assert abs(truth.load_angle_deg) < 0.5
     assert truth.rotor_fullsteps == pytest.approx(800.0 + drive.read("XACTUAL") / 256)
     assert truth.speed_rad_s == pytest.approx(2 * 2 * math.pi, rel=1e-4)
@@ -178,9 +178,9 @@ def test_the_shaft_is_where_the_field_is() -> None:
 def test_turned_by_hand_it_snaps_to_the_field_and_the_encoder_sees_it() -> None:
     drive = rigid(encoders=EncoderOptions(external_lines=2500))
     drive.advance(SECOND)
-    drive.world.rotor_fullsteps = 101.0
+    drive.plant.rotor_fullsteps = 101.0
     drive.advance(2 * SECOND)
-    assert drive.truth.rotor_fullsteps == pytest.approx(100.0)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(100.0)
     assert drive.external.counts == 100 * 10_000 // 200
     assert drive.read("XACTUAL") == 0
 

@@ -50,7 +50,7 @@ def turned(drive: Drive, turns: float, seconds: float = 1.0) -> Drive:
 
 
 def current(drive: Drive) -> float:
-    return math.hypot(drive.truth.current_a_a, drive.truth.current_b_a)
+    return math.hypot(drive.plant_state.current_a_a, drive.plant_state.current_b_a)
 
 
 def volts(amplitude: float, supply_v: float = SUPPLY_V) -> float:
@@ -100,7 +100,7 @@ def test_a_standing_motors_current_is_voltage_over_resistance(ofs: int, hold: in
     expected = volts(ofs * (hold + 1) / 32, supply_v) / MOTOR.resistance_ohm
     assert current(drive) == pytest.approx(expected, rel=0.003, abs=1e-9)
     assert amplitude(drive) == round(ofs * (hold + 1) / 32)
-    assert drive.truth.bridges == "voltage"
+    assert drive.plant_state.bridges == "voltage"
 
 
 @pytest.mark.parametrize("turns", [0.5, 1.0, 2.0])
@@ -110,7 +110,7 @@ def test_a_turning_motors_current_is_what_back_emf_and_inductance_leave(turns: f
     asked = min(ofs * (RATED + 1) / 32 + grad * 256 / drive.read("TSTEP"), 255)
     assert amplitude(drive) == round(asked)
     if MOTOR.torque_constant * 2 * math.pi * turns > 0.9 * volts(asked):
-        assert drive.truth.lost_fullsteps > 0  # nothing is left that could turn it
+        assert drive.plant_state.lost_fullsteps > 0  # nothing is left that could turn it
     else:
         assert current(drive) == pytest.approx(unloaded_current(volts(asked), turns), rel=0.02)
 
@@ -122,18 +122,18 @@ def test_the_kernel_equals_the_plain_motor_behind_a_voltage() -> None:
     for tick in range(8000):
         drive.advance(drive.clocks + TICK_CLOCKS)
         if tick == 0:
-            plain.currents = [drive.truth.current_a_a, drive.truth.current_b_a]
-            plain.theta, plain.omega = drive.truth.rotor_rad, drive.truth.speed_rad_s
+            plain.currents = [drive.plant_state.current_a_a, drive.plant_state.current_b_a]
+            plain.theta, plain.omega = drive.plant_state.rotor_rad, drive.plant_state.speed_rad_s
             continue
         place = drive.read("MSCNT")
         # StealthChop's own sum, not the register's rounded one
         peak = volts(107 * (RATED + 1) / 32 + (30 * 256 / drive.read("TSTEP") if drive.read("VACTUAL") else 0))
         wave = [round(248 * math.sin(2 * math.pi * (at + 0.5) / 1024) - 0.5) + 0.5 for at in (place, place + 256)]
         plain.tick((peak * wave[0] / 248, peak * wave[1] / 248), volts=True)
-    assert drive.truth.current_a_a == pytest.approx(plain.currents[0], abs=0.02)
-    assert drive.truth.current_b_a == pytest.approx(plain.currents[1], abs=0.02)
-    assert drive.truth.rotor_rad == pytest.approx(plain.theta, abs=1e-3)
-    assert drive.truth.rotor_rad > 0.2
+    assert drive.plant_state.current_a_a == pytest.approx(plain.currents[0], abs=0.02)
+    assert drive.plant_state.current_b_a == pytest.approx(plain.currents[1], abs=0.02)
+    assert drive.plant_state.rotor_rad == pytest.approx(plain.theta, abs=1e-3)
+    assert drive.plant_state.rotor_rad > 0.2
 
 
 @pytest.mark.parametrize("resistance_ohm", [1.2, 2.3, 4.0])
@@ -178,7 +178,7 @@ def test_the_gradient_is_tuned_in_motion_to_back_emf_and_inductance(turns: float
     assert amplitude(drive) == pytest.approx(wanted, abs=1.5)
     assert regulation(drive) in (-1, 0, 1)
     assert current(drive) == pytest.approx(CURRENT_A, rel=0.02)
-    assert drive.truth.lost_fullsteps == 0
+    assert drive.plant_state.lost_fullsteps == 0
 
 
 @pytest.mark.parametrize(("more", "turns"), [(AUTOSCALE, 2.0), (AUTOSCALE | AUTOGRAD, 0.5)])
@@ -198,7 +198,7 @@ def test_the_greatest_change_a_half_wave_is_what_was_set(kind: int) -> None:
     for setting in (1, 2, 4):
         conf = pwmconf(255, 0 if kind == k.TUNED else setting, AUTOSCALE, reg=setting)
         drive = turned(quiet_drive(conf, kind=kind), 2.0, 1.5)
-        drive.world.supply_v = 9.0  # far more is needed at once
+        drive.plant.supply_v = 9.0  # far more is needed at once
         most, before = 0.0, float(drive._f[k.PWM_AUTO])
         for _ in range(1600):
             drive.advance(drive.clocks + TICK_CLOCKS)
@@ -261,14 +261,14 @@ def test_switching_over_to_spreadcycle_jerks_by_what_the_current_lagged() -> Non
         w = 2 * math.pi * turns
         across = (MOTOR.torque_constant + 50 * MOTOR.inductance_h * CURRENT_A) * w
         lag = math.degrees(math.atan2(across, MOTOR.resistance_ohm * CURRENT_A))
-        assert drive.truth.load_angle_deg == pytest.approx(lag, abs=3)
+        assert drive.plant_state.load_angle_deg == pytest.approx(lag, abs=3)
         even = speeds(drive, 0.05)
         drive.write("TPWMTHRS", drive.read("TSTEP") + 1)
         jerked = speeds(drive, 0.05)
         wait(drive, 1.0)
-        assert drive.truth.bridges == "regulated"
-        assert abs(drive.truth.load_angle_deg) < 10
-        assert drive.truth.lost_fullsteps == 0
+        assert drive.plant_state.bridges == "regulated"
+        assert abs(drive.plant_state.load_angle_deg) < 10
+        assert drive.plant_state.lost_fullsteps == 0
         jerks.append(max(abs(jerked - w)))
         assert jerks[-1] > 20 * max(abs(even - w))
     assert jerks == sorted(jerks)
@@ -297,7 +297,9 @@ def test_it_makes_no_difference_in_how_many_pieces_time_is_advanced() -> None:
         start = drive.clocks
         for piece in range(1, pieces + 1):
             drive.advance(start + 3 * SECOND * piece // pieces)
-        seen.append((drive.read("PWM_AUTO"), drive.read("XACTUAL"), drive.truth.current_a_a, drive.truth.rotor_rad))
+        seen.append(
+            (drive.read("PWM_AUTO"), drive.read("XACTUAL"), drive.plant_state.current_a_a, drive.plant_state.rotor_rad)
+        )
     assert seen[0] == seen[1]
     assert seen[0][1] == 100_000
 
@@ -308,7 +310,7 @@ def test_a_standing_motor_is_left_alone_once_it_is_tuned() -> None:
         wait(drive, 0.5)
         before = amplitude(drive)
         assert drive.quiet
-        drive.world.supply_v = 12.0  # half of it: the amplitude has to double
+        drive.plant.supply_v = 12.0  # half of it: the amplitude has to double
         wait(drive, 0.3)
         assert amplitude(drive) == pytest.approx(2 * before, abs=1)
         assert drive.quiet

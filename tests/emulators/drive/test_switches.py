@@ -33,7 +33,7 @@ def test_a_switch_follows_the_rotor() -> None:
     drive = staged(0, XTARGET=256 * 200)
     for kind, place in ((EventKind.SWITCH_HOME, 40), (EventKind.SWITCH_HOME, 44), (EventKind.SWITCH_RIGHT, 120)):
         until(drive, kind)
-        assert drive.truth.rotor_fullsteps == pytest.approx(place, abs=0.2)
+        assert drive.plant_state.rotor_fullsteps == pytest.approx(place, abs=0.2)
         assert drive.read("XACTUAL") == pytest.approx(place * 256, abs=60)
     assert drive.switches.right
     assert bit(drive.read("RAMP_STAT"), 1)
@@ -77,7 +77,7 @@ def test_a_positioning_move_into_a_switch_stops_there_and_goes_on_when_it_is_rel
     wait(drive, 0.5)
     assert drive.read("XACTUAL") < 256 * 121
     assert not bit(drive.read("RAMP_STAT"), 9)
-    drive.world.right_at_fullsteps = 500.0
+    drive.plant.right_at_fullsteps = 500.0
     assert until(drive, EventKind.POSITION_REACHED).position == 256 * 150
 
 
@@ -95,7 +95,7 @@ def test_a_positioning_move_into_a_switch_stops_there_and_goes_on_when_it_is_rel
 )
 def test_polarity_comes_before_the_swap(mode: int, pressed: tuple[bool, bool], seen: int) -> None:
     drive = staged(mode)
-    drive.world.force_left, drive.world.force_right = pressed
+    drive.plant.force_left, drive.plant.force_right = pressed
     wait(drive, 0.001)
     assert drive.read("RAMP_STAT") & 3 == seen
     assert (drive.switches.left, drive.switches.right) == pressed
@@ -104,18 +104,18 @@ def test_polarity_comes_before_the_swap(mode: int, pressed: tuple[bool, bool], s
 def test_a_forced_switch_is_an_edge_and_can_be_given_back() -> None:
     drive = staged(RAMPMODE=1)
     wait(drive, 0.1)
-    drive.world.force_right = True
+    drive.plant.force_right = True
     event = until(drive, EventKind.SWITCH_RIGHT, 0.001)
-    assert drive.world.force_right is True
+    assert drive.plant.force_right is True
     assert event.position < 256 * 100
     wait(drive, 0.01)
     assert drive.read("VACTUAL") == 0
-    drive.world.force_right = None
+    drive.plant.force_right = None
     until(drive, EventKind.SWITCH_RIGHT, 0.001)
     wait(drive, 0.1)
     assert drive.read("VACTUAL") > 0
     # one that is forced open is never reached
-    drive.world.force_right = False
+    drive.plant.force_right = False
     wait(drive, 2.0)
     assert drive.read("XACTUAL") > 256 * 130
 
@@ -142,7 +142,7 @@ def test_edges_latch_the_position(mode: int, flag: int) -> None:
 def test_the_shaft_turned_by_hand_presses_switches_too() -> None:
     drive = Drive()
     drive.watch = EventKind.SWITCH_LEFT
-    drive.world.rotor_fullsteps = -4000.0
+    drive.plant.rotor_fullsteps = -4000.0
     event = drive.advance(SECOND)
     assert event is not None
     assert event.clocks == 256

@@ -68,7 +68,7 @@ class Bench:
         return self.chip.patch(Tmc5xxxPatch.model_validate(change), self.now_s)
 
     def stage(self, axis: int = 0, **change: Any) -> Tmc5xxxState:
-        """Change the world around one axis, and let the chip see it: that takes a tick."""
+        """Change the plant of one axis, and let the chip see it: that takes a tick."""
         self.patch(axes=[{"axis": axis} | change])
         self.wait(1e-3)
         return self.state()

@@ -225,7 +225,7 @@ def test_shaft_turns_the_motor_the_other_way(model: Tmc5xxxModel, axis: int) -> 
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_power_cycle_stops_forgets_and_leaves_the_world(model: Tmc5xxxModel) -> None:
+def test_a_power_cycle_stops_forgets_and_leaves_the_plant(model: Tmc5xxxModel) -> None:
     bench = moving(model, start_fullsteps=400.0)
     bench.put(XTARGET=10 * TURN)
     bench.stage(stage={"left_at_fullsteps": -77.0}, switches={"right": True})

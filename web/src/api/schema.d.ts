@@ -5562,7 +5562,7 @@ export interface components {
         };
         /**
          * GroundTruth
-         * @description Emulated axes alone: what is really so, from the emulator's own world and not from the driver.
+         * @description Emulated axes alone: the emulator's ground truth, not what the driver reads.
          */
         GroundTruth: {
             /** Summary */
@@ -6454,7 +6454,7 @@ export interface components {
         };
         /**
          * LoadOptions
-         * @description What hangs on the shaft from the start; `World` changes torque and friction while it runs.
+         * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
          */
         LoadOptions: {
             /**

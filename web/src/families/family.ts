@@ -62,7 +62,7 @@ export interface ControlsProps {
 /** What a family of chips or modules has for itself, and how it does what every family does in its own way. */
 export interface Family {
   pages: readonly FamilyPage[];
-  /** the world behind an emulated one's pins */
+  /** the plant of an emulated one */
   Controls: ComponentType<ControlsProps>;
   top: TopRegister;
   /** writes that call the present position zero, while the motor stands and without moving it */

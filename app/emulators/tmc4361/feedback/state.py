@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ...drive.documents import MotorState, TruthState
 from ...drive.options import FullSteps
-from ...drive.world import Short
+from ...drive.plant import Short
 from .options import EncoderKind
 
 

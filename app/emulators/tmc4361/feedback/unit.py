@@ -1,4 +1,4 @@
-"""The feedback unit: registers in and out, the world around the motor. Time goes on in feedback/kernel.py."""
+"""The feedback unit: registers in and out, the plant behind them. Time goes on in feedback/kernel.py."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from ....registers.tmc4361.table import TMC4361
-from ...drive import DriveOptions, World
+from ...drive import DriveOptions, Plant
 from ...drive import kernel as k
 from ...drive.documents import motor_state, truth_state
-from ...drive.physics import set_physics, truth_of
-from ...drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
+from ...drive.physics import plant_state_of, set_physics
+from ...drive.plant import OT_C, OTPW_C, UNDERVOLTAGE_V, PlantState
 from . import layout as c
 from .encoder import position_at, true_place
 from .options import FeedbackOptions
@@ -56,11 +56,11 @@ class FeedbackUnit:
         self._memory: dict[int, int] = {}
         self._drive: DriveOptions = options.drive(clock_hz)
         set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
-        self.world = World(self._drive, self._n, self.fb, self._world_changed)
-        self.fb[k.THETA] = options.start_fullsteps * self.world.fullstep_rad
+        self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
+        self.fb[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
         self._n[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
         self._mount(options.encoder.zero_fullsteps, options.encoder.eccentricity_phase_deg)
-        self.world.push()
+        self.plant.push()
         self.reset()
 
     # --- registers -------------------------------------------------------------------------------
@@ -236,12 +236,12 @@ class FeedbackUnit:
         """The motor may have something to do again."""
         self._n[k.REST] = 0
 
-    # --- the world -------------------------------------------------------------------------------
+    # --- plant -------------------------------------------------------------------------------------
 
     @property
-    def truth(self) -> Truth:
+    def plant_state(self) -> PlantState:
         """How motor and shaft really are."""
-        return truth_of(self._n, self.fb, self.options.motor)
+        return plant_state_of(self._n, self.fb, self.options.motor)
 
     @property
     def encoder_counts(self) -> int:
@@ -250,12 +250,12 @@ class FeedbackUnit:
 
     def change(self, patch: FeedbackPatch) -> None:
         """Do something to motor, load or encoder. Raises ValueError for what cannot be computed."""
-        world = self.world
+        plant = self.plant
         if patch.inertia_kgm2 is not None:
             load = self._drive.load.model_copy(update={"inertia_kgm2": patch.inertia_kgm2})
             self._drive = DriveOptions(**{**dict(self._drive), "load": load})
             set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
-            world.refit(self._drive)
+            plant.refit(self._drive)
         for name, value in (
             ("load_torque_nm", patch.load_torque_nm),
             ("extra_friction_nm", patch.friction_nm),
@@ -267,17 +267,17 @@ class FeedbackUnit:
             ("rotor_fullsteps", patch.rotor_fullsteps),
         ):
             if value is not None:
-                setattr(world, name, value)
+                setattr(plant, name, value)
         if patch.encoder is not None:
             self._change_encoder(patch.encoder)
         self._changed()
 
     def _change_encoder(self, patch: EncoderPatch) -> None:
-        n, world = self._n, self.world
+        n, plant = self._n, self.plant
         if patch.slip_fullsteps is not None:
-            world.encoder_slip_fullsteps = patch.slip_fullsteps
+            plant.encoder_slip_fullsteps = patch.slip_fullsteps
         if patch.eccentricity_deg is not None:
-            world.eccentricity_deg = patch.eccentricity_deg
+            plant.eccentricity_deg = patch.eccentricity_deg
         self._mount(
             self._zero_fullsteps if patch.zero_fullsteps is None else patch.zero_fullsteps,
             self._phase_deg if patch.eccentricity_phase_deg is None else patch.eccentricity_phase_deg,
@@ -291,7 +291,7 @@ class FeedbackUnit:
         """Put the encoder on the shaft."""
         encoder, n, fb = self.options.encoder, self._n, self.fb
         self._zero_fullsteps, self._phase_deg = zero_fullsteps, phase_deg
-        fb[k.ZERO] = zero_fullsteps * self.world.fullstep_rad
+        fb[k.ZERO] = zero_fullsteps * self.plant.fullstep_rad
         fb[k.P1] = math.radians(phase_deg)
         fb[k.SCALE_I] = encoder.counts / (2 * math.pi) * (-1 if encoder.reversed else 1)
         n[c.KIND], n[c.PER_TURN] = _KINDS[encoder.kind], encoder.counts
@@ -301,26 +301,26 @@ class FeedbackUnit:
 
     def describe(self) -> FeedbackState:
         """Everything, for whoever stands beside the bench."""
-        world, motor, truth, fb = self.world, self.options.motor, self.truth, self.fb
+        plant, motor, state, fb = self.plant, self.options.motor, self.plant_state, self.fb
         period = self._word(0x1F) & 0xFFFF
         return FeedbackState(
             motor=FeedbackMotor(
-                **motor_state(world, motor).model_dump(),
+                **motor_state(plant, motor).model_dump(),
                 full_scale_a=self.options.full_scale_a,
                 inertia_kgm2=self._drive.inertia_kgm2,
             ),
-            load_torque_nm=world.load_torque_nm,
-            blocked=world.blocked,
-            friction_nm=world.extra_friction_nm,
+            load_torque_nm=plant.load_torque_nm,
+            blocked=plant.blocked,
+            friction_nm=plant.extra_friction_nm,
             inertia_kgm2=self._drive.load.inertia_kgm2,
-            supply_v=world.supply_v,
+            supply_v=plant.supply_v,
             encoder=EncoderState(
                 kind=self.options.encoder.kind,
                 counts_per_turn=self.options.encoder.counts,
                 counts=self.encoder_counts,
-                slip_fullsteps=world.encoder_slip_fullsteps,
+                slip_fullsteps=plant.encoder_slip_fullsteps,
                 zero_fullsteps=self._zero_fullsteps,
-                eccentricity_deg=world.eccentricity_deg,
+                eccentricity_deg=plant.eccentricity_deg,
                 eccentricity_phase_deg=self._phase_deg,
                 status_bits=int(self._n[c.STATUS_WORD]),
             ),
@@ -331,19 +331,19 @@ class FeedbackUnit:
             )
             if self._word(0x00) >> 23 & 1 and period
             else None,
-            truth=truth_state(truth).model_copy(update={"current_scale": int(self._n[c.SCALE])}),
+            truth=truth_state(state).model_copy(update={"current_scale": int(self._n[c.SCALE])}),
         )
 
     def _bridges_changed(self) -> None:
-        world = self.world
-        works = world.supply_v >= UNDERVOLTAGE_V and not self._hot and world.short_to_ground == "none"
-        self._n[k.DRIVER_ON] = works and world.motor_connected
+        plant = self.plant
+        works = plant.supply_v >= UNDERVOLTAGE_V and not self._hot and plant.short_to_ground == "none"
+        self._n[k.DRIVER_ON] = works and plant.motor_connected
 
-    def _world_changed(self) -> None:
-        world = self.world
-        self._hot = world.temperature_c >= (OTPW_C if self._hot else OT_C)
-        warm = world.temperature_c >= OTPW_C
-        open_load = 0 if world.motor_connected else _OLA | _OLB
-        self._n[c.HOT] = (_OT if self._hot else 0) | (_OTPW if warm else 0) | open_load | _SHORT[world.short_to_ground]
+    def _plant_changed(self) -> None:
+        plant = self.plant
+        self._hot = plant.temperature_c >= (OTPW_C if self._hot else OT_C)
+        warm = plant.temperature_c >= OTPW_C
+        open_load = 0 if plant.motor_connected else _OLA | _OLB
+        self._n[c.HOT] = (_OT if self._hot else 0) | (_OTPW if warm else 0) | open_load | _SHORT[plant.short_to_ground]
         self._bridges_changed()
         self._changed()

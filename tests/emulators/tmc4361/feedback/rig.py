@@ -103,7 +103,7 @@ class Bench:
     @property
     def rotor(self) -> float:
         """Where the rotor is [microsteps]."""
-        return self.unit.truth.rotor_fullsteps * 256
+        return self.unit.plant_state.rotor_fullsteps * 256
 
     def run(self, seconds: float, velocity: float = 0.0, ramp_state: int | None = None) -> int:
         """Let the ramp generator send steps at a constant velocity [pps]; the bits that were set meanwhile."""

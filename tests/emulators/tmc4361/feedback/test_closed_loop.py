@@ -144,11 +144,11 @@ def test_a_load_that_costs_steps_in_open_loop_costs_none_in_closed_loop(load_nm:
         x = bench.x
         bench.move(velocity, 0.02, 0.1)
         bench.run(0.3)
-        lost[loop] = bench.unit.truth.lost_fullsteps
+        lost[loop] = bench.unit.plant_state.lost_fullsteps
         if loop:
             assert bench.rotor - start == pytest.approx(bench.x - x, abs=256)
             assert abs(bench.read(ENC_POS_DEV)) < 256
-            assert bench.unit.truth.speed_rad_s == pytest.approx(0.0, abs=0.5)
+            assert bench.unit.plant_state.speed_rad_s == pytest.approx(0.0, abs=0.5)
     assert lost[True] == 0
     assert abs(lost[False]) >= 4
 
@@ -163,7 +163,7 @@ def test_the_load_angle_never_exceeds_beta_and_gamma(beta: int, gamma: int) -> N
     for velocity in (0.0, 150_000.0, 300_000.0, -200_000.0, 0.0):
         for _ in range(2500):
             bench.ticks(1, velocity)
-            worst = max(worst, abs(bench.unit.truth.load_angle_deg))
+            worst = max(worst, abs(bench.unit.plant_state.load_angle_deg))
     assert worst <= (beta + gamma + 9) * DEG  # a count, and how far the rotor goes until the next step
     assert worst > 0.9 * beta * DEG
 
@@ -219,7 +219,7 @@ def test_a_table_turned_around_and_an_encoder_turned_around_regulate_too() -> No
     bench.move(50_000, 0.05, 0.1)
     bench.run(0.3)
     assert bench.rotor - start == pytest.approx(-7500, abs=256)
-    assert bench.unit.truth.lost_fullsteps == 0
+    assert bench.unit.plant_state.lost_fullsteps == 0
 
 
 # --- calibration -----------------------------------------------------------------------------------
@@ -235,7 +235,7 @@ def test_calibration_finds_how_the_encoder_sits_on_the_shaft(zero_fullsteps: flo
     bench.calibrate(align=False)
     place = bench.unit.encoder_counts * 1.28  # an encoder that had been absolute
     bench.write({ENC_IN_CONF: 0})
-    truth = bench.unit.truth
+    truth = bench.unit.plant_state
     offset = bench.read(CL_OFFSET)
     phase = bench.unit.read(ENC_POS) or 0
     assert -512 <= offset <= 511
@@ -278,7 +278,7 @@ def test_a_saved_offset_lets_an_absolute_encoder_start_without_calibration() -> 
     again.move(50_000, 0.05, 0.1)
     again.run(0.2)
     assert again.rotor - start == pytest.approx(again.x - x, abs=256)
-    assert again.unit.truth.lost_fullsteps == 0
+    assert again.unit.plant_state.lost_fullsteps == 0
 
 
 def test_with_a_serial_encoder_the_loop_works_once_a_cycle() -> None:

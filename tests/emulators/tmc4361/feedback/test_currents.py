@@ -122,7 +122,7 @@ def test_the_driver_regulates_the_coils_to_the_scaled_currents(scale: int) -> No
     bench = at(68)
     bench.write({CURRENT_CONF: DRIVE, SCALE_VALUES: scale << 8})
     bench.run(0.2)
-    truth = bench.unit.truth
+    truth = bench.unit.plant_state
     a, b = both(bench.unit.read(CURRENTS_SPI))
     assert truth.current_a_a == pytest.approx(2.1 * (a + 0.5) / 248, rel=1e-6)
     assert truth.current_b_a == pytest.approx(2.1 * (b + 0.5) / 248, rel=1e-6)
@@ -201,9 +201,9 @@ def test_freewheeling_lets_the_shaft_go() -> None:
     )
     bench.change(load_torque_nm=0.05)
     bench.run(0.9e-3)
-    assert bench.unit.truth.bridges == "regulated"
+    assert bench.unit.plant_state.bridges == "regulated"
     bench.run(0.5)
-    truth = bench.unit.truth
+    truth = bench.unit.plant_state
     assert truth.bridges == "open"
     assert truth.current_a_a == truth.current_b_a == 0.0
     assert truth.speed_rad_s < -1.0
@@ -214,11 +214,11 @@ def test_ticks_may_be_passed_over_only_when_every_delay_is_over() -> None:
     bench = Bench({CURRENT_CONF: HOLD | FREEWHEEL, SCALE_VALUES: VALUES} | delays)
     for _ in range(20):
         assert not bench.run(0.0099) & FB_QUIET
-        assert bench.unit.truth.bridges == "regulated"
+        assert bench.unit.plant_state.bridges == "regulated"
     bench.run(0.4)
     assert bench.word & FB_QUIET
     assert bench.word >> 31  # the driver's standstill flag
-    assert bench.unit.truth.bridges == "open"
+    assert bench.unit.plant_state.bridges == "open"
 
 
 @pytest.mark.sheet("DS-TMC4361", "12.1")
@@ -284,7 +284,7 @@ def test_pwm_turns_the_motor() -> None:
         {GENERAL_CONF: RESET_CONF | PWM_OUT, CURRENT_CONF: PWM_SCALE | 8191 << 16, PWM_VMAX: 300_000}, motor=IDEAL
     )
     bench.run(0.5)
-    truth = bench.unit.truth
+    truth = bench.unit.plant_state
     assert truth.bridges == "voltage"
     assert truth.current_b_a == pytest.approx(24 * 2 * 8192 / 2**17 / 2.3, rel=0.01)
     start = bench.rotor
@@ -301,4 +301,4 @@ def test_reset_begins_at_mscnt_0_in_the_turn_that_the_rotor_is_in() -> None:
     assert bench.unit.read(CURRENTS) is not None
     bench.ticks(1)
     assert both(bench.unit.read(CURRENTS)) == (0, 247)
-    assert abs(bench.unit.truth.field_fullsteps * 256 - bench.rotor) < 520
+    assert abs(bench.unit.plant_state.field_fullsteps * 256 - bench.rotor) < 520

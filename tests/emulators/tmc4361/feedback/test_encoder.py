@@ -452,7 +452,7 @@ def test_a_bench_at_rest_tells_that_nothing_will_happen() -> None:
     assert bench.word & FB_QUIET
     changed = {int(cell) for cell in np.flatnonzero(before.view(np.int64) != bench.unit.fb.view(np.int64))}
     assert len(changed) <= 4  # clocks, standstill counter: no place, no current, no speed
-    assert bench.unit.truth.speed_rad_s == 0.0
+    assert bench.unit.plant_state.speed_rad_s == 0.0
 
 
 # --- serial encoders (sections 1 and 3) ------------------------------------------------------------------

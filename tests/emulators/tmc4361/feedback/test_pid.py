@@ -123,7 +123,7 @@ def test_pid_takes_away_the_deviation_that_a_load_makes(modus: int, load_nm: flo
     bench.run(0.3)
     assert abs(bench.read(ENC_POS_DEV)) <= 5
     assert bench.word & FB_TARGET_OK
-    assert bench.unit.truth.lost_fullsteps == 0
+    assert bench.unit.plant_state.lost_fullsteps == 0
     assert abs(bench.rotor) < 10
     assert bench.x == 0  # only the step output moved
 

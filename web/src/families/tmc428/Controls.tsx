@@ -19,7 +19,7 @@ const FAULTS = [
   ["unplugged", "Unplugged: the link is gone"],
 ] as const;
 
-/** The world of an emulated chip: switches, time, faults, power. */
+/** What acts on an emulated chip: switches, time, faults, power. */
 export function Controls({ device, ...emulator }: ControlsProps) {
   const state = emulator.state as ChipState;
   const send: (patch: ChipPatch) => void = emulator.send;

@@ -22,14 +22,14 @@ const FAULTS = [
   ["unplugged", "Unplugged: the link is gone"],
 ] as const;
 
-/** The world of an emulated TMC4361: what pulls at its shaft, its encoder, stage and pins; and how the rotor is. */
+/** The plant of an emulated TMC4361: what pulls at its shaft, its encoder, stage and pins; and how the rotor is. */
 export function Controls({ ...emulator }: ControlsProps) {
   const state = emulator.state as Tmc4361State;
   const send: (patch: Tmc4361Patch) => void = emulator.send;
   const { encoder } = state;
   return (
     <>
-      <Shaft world={state} send={send}>
+      <Shaft plant={state} send={send}>
         <Supply volts={state.supply_v} send={send} />
       </Shaft>
       <EncoderOnShaft

@@ -19,14 +19,14 @@ const FAULTS = [
 
 type AxisChange = Omit<NonNullable<Tmc5xxxPatch["axes"]>[number], "axis">;
 
-/** The world of an emulated TMC5xxx: what pulls at each shaft, its encoder and stage; the chip's supply and line. */
+/** The plant of an emulated TMC5xxx: what pulls at each shaft, its encoder and stage; the chip's supply and line. */
 export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
   const state = emulator.state as Tmc5xxxState;
   const send: (patch: Tmc5xxxPatch) => void = emulator.send;
-  const world = state.axes.find((candidate) => candidate.axis === axis) ?? state.axes[0];
-  if (world === undefined) return null;
-  const sendAxis = (change: AxisChange) => send({ axes: [{ axis: world.axis, ...change }] });
-  const { encoder } = world;
+  const plant = state.axes.find((candidate) => candidate.axis === axis) ?? state.axes[0];
+  if (plant === undefined) return null;
+  const sendAxis = (change: AxisChange) => send({ axes: [{ axis: plant.axis, ...change }] });
+  const { encoder } = plant;
   return (
     <>
       {state.axes.length > 1 && (
@@ -37,7 +37,7 @@ export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
             value: String(index),
             label: `Motor of ${device.axes[index]?.name ?? index}`,
           }))}
-          value={String(world.axis)}
+          value={String(plant.axis)}
           onChange={(value) => onAxis(Number(value))}
         />
       )}
@@ -46,7 +46,7 @@ export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
           A rigid motor: the shaft follows the field exactly, whatever pulls at it.
         </Text>
       )}
-      <Shaft world={world} send={sendAxis}>
+      <Shaft plant={plant} send={sendAxis}>
         <Supply volts={state.supply_v} send={send} />
       </Shaft>
       {encoder && (
@@ -62,8 +62,8 @@ export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
         </EncoderOnShaft>
       )}
       <MotorStage
-        stage={world.stage}
-        switches={world.switches}
+        stage={plant.stage}
+        switches={plant.switches}
         names={SWITCHES}
         home={false}
         onSwitch={(name, value) => sendAxis({ switches: { [name]: value } })}
@@ -71,7 +71,7 @@ export function Controls({ device, axis, onAxis, ...emulator }: ControlsProps) {
       />
       <EmulatorTime state={state} send={send} />
       <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>
-        <BridgesAt celsius={world.motor.temperature_c} send={sendAxis} />
+        <BridgesAt celsius={plant.motor.temperature_c} send={sendAxis} />
       </Faults>
       <Switch
         size="sm"

@@ -12,7 +12,7 @@ const FAULTS = [
   ["unplugged", "Unplugged: the link is gone"],
 ] as const;
 
-/** The world of an emulated driver: what pulls at the shaft, its supply, its pins and its line. */
+/** The plant of an emulated driver: what pulls at the shaft, its supply, its pins and its line. */
 export function Controls({ ...emulator }: ControlsProps) {
   const state = emulator.state as DriverState;
   const send: (patch: DriverPatch) => void = emulator.send;
@@ -23,7 +23,7 @@ export function Controls({ ...emulator }: ControlsProps) {
           A rigid motor: the shaft follows the field exactly, whatever pulls at it.
         </Text>
       )}
-      <Shaft world={state} send={send}>
+      <Shaft plant={state} send={send}>
         <Supply volts={state.supply_v} send={send} />
       </Shaft>
       <Text size="xs" c="dimmed">

@@ -21,14 +21,14 @@ const FAULTS = [
   ["undervoltage", "Undervoltage: bridges off"],
 ] as const;
 
-/** The world of an emulated module: what pulls at its shaft, its stage, its supply, its line; and how the rotor is. */
+/** The plant of an emulated module: what pulls at its shaft, its stage, its supply, its line; and how the rotor is. */
 export function Controls({ ...emulator }: ControlsProps) {
   const state = emulator.state as TmclState;
   const send: (patch: TmclPatch) => void = emulator.send;
   const { faults, encoder } = state;
   return (
     <>
-      <Shaft world={state} send={send}>
+      <Shaft plant={state} send={send}>
         <Supply volts={state.supply_v} send={send} />
       </Shaft>
       <EncoderOnShaft

@@ -11,7 +11,7 @@ export interface Line {
   axis: number | null;
   before: string;
   after: string;
-  /** in the world's units, "" where a number means nothing but itself */
+  /** in physical units, "" where a number means nothing but itself */
   beforePhysical: string;
   afterPhysical: string;
   /** "" of a dry run */

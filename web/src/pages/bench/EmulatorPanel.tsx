@@ -14,7 +14,7 @@ interface Props {
   onClose: () => void;
 }
 
-/** The world behind an emulated device's pins, to be played with. */
+/** The plant of an emulated device, and what is at its pins, to be played with. */
 export function EmulatorPanel({ device, axis, onAxis, onClose }: Props) {
   const emulator = useEmulator(device, true);
   const change = useChangeEmulator(device.id);

@@ -6,7 +6,7 @@ import { LoadSlider, type Places, StagePlacesFields, SwitchRow } from "./Emulato
 import { RotorDial, type Truth } from "./RotorDial";
 
 /** What every emulated motor tells of itself, whatever drives it. */
-export interface MotorWorld {
+export interface MotorPlant {
   truth: Truth;
   motor: { connected: boolean; temperature_c: number; holding_torque_nm: number };
   load_torque_nm: number;
@@ -23,26 +23,26 @@ export interface MotorChange {
 }
 
 interface ShaftProps {
-  world: MotorWorld;
+  plant: MotorPlant;
   send: (change: MotorChange) => void;
   /** beside the friction */
   children?: ReactNode;
 }
 
 /** How the rotor is, and what pulls at its shaft. */
-export function Shaft({ world, send, children }: ShaftProps) {
+export function Shaft({ plant, send, children }: ShaftProps) {
   // the slider goes a little beyond what the motor holds
-  const most = Math.ceil(world.motor.holding_torque_nm * 1200) / 1000;
+  const most = Math.ceil(plant.motor.holding_torque_nm * 1200) / 1000;
   return (
     <>
-      <RotorDial truth={world.truth} />
+      <RotorDial truth={plant.truth} />
       <Divider label="Shaft" labelPosition="left" />
-      <LoadSlider value={world.load_torque_nm} most={most} send={(load_torque_nm) => send({ load_torque_nm })} />
+      <LoadSlider value={plant.load_torque_nm} most={most} send={(load_torque_nm) => send({ load_torque_nm })} />
       <div className="halves gap-6">
         <NumberField
           label="Friction"
           unit="N·m"
-          value={world.friction}
+          value={plant.friction}
           min={0}
           max={50}
           step={0.01}
@@ -53,14 +53,14 @@ export function Shaft({ world, send, children }: ShaftProps) {
       <Switch
         size="sm"
         label="Shaft blocked"
-        checked={world.blocked}
+        checked={plant.blocked}
         onChange={(event) => send({ blocked: event.currentTarget.checked })}
         data-testid="blocked"
       />
       <Switch
         size="sm"
         label="Motor plugged in"
-        checked={world.motor.connected}
+        checked={plant.motor.connected}
         onChange={(event) => send({ motor: { connected: event.currentTarget.checked } })}
       />
     </>

@@ -5,14 +5,14 @@ import type { paths } from "../../api/schema";
 import { forgetWritten } from "../../lib/rows/written";
 
 type Calls = paths["/api/v1/devices/{device}/emulator"];
-/** The world behind the pins of an emulated device, whatever its family. */
+/** The plant of an emulated device, and what is at its pins, whatever its family. */
 export type EmulatorState = Calls["get"]["responses"][200]["content"]["application/json"];
 export type EmulatorPatch = NonNullable<Calls["patch"]["requestBody"]>["content"]["application/json"];
 
 const key = (device: string) => ["emulator", device];
 
 /**
- * The world behind an emulated device's pins; undefined for real devices. What moves comes by telemetry: this is asked
+ * Plant and pins of an emulated device; undefined for real ones. What moves comes by telemetry: this is asked
  * for now and then, and closely only while its controls are open.
  */
 export function useEmulator(device: Device | undefined, closely = false) {

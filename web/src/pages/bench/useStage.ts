@@ -10,7 +10,7 @@ import type { EmulatorState } from "./useEmulator";
 
 type SwitchName = "left" | "right" | "home";
 
-/** A stage to draw, in full steps: of the emulator's world, or as it was seen from outside. */
+/** A stage to draw, in full steps: of the emulated plant, or as it was seen from outside. */
 export interface Stage {
   from: number;
   to: number;

@@ -22,7 +22,7 @@ export interface Row extends Pick<Entry, "key" | "part" | "name" | "axis" | "fie
   /** null where nobody knows, or that side says nothing of it */
   before: number | string | null;
   after: number | string | null;
-  /** a value's name, or what it comes to in the world */
+  /** a value's name, or what it is in physical units */
   beforeMeaning: string;
   afterMeaning: string;
   differs: boolean;

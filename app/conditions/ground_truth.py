@@ -1,4 +1,4 @@
-"""What really is so with an emulated axis: from the emulator itself, past driver and link."""
+"""Ground truth of an emulated axis for its condition: from the emulator itself, past driver and link."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..links.emulator import EmulatorPort
 
 
 @dataclass(frozen=True, slots=True)
-class Truth:
+class AxisGroundTruth:
     """One axis in the microsteps that its chip counts; None where the emulator has no such thing."""
 
     summary: str
@@ -22,8 +22,8 @@ class Truth:
     bridges: str
 
 
-def truth_of(device: Device, axis: int) -> Truth | None:
-    """How it really is with the axis; None where nobody can know, for it is no emulator in this process."""
+def ground_truth_of(device: Device, axis: int) -> AxisGroundTruth | None:
+    """Ground truth of the axis; None where it is no emulator in this process."""
     port = device.session.port
     if not isinstance(port, EmulatorPort):
         return None
@@ -39,4 +39,4 @@ def truth_of(device: Device, axis: int) -> Truth | None:
         said.append("blocked")
     if told.bridges in ("open", "shorted"):
         said.append(f"bridges {told.bridges}")
-    return Truth("; ".join(said), lost, shaft, told.blocked, speed, told.bridges)
+    return AxisGroundTruth("; ".join(said), lost, shaft, told.blocked, speed, told.bridges)

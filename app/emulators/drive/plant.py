@@ -1,4 +1,4 @@
-"""The two sides of a drive that no register shows: what is done to it, and how it really is."""
+"""The plant of an emulated drive: what acts on motor and stage while it runs, and the state that no register shows."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Switches:
 
 
 @dataclass(frozen=True, slots=True)
-class Truth:
-    """How motor and shaft really are, at the last tick."""
+class PlantState:
+    """State of motor and shaft at the last tick."""
 
     rotor_rad: float
     """Shaft angle [rad], not wrapped."""
@@ -56,26 +56,26 @@ class Truth:
 
 
 class _Number:
-    """An attribute of `World` within limits; setting it tells the drive."""
+    """An attribute of `Plant` within limits; setting it tells the drive."""
 
     def __init__(self, low: float, high: float) -> None:
         self.low, self.high = low, high
 
-    def __set_name__(self, owner: type[World], name: str) -> None:
+    def __set_name__(self, owner: type[Plant], name: str) -> None:
         self.name = name
 
     @overload
-    def __get__(self, world: None, owner: type[World]) -> Self: ...
+    def __get__(self, plant: None, owner: type[Plant]) -> Self: ...
     @overload
-    def __get__(self, world: World, owner: type[World]) -> float: ...
-    def __get__(self, world: World | None, owner: type[World]) -> float | Self:
-        return self if world is None else world.numbers[self.name]
+    def __get__(self, plant: Plant, owner: type[Plant]) -> float: ...
+    def __get__(self, plant: Plant | None, owner: type[Plant]) -> float | Self:
+        return self if plant is None else plant.numbers[self.name]
 
-    def __set__(self, world: World, value: float) -> None:
+    def __set__(self, plant: Plant, value: float) -> None:
         if not self.low <= value <= self.high:
             raise ValueError(f"{self.name} is {plain(value)}, allowed is {plain(self.low)}..{plain(self.high)}")
-        world.numbers[self.name] = float(value)
-        world.push()
+        plant.numbers[self.name] = float(value)
+        plant.push()
 
 
 class _Force:
@@ -85,28 +85,28 @@ class _Force:
         self.bit = bit
 
     @overload
-    def __get__(self, world: None, owner: type[World]) -> Self: ...
+    def __get__(self, plant: None, owner: type[Plant]) -> Self: ...
     @overload
-    def __get__(self, world: World, owner: type[World]) -> bool | None: ...
-    def __get__(self, world: World | None, owner: type[World]) -> bool | Self | None:
-        if world is None:
+    def __get__(self, plant: Plant, owner: type[Plant]) -> bool | None: ...
+    def __get__(self, plant: Plant | None, owner: type[Plant]) -> bool | Self | None:
+        if plant is None:
             return self
-        return bool(world.forced & self.bit) if world.force & self.bit else None
+        return bool(plant.forced & self.bit) if plant.force & self.bit else None
 
-    def __set__(self, world: World, value: bool | None) -> None:
-        world.force &= ~self.bit
-        world.forced &= ~self.bit
+    def __set__(self, plant: Plant, value: bool | None) -> None:
+        plant.force &= ~self.bit
+        plant.forced &= ~self.bit
         if value is not None:
-            world.force |= self.bit
-            world.forced |= self.bit * value
-        world.push()
+            plant.force |= self.bit
+            plant.forced |= self.bit * value
+        plant.push()
 
 
 Short = Literal["none", "a", "b"]
 
 
-class World:
-    """What a bench does to the drive while it runs: plain attributes, read and set at any time.
+class Plant:
+    """What acts on the drive from outside while it runs: plain attributes, read and set at any time.
 
     A change holds from the next tick on. Setting one out of range raises ValueError.
     """

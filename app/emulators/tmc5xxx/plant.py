@@ -1,4 +1,4 @@
-"""The bench around a chip: what a patch does to it, and what there is to tell."""
+"""Applies patches to an emulated chip and its plant, and describes both as its emulator state."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def check(chip: Chip, model: Tmc5xxxModel, options: Tmc5xxxOptions, wanted: Tmc5
         if axis.encoder.slip_fullsteps is not None and not chip.has_encoder:
             raise OutOfRange("encoder", axis.axis, 0, 0, f"a {model.upper()} has no encoder interface")
         require_physics(options.rigid, axis)
-        check_stage(places_of(chip.axes[axis.axis].drive.world), axis.stage)
+        check_stage(places_of(chip.axes[axis.axis].drive.plant), axis.stage)
 
 
 def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
@@ -49,19 +49,19 @@ def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
         chip.node_pin = wanted.pins.nextaddr
     if wanted.supply_v is not None:
         for axis in chip.axes:
-            axis.drive.world.supply_v = wanted.supply_v
+            axis.drive.plant.supply_v = wanted.supply_v
         chip.supply_changed()
     for one in wanted.axes:
         _change_axis(chip.axes[one.axis].drive, one)
 
 
 def _change_axis(drive: Drive, wanted: AxisChange) -> None:
-    world = drive.world
-    change_load(world, wanted)
-    change_stage(world, wanted.stage)
-    force_switches(world, wanted.switches)
+    plant = drive.plant
+    change_load(plant, wanted)
+    change_stage(plant, wanted.stage)
+    force_switches(plant, wanted.switches)
     if wanted.encoder.slip_fullsteps is not None:
-        world.external_slip_fullsteps += wanted.encoder.slip_fullsteps
+        plant.external_slip_fullsteps += wanted.encoder.slip_fullsteps
 
 
 def describe(
@@ -78,7 +78,7 @@ def describe(
         **times,
         clock_hz=options.clock_hz,
         rigid=options.rigid,
-        supply_v=first.world.supply_v,
+        supply_v=first.plant.supply_v,
         axes=[_describe_axis(chip, index) for index in range(chip.kind.axes)],
         position_compare=PositionCompareState(
             x_compare=first.x_compare,
@@ -96,25 +96,25 @@ def describe(
 
 def _describe_axis(chip: Chip, index: int) -> AxisState:
     drive = chip.axes[index].drive
-    world, truth, switches = drive.world, drive.truth, drive.switches
+    plant, state, switches = drive.plant, drive.plant_state, drive.switches
     encoder = EncoderState(
         counts=drive.external.counts,
         counts_per_turn=drive.external.counts_per_turn,
         connected=chip.encoder_connected(index),
         n_level=chip.encoder_lines(index)[2],
-        slip_fullsteps=world.external_slip_fullsteps,
+        slip_fullsteps=plant.external_slip_fullsteps,
     )
     return AxisState(
         axis=index,
-        motor=motor_state(world, drive.options.motor),
-        load_torque_nm=world.load_torque_nm,
-        blocked=world.blocked,
-        friction=world.extra_friction_nm,
-        stage=stage_state(world, truth),
+        motor=motor_state(plant, drive.options.motor),
+        load_torque_nm=plant.load_torque_nm,
+        blocked=plant.blocked,
+        friction=plant.extra_friction_nm,
+        stage=stage_state(plant, state),
         switches=SwitchesState(
-            left=SwitchState(active=switches.left, forced=world.force_left),
-            right=SwitchState(active=switches.right, forced=world.force_right),
+            left=SwitchState(active=switches.left, forced=plant.force_left),
+            right=SwitchState(active=switches.right, forced=plant.force_right),
         ),
         encoder=encoder if chip.has_encoder else None,
-        truth=truth_state(truth),
+        truth=truth_state(state),
     )

@@ -1,4 +1,4 @@
-"""The bench around a chip: what a patch does to it, and what there is to tell."""
+"""Applies patches to an emulated chip and its plant, and describes both as its emulator state."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
         chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
         chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
     # the shaft may have been turned by hand, and the switches look at it at once
-    chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.truth.rotor_fullsteps
+    chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.plant_state.rotor_fullsteps
     chip.settle()
 
 

@@ -1,4 +1,4 @@
-"""The bench around a module: what a patch does to it, and what there is to tell."""
+"""Applies patches to an emulated module and its plant, and describes both as its emulator state."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ _STATUS: tuple[Literal["stopped", "runs", "steps"], ...] = ("stopped", "runs", "
 def check(drive: Drive, wanted: TmclPatch) -> None:
     """Raises OutOfRange or WrongState for what cannot be done to this bench."""
     require_physics(drive.options.rigid, wanted)
-    check_stage(places_of(drive.world), wanted.stage)
+    check_stage(places_of(drive.plant), wanted.stage)
 
 
 def change(drive: Drive, wanted: TmclPatch) -> None:
     """Everything that is not the firmware's; the stage has been checked."""
-    world = drive.world
-    change_load(world, wanted)
-    change_stage(world, wanted.stage)
-    force_switches(world, wanted.switches)
+    plant = drive.plant
+    change_load(plant, wanted)
+    change_stage(plant, wanted.stage)
+    force_switches(plant, wanted.switches)
     encoder = wanted.encoder
     if encoder.slip_fullsteps is not None:
-        world.encoder_slip_fullsteps += encoder.slip_fullsteps
+        plant.encoder_slip_fullsteps += encoder.slip_fullsteps
     if encoder.external_slip_fullsteps is not None:
-        world.external_slip_fullsteps += encoder.external_slip_fullsteps
+        plant.external_slip_fullsteps += encoder.external_slip_fullsteps
     if encoder.eccentricity_deg is not None:
-        world.eccentricity_deg = encoder.eccentricity_deg
+        plant.eccentricity_deg = encoder.eccentricity_deg
 
 
 def describe(
@@ -61,7 +61,7 @@ def describe(
     times: Times,
 ) -> TmclState:
     """The module and its bench as the API tells them."""
-    world, truth, switches = drive.world, drive.truth, drive.switches
+    plant, state, switches = drive.plant, drive.plant_state, drive.switches
     ports, application, axis = firmware.ports, firmware.application, firmware.axis
     levels = ports.levels()
     path = firmware.eeprom.path
@@ -70,25 +70,25 @@ def describe(
         **times,
         address=firmware.globals.address,
         baud=firmware.globals.baud_in_force,
-        motor=motor_state(world, drive.options.motor),
+        motor=motor_state(plant, drive.options.motor),
         rigid=drive.options.rigid,
-        load_torque_nm=world.load_torque_nm,
-        blocked=world.blocked,
-        friction=world.extra_friction_nm,
-        supply_v=world.supply_v,
-        stage=stage_state(world, truth),
+        load_torque_nm=plant.load_torque_nm,
+        blocked=plant.blocked,
+        friction=plant.extra_friction_nm,
+        supply_v=plant.supply_v,
+        stage=stage_state(plant, state),
         switches=SwitchesState(
-            left=SwitchState(active=switches.left, forced=world.force_left),
-            right=SwitchState(active=switches.right, forced=world.force_right),
-            home=SwitchState(active=switches.home, forced=world.force_home),
+            left=SwitchState(active=switches.left, forced=plant.force_left),
+            right=SwitchState(active=switches.right, forced=plant.force_right),
+            home=SwitchState(active=switches.home, forced=plant.force_home),
         ),
         encoder=EncoderState(
             absolute=drive.internal.absolute,
             counts=drive.internal.counts,
             external_counts=drive.external.counts,
-            slip_fullsteps=world.encoder_slip_fullsteps,
-            external_slip_fullsteps=world.external_slip_fullsteps,
-            eccentricity_deg=world.eccentricity_deg,
+            slip_fullsteps=plant.encoder_slip_fullsteps,
+            external_slip_fullsteps=plant.external_slip_fullsteps,
+            eccentricity_deg=plant.eccentricity_deg,
         ),
         inputs=InputsState(
             in0=levels[0], in1=levels[1], in2=levels[2], in3=levels[3], analog=ports.analog, outputs=ports.outputs
@@ -108,6 +108,6 @@ def describe(
             error=application.last_error,
         ),
         search=SearchState(mode=axis.parameters.values[SEARCH_MODE], phase=axis.phase_text),
-        truth=truth_state(truth),
+        truth=truth_state(state),
         eeprom_path=None if path is None else str(path),
     )

@@ -1,6 +1,6 @@
 """What a script does so that no register that it writes sets a motor off: the axis has nowhere to go meanwhile.
 
-That is motion, not configuration, and stays: as when the server applies a profile (`profiles.standing`).
+That is motion, not configuration, and stays: as when the server applies a profile (`profiles.preconditions`).
 """
 
 from __future__ import annotations

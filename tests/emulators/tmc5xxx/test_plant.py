@@ -23,7 +23,7 @@ def test_the_factory_knows_it(model: Tmc5xxxModel) -> None:
 
 
 @pytest.mark.parametrize(("model", "axis"), PLACES)
-def test_an_axis_has_a_world_of_its_own(model: Tmc5xxxModel, axis: int) -> None:
+def test_an_axis_has_a_plant_of_its_own(model: Tmc5xxxModel, axis: int) -> None:
     bench = Bench(model, rigid=False)
     bench.wait(1e-3)
     untouched = bench.state().axes
