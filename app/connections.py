@@ -61,7 +61,7 @@ SHARE = 0.75
 """Of all connections, how many one address may have."""
 BURST = 16
 """Connections accepted in a row, before those that are there are served."""
-LOOK_EVERY_S = 0.5
+POLL_PERIOD_S = 0.5
 DESCRIPTORS_WANTED = 65_536
 
 
@@ -165,7 +165,7 @@ class Door:
         self._open: dict[int, Connection] = {}
         """By descriptor, the oldest first."""
         self._of_address: Counter[str] = Counter()
-        self._looking = False
+        self._polling = False
         self._held: dict[str, deque[Callable[[], bool]]] = {}
         """By address, in the order in which they have their turns."""
 
@@ -203,9 +203,9 @@ class Door:
     def within(self, connection: Connection, seconds: float) -> None:
         """From now on it has that long [s]."""
         connection.due_s = self._now() + seconds
-        if not self._looking:
-            self._looking = True
-            asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
+        if not self._polling:
+            self._polling = True
+            asyncio.get_running_loop().call_later(POLL_PERIOD_S, self._poll)
 
     def hold(self, address: str, release: Callable[[], bool]) -> None:
         """Call it behind a pause, and behind one of each other address; it says False where it needed no turn."""
@@ -224,14 +224,14 @@ class Door:
         if self._held:
             asyncio.get_running_loop().call_later(PIECE_EVERY_S, self._release)
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         now_s = self._now()
         for connection in list(self._open.values()):
             if connection.due_s is not None and connection.due_s <= now_s:
                 self._end(connection)
-        self._looking = bool(self._open)
-        if self._looking:
-            asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
+        self._polling = bool(self._open)
+        if self._polling:
+            asyncio.get_running_loop().call_later(POLL_PERIOD_S, self._poll)
 
     def _end(self, connection: Connection) -> None:
         self.refused += 1

@@ -229,7 +229,7 @@ def create_app(
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         try:
-            await bench.maps.look()  # before the connections, some of which are made of them
+            await bench.maps.scan()  # before the connections, some of which are made of them
         except StoreUnavailable as error:
             log.warning("%s", error)
             vitals.notes.append(str(error))

@@ -1,24 +1,24 @@
-"""Whether a move has arrived, from looks at the axis. No clock and no socket: both clients feed it."""
+"""Whether a move has arrived, from polls of the axis. No clock and no socket: both clients feed it."""
 
 from __future__ import annotations
 
 from .errors import MoveEnded
 from .records import AxisState, MoveStarted
 
-LOOK_EVERY_S = 0.05
-"""A look costs the device a few registers; the page's own is no faster [s]."""
-STANDING_LOOKS = 4
+POLL_PERIOD_S = 0.05
+"""A poll costs the device a few registers; the page's own is no faster [s]."""
+STANDSTILL_POLLS = 4
 """So often in a row it is seen to stand elsewhere before the move counts as ended: a turning point stands as well."""
 
 
 class Arrival:
-    """Fed with every look; `look` is True once the axis stands at its target."""
+    """Fed with every poll; `update` returns True once the axis stands at its target."""
 
     def __init__(self, started: MoveStarted) -> None:
         self._started = started
         self._standing = 0
 
-    def look(self, state: AxisState) -> bool:
+    def update(self, state: AxisState) -> bool:
         """Raises MoveEnded where it will not arrive by itself any more."""
         target = self._started.target_position
         if state.target_position is not None and state.target_position != target:
@@ -26,7 +26,7 @@ class Arrival:
         if not state.moving and state.position_reached:
             return True
         self._standing = 0 if state.moving else self._standing + 1
-        if self._standing >= STANDING_LOOKS:
+        if self._standing >= STANDSTILL_POLLS:
             raise self._ended(state, self._why(state))
         return False
 

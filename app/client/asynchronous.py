@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from . import audit, calls, profiles, scripts
-from .arrival import LOOK_EVERY_S, Arrival
+from .arrival import POLL_PERIOD_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
 from .errors import ClientError, NoServer, SearchEnded
@@ -196,12 +196,12 @@ class AsyncBench:
         arrival = Arrival(started)
         while True:
             state = await self.axis(device, started.axis)
-            arrived = arrival.look(state)
+            arrived = arrival.update(state)
             if on_look is not None:
                 on_look(arrival.share(state), state)
             if arrived:
                 return state
-            await asyncio.sleep(LOOK_EVERY_S)
+            await asyncio.sleep(POLL_PERIOD_S)
 
     async def rotate(
         self, device: str, axis: int, velocity: float, *, unit: str = "pps", hold_s: float | None = None
@@ -241,7 +241,7 @@ class AsyncBench:
         }
         state = await self._send(calls.search(device, axis, {"stall": stall}))
         while wait and state["state"] == "running":
-            await asyncio.sleep(LOOK_EVERY_S)
+            await asyncio.sleep(POLL_PERIOD_S)
             state = await self._send(calls.search_state(device, axis))
         if state["state"] not in ("running", "done"):
             raise SearchEnded(state)

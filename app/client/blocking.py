@@ -14,7 +14,7 @@ from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
 from . import audit, calls, profiles, scripts
-from .arrival import LOOK_EVERY_S, Arrival
+from .arrival import POLL_PERIOD_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
 from .errors import ClientError, NoServer, SearchEnded
@@ -194,12 +194,12 @@ class Bench:
         arrival = Arrival(started)
         while True:
             state = self.axis(device, started.axis)
-            arrived = arrival.look(state)
+            arrived = arrival.update(state)
             if on_look is not None:
                 on_look(arrival.share(state), state)
             if arrived:
                 return state
-            time.sleep(LOOK_EVERY_S)
+            time.sleep(POLL_PERIOD_S)
 
     def rotate(
         self, device: str, axis: int, velocity: float, *, unit: str = "pps", hold_s: float | None = None
@@ -239,7 +239,7 @@ class Bench:
         }
         state = self._send(calls.search(device, axis, {"stall": stall}))
         while wait and state["state"] == "running":
-            time.sleep(LOOK_EVERY_S)
+            time.sleep(POLL_PERIOD_S)
             state = self._send(calls.search_state(device, axis))
         if state["state"] not in ("running", "done"):
             raise SearchEnded(state)

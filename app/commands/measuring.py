@@ -16,7 +16,7 @@ import typer
 from .shared import AsJson, Channels, DeviceName, Token, Url, connected, print_json, print_table, progress
 
 RecordingName = Annotated[str, typer.Argument(metavar="RECORDING", help="Its id, as `stepscope recordings` lists it.")]
-LOOK_EVERY_S = 0.2
+POLL_PERIOD_S = 0.2
 """How often a progress bar asks [s]."""
 
 
@@ -78,7 +78,7 @@ def record(
             with progress() as bar:
                 task = bar.add_task(done.id, total=None if seconds is None else seconds)
                 while done.state in ("waiting", "recording"):
-                    time.sleep(LOOK_EVERY_S)
+                    time.sleep(POLL_PERIOD_S)
                     done = bench.recording_info(done.id)
                     said = "waits for its trigger" if done.state == "waiting" else f"{done.rows} rows"
                     shown_s = (done.rows or 0) / (done.rate_hz or rate_hz)
@@ -127,7 +127,7 @@ def replay(
         with progress() as bar:
             task = bar.add_task(recording, total=done["duration_s"])
             while done["state"] == "running":
-                time.sleep(LOOK_EVERY_S)
+                time.sleep(POLL_PERIOD_S)
                 done = bench.replay_progress(recording)
                 bar.update(task, completed=done["done_s"])
         if as_json:

@@ -21,7 +21,7 @@ from .shared import AsJson, DeviceName, Token, Url, connected, print_json, print
 if TYPE_CHECKING:
     from ..client import Bench, SavedProfile
 
-LOOK_EVERY_S = 0.2
+POLL_PERIOD_S = 0.2
 """How often the bar asks how far it is [s]."""
 DIFFERENT = 1
 """Exit code of `diff` where there is a difference, as of diff(1)."""
@@ -320,8 +320,8 @@ def _with_a_bar(bench: Bench, device: str, document: Mapping[str, Any], *, limit
     with progress() as bar:
         task = bar.add_task(device, total=None)
 
-        def look() -> None:
-            while not over.wait(LOOK_EVERY_S):
+        def poll() -> None:
+            while not over.wait(POLL_PERIOD_S):
                 try:
                     now = bench.profile_progress(device)
                 except ClientError:
@@ -329,8 +329,8 @@ def _with_a_bar(bench: Bench, device: str, document: Mapping[str, Any], *, limit
                 said = f"{now['phase']} {now['register_name']}".strip() if now["phase"] else device
                 bar.update(task, completed=now["done"], total=now["total"] or None, description=said)
 
-        looking = threading.Thread(target=look, name="how far a profile is")
-        looking.start()
+        poller = threading.Thread(target=poll, name="how far a profile is")
+        poller.start()
         try:
             return bench.apply_profile(device, document, limits=limits)
         except Refused as error:
@@ -343,4 +343,4 @@ def _with_a_bar(bench: Bench, device: str, document: Mapping[str, Any], *, limit
             raise
         finally:
             over.set()
-            looking.join()
+            poller.join()

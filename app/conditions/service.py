@@ -26,15 +26,15 @@ from .judge import Condition, Seen, Thresholds, WrongResolution, judge
 
 log = logging.getLogger("stepscope.conditions")
 
-LOOK_EVERY_S = 0.25
+POLL_PERIOD_S = 0.25
 """How often each device is looked at [s]: what happens is told within 0.5 s, the look itself included."""
-LIVELY_LOOK_S = 0.1
+LIVELY_PERIOD_S = 0.1
 """How often while something moves or has just happened [s]."""
 WIRE_SHARE = 0.2
 """How much of a wire's time the looks may take: on a slow one they come less often."""
 OWN_SHARE = 0.05
 """How much of the program's own time the looks at resting emulators may take: many are looked at less often."""
-REST_LOOK_MAX_S = 2.0
+REST_PERIOD_MAX_S = 2.0
 """No less often than that [s]."""
 FRESH_S = 0.5
 """What is known of a device is no older than that when somebody asks for it [s]: else it is looked at first."""
@@ -65,7 +65,7 @@ class _Axis:
     """What is remembered of one axis between two looks."""
 
     standing: Standing | None = None
-    looked_s: float = float("-inf")
+    polled_s: float = float("-inf")
     """When the latest look began."""
     sent: bool = False
     """The latest command was to go to a target."""
@@ -134,7 +134,7 @@ class ConditionService:
                     device.id,
                     [_Axis() for _ in device.axes],
                     device.listen(partial(self._hear, device)),
-                    self._tasks.begin(self._look_on(device), f"conditions of {device.id}"),
+                    self._tasks.begin(self._keep_polling(device), f"conditions of {device.id}"),
                     self._clock.now() + LIVELY_S,
                 )
             elif watched.id != device.id:
@@ -164,13 +164,13 @@ class ConditionService:
         """The device of that id, as listeners are told of it."""
         return next((device for device, watched in self._watched.items() if watched.id == device_id), None)
 
-    async def look(
+    async def poll(
         self, device: Device, axis: int, priority: Priority = Priority.COMMAND
     ) -> tuple[AxisState, Standing]:
         """Read the axis, and judge it by that. Raises what `axis_state` raises; that is judged too."""
         commands = device.session.motion_commands[axis]
         if device in self._watched:
-            self._watched[device].axes[axis].looked_s = self._clock.now()
+            self._watched[device].axes[axis].polled_s = self._clock.now()
         try:
             state = await device.monitor.axis_state(axis, priority)
             if priority is Priority.SAMPLE and device.session.motion_commands[axis] != commands:
@@ -190,15 +190,15 @@ class ConditionService:
         """Something around the device was changed: look at it now, and often for a while."""
         if device in self._watched:
             self._watched[device].lively_until_s = self._clock.now() + LIVELY_S
-            self._look_now(device)
+            self._poll_now(device)
 
     async def freshen(self, device: Device) -> None:
         """Look at a device that works and was not looked at for `FRESH_S`; wait no longer than `ANSWER_WITHIN_S`."""
         if device not in self._watched or device.state != "connected":
             return
-        oldest_s = min(axis.looked_s for axis in self._watched[device].axes)
+        oldest_s = min(axis.polled_s for axis in self._watched[device].axes)
         if self._clock.now() - oldest_s > FRESH_S:
-            await asyncio.wait([self._look_now(device)], timeout=ANSWER_WITHIN_S)
+            await asyncio.wait([self._poll_now(device)], timeout=ANSWER_WITHIN_S)
 
     def standing(self, device: Device, axis: int) -> Standing:
         """As last judged; asks nothing."""
@@ -209,46 +209,46 @@ class ConditionService:
 
     # --- looking on -----------------------------------------------------------------------------
 
-    async def _look_soon(self, device: Device, axis: int) -> None:
+    async def _poll_axis(self, device: Device, axis: int) -> None:
         """Look, and have what goes wrong judged; a busy link is looked at later."""
         known = self._watched[device].axes[axis]
         before = known.standing
         try:
-            await self.look(device, axis, Priority.SAMPLE)
+            await self.poll(device, axis, Priority.SAMPLE)
         except BenchError:
             pass
         except Exception:
             if before is None or known.standing is None or known.standing.condition.cause != before.condition.cause:
                 log.exception("looking at %s axis %d", device.id, axis)
 
-    def _look_now(self, device: Device) -> asyncio.Task[None]:
+    def _poll_now(self, device: Device) -> asyncio.Task[None]:
         """One look at a time for all who want one of their own."""
         watched = self._watched[device]
         if watched.extra is None or watched.extra.done():
-            watched.extra = self._tasks.begin(self._look_at_all(device), f"a look at {device.id}")
+            watched.extra = self._tasks.begin(self._poll_device(device), f"a look at {device.id}")
         return watched.extra
 
-    async def _look_at_all(self, device: Device) -> None:
+    async def _poll_device(self, device: Device) -> None:
         for axis in range(len(device.axes)):
             if device in self._watched:
-                await self._look_soon(device, axis)
+                await self._poll_axis(device, axis)
 
-    async def _look_on(self, device: Device) -> None:
-        pause_s = LOOK_EVERY_S
-        looked_s = self._clock.now()
+    async def _keep_polling(self, device: Device) -> None:
+        pause_s = POLL_PERIOD_S
+        polled_s = self._clock.now()
         while True:
             await self._clock.sleep(pause_s)
-            pause_s = LOOK_EVERY_S
+            pause_s = POLL_PERIOD_S
             began_s = self._clock.now()
-            if device.state != "connected" or began_s - looked_s < self._every_s(device):
+            if device.state != "connected" or began_s - polled_s < self._every_s(device):
                 continue
-            looked_s = began_s
-            await self._look_at_all(device)
+            polled_s = began_s
+            await self._poll_device(device)
             took_s = self._clock.now() - began_s
             # An emulator in this process has no wire that a look would take from others.
             rest_s = 0.0 if device.session.chip_timed else took_s * (1 / WIRE_SHARE - 1)
             self._watched[device].look_took_s = took_s if device.session.chip_timed else 0.0
-            beat_s = self._lively_s() if self._lively(device) else LOOK_EVERY_S
+            beat_s = self._lively_s() if self._lively(device) else POLL_PERIOD_S
             pause_s = max(beat_s - took_s, beat_s / 2, rest_s)
 
     def _every_s(self, device: Device) -> float:
@@ -256,7 +256,7 @@ class ConditionService:
         if self._lively(device) or not device.session.chip_timed:
             return 0.0
         # A beat that is a little early is not one too many.
-        return min(self._looks_take_s() / OWN_SHARE, REST_LOOK_MAX_S) - LOOK_EVERY_S / 2
+        return min(self._polling_takes_s() / OWN_SHARE, REST_PERIOD_MAX_S) - POLL_PERIOD_S / 2
 
     def _lively(self, device: Device) -> bool:
         """Whether anything of the device moves, or has just happened, or is not known yet."""
@@ -270,9 +270,9 @@ class ConditionService:
 
     def _lively_s(self) -> float:
         """How often what moves is looked at [s]: less often where looks take much of the program's time."""
-        return min(max(self._looks_take_s() / OWN_SHARE, LIVELY_LOOK_S), LOOK_EVERY_S)
+        return min(max(self._polling_takes_s() / OWN_SHARE, LIVELY_PERIOD_S), POLL_PERIOD_S)
 
-    def _looks_take_s(self) -> float:
+    def _polling_takes_s(self) -> float:
         """How long one look at every emulator takes [s]."""
         return sum(other.look_took_s for other in self._watched.values())
 
@@ -365,7 +365,7 @@ class ConditionService:
                 (Evidence(event.name, f"{event.limit:,}"), Evidence("position there", f"{event.position:,}")),
             )
         elif isinstance(event, MotionEnd):
-            self._tasks.begin(self._look_soon(device, event.axis), f"end of a motion of {device.id}")
+            self._tasks.begin(self._poll_axis(device, event.axis), f"end of a motion of {device.id}")
         elif isinstance(event, RegisterChanged):
             for known in axes if event.axis is None else (axes[event.axis],):
                 if event.register in _encoder_registers(device):

@@ -69,7 +69,7 @@ class Arbiter:
             if waiter.done() and not waiter.cancelled():
                 self.release()  # the line was handed to us just before we were cancelled
             else:
-                self._look_again()
+                self._recheck()
             raise
 
     def release(self) -> None:
@@ -79,12 +79,12 @@ class Arbiter:
                 waiter = line.popleft()
                 if not waiter.done():
                     waiter.set_result(None)  # handed over: the line stays busy
-                    self._look_again()
+                    self._recheck()
                     return
         self._busy = False
         self.most_urgent = NOBODY
 
-    def _look_again(self) -> None:
+    def _recheck(self) -> None:
         for priority, line in enumerate(self._waiting):
             if any(not waiter.done() for waiter in line):
                 self.most_urgent = priority

@@ -103,11 +103,11 @@ class WatchedAxis(Mover):
         async with self.lock:
             if not self.connected:
                 return float("inf")  # when it is back, that wakes this
-            if not await self.look():
+            if not await self.poll():
                 return AGAIN_S if self.connected else float("inf")
             await self.go_on()
             await self._see_to_compare()
-            return self.next_look_s()
+            return self.next_poll_s()
 
     async def _see_to_compare(self) -> None:
         """Arm the compare register while its position is within a piece, and keep it out of the way while not."""
@@ -153,19 +153,19 @@ class WatchedAxis(Mover):
         # What others have seen of the position does not tell of a reset: only a look of our own does.
         looked_s = float("-inf") if self._times is None else self._times[1]
         if self.tracker.away is not None or now_s - looked_s > FRESH_S or self.encoder is not None:
-            await self.look()
+            await self.poll()
 
     async def require_trusted(self) -> None:
         """Look, and raise WrongState where the position is not known."""
         self.device.session.require_connected()
-        await self._looked()
+        await self._require_poll()
         lost = self.tracker.lost or self.tracker.away
         if lost is not None:
             raise WrongState(f"the position of axis {self.axis} is not known: {lost.reason}", lost.way_out)
 
-    async def _looked(self) -> None:
+    async def _require_poll(self) -> None:
         """Raises WrongState where no look succeeds."""
-        if not await self.look():
+        if not await self.poll():
             raise WrongState(f"axis {self.axis} could not be looked at: {self.trouble}", "see to its link first")
 
     async def go_to(self, position: int) -> None:
@@ -201,14 +201,14 @@ class WatchedAxis(Mover):
         self.device.session.require_connected()
         if (await self.device.monitor.axis_state(self.axis)).moving:
             raise WrongState(f"axis {self.axis} moves: a position can only be set at rest", "stop it first")
-        await self._looked()
+        await self._require_poll()
         self.tracker.set_actual(position)
         self._set_anew()
 
     async def confirm(self) -> None:
         """What is shown is right. Raises WrongState."""
         self.device.session.require_connected()
-        await self._looked()
+        await self._require_poll()
         self.tracker.confirm()
         self._set_anew()
 
@@ -305,7 +305,7 @@ class WatchedAxis(Mover):
             turn.offset(tracker.position, tracker.count, tracker.counter.modulus),
         )
 
-    def looks(self, seconds: float) -> HistoryState:
+    def history_of(self, seconds: float) -> HistoryState:
         """Those of the last `seconds` [s]."""
         points = self.history.since(self.device.device_time_s() - seconds)
         angle = (lambda _: None) if self.turn is None else self.turn.rotary.angle_deg

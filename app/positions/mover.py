@@ -108,7 +108,7 @@ class Mover(Observer):
     async def _step(self, move: SegmentedMove) -> None:
         """Move the chip's target on, or see that the motor has arrived, or that it never will. Raises BenchError."""
         if move.target is None:
-            if (await self.device.monitor.axis_state(self.axis)).moving or not await self.look():
+            if (await self.device.monitor.axis_state(self.axis)).moving or not await self.poll():
                 return
             move.stands(self.tracker.extended)  # and this is where
         if not move.going:
@@ -150,7 +150,7 @@ class Mover(Observer):
         finally:
             motion_owner.reset(token)
 
-    def next_look_s(self) -> float:
+    def next_poll_s(self) -> float:
         """When to look next, from now [s]."""
         move, at = self.going, self.tracker.extended
         if move is None:

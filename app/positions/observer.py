@@ -167,7 +167,7 @@ class Observer:
         """How often it has to be looked at [s]."""
         return self.tracker.counter.service_period_s(self.speed_limit_pps * CLOCK_TOLERANCE)
 
-    async def look(self) -> bool:
+    async def poll(self) -> bool:
         """Look; whether that went well. Everything that is wrong is in the tracker then."""
         device, tracker = self.device, self.tracker
         before, before_s = tracker.extended, tracker.asked_s

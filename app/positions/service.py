@@ -111,7 +111,7 @@ class ExtendedPositionService:
         await asyncio.gather(*self._serving, return_exceptions=True)
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(LAST_LOOK_S):
-                await asyncio.gather(*(axis.look() for axis in self._axes.values() if axis.connected))
+                await asyncio.gather(*(axis.poll() for axis in self._axes.values() if axis.connected))
         for watched in self._axes.values():
             watched.close()
 
@@ -133,7 +133,7 @@ class ExtendedPositionService:
 
     def history(self, device: Device, axis: int, seconds: float) -> HistoryState:
         """Polls of the last `seconds` [s]. Raises UnknownThing, and WrongState where nobody watches."""
-        return self._watched(device, axis).looks(seconds)
+        return self._watched(device, axis).history_of(seconds)
 
     async def latched(self, device: Device, axis: int) -> Latched:
         """What the chip's snapshot register holds, extended. Raises WrongState, LinkError."""

@@ -82,7 +82,7 @@ class Tracker:
         way = self.counter.way(count, self.count)
         speed_pps = speed_limit_pps * CLOCK_TOLERANCE
         try:
-            self._reached = self._extended.look(count, heard_s, speed_pps)
+            self._reached = self._extended.update(count, heard_s, speed_pps)
         except TooLate as late:
             self.lose(f"looked at too late: {_late(late)}")
             self._reached = before + way

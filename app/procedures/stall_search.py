@@ -165,14 +165,14 @@ class StallSearch(Search):
 
     async def _free_run(self) -> int:
         """Lowest load value at the search speed, away from the end."""
-        began = (await self._look()).position
+        began = (await self._read_axis()).position
         await self.device.motion.rotate(self.axis, -self._way * self._speed_pps)
         deadline_s = self._deadline(self._max_travel)
         reached: AxisState | None = None
         loads: list[int] = []
-        while reached is None or (await self._look()).time_s < reached.time_s + CHECKED_S or len(loads) < 4:
+        while reached is None or (await self._read_axis()).time_s < reached.time_s + CHECKED_S or len(loads) < 4:
             await self.clock.sleep(POLL_S)
-            state = await self._look()
+            state = await self._read_axis()
             way = abs(state.position - began)
             if not state.moving and way > self._full_step:
                 raise Failed(f"the motor stopped on the way away from the end: {self._why(state)}")
@@ -196,7 +196,7 @@ class StallSearch(Search):
 
     async def _hit(self, most: int) -> None:
         """Run into the end. Raises Failed where something else happens, or nothing within `most` microsteps."""
-        began = await self._look()
+        began = await self._read_axis()
         await self.device.motion.rotate(self.axis, self._way * self._speed_pps)
         deadline_s = self._deadline(most)
         fast = False
@@ -204,7 +204,7 @@ class StallSearch(Search):
         apart = began.deviation or 0.0
         while True:
             await self.clock.sleep(POLL_S)
-            state = await self._look()
+            state = await self._read_axis()
             way = abs(state.position - began.position)
             if not state.moving and (fast or way or state.time_s > began.time_s + SAYS_WHY_S):
                 break
@@ -259,7 +259,7 @@ class StallSearch(Search):
         await self._set(self._threshold, stops=False)
         ahead = round(FIELD_AHEAD * self._full_step)
         self._zero = self._hits[-1] - self._way * ahead
-        at = (await self._look()).position - self._zero
+        at = (await self._read_axis()).position - self._zero
         await self._stall.call_here(self.axis, at)
         await self._go_to(0)
         apart = f" within {spread} microsteps" if len(self._hits) > 1 else ""
@@ -272,12 +272,12 @@ class StallSearch(Search):
     # --- together ---------------------------------------------------------------------------------
 
     async def _go_by(self, way: int) -> None:
-        await self._go_to((await self._look()).position + way)
+        await self._go_to((await self._read_axis()).position + way)
 
     async def _go_to(self, target: int) -> None:
         started = await self.device.motion.move(self.axis, target)
         deadline_s = self.device.device_time_s() + (started.predicted_duration_s or 0.0) + SLACK_S
-        while not ((state := await self._look()).position_reached and not state.moving):
+        while not ((state := await self._read_axis()).position_reached and not state.moving):
             if self.device.device_time_s() > deadline_s:
                 raise Failed(f"{target} was not reached: the motor is at {state.position}, {self._why(state)}")
             await self.clock.sleep(POLL_S)
@@ -285,12 +285,12 @@ class StallSearch(Search):
     async def _halt(self) -> None:
         await self.device.stop(self.axis)
         deadline_s = self._deadline(self._max_travel)
-        while (await self._look()).moving:
+        while (await self._read_axis()).moving:
             if self.device.device_time_s() > deadline_s:
                 raise Failed("the motor did not come to rest")
             await self.clock.sleep(POLL_S)
 
-    async def _look(self) -> AxisState:
+    async def _read_axis(self) -> AxisState:
         return await self.device.monitor.axis_state(self.axis)
 
     def _deadline(self, way: int) -> float:

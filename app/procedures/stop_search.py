@@ -115,7 +115,7 @@ class StopSearch(Search):
         def met(state: AxisState) -> bool:
             return bool(state.switches.left if side == "left" else state.switches.right)
 
-        if met(await self._look()):
+        if met(await self._read_axis()):
             self._phase = "leave"
             await self._go(-way, lambda state: not met(state), f"the {side} switch stays active")
         self._phase = "first edge"
@@ -127,12 +127,12 @@ class StopSearch(Search):
 
     async def _go(self, way: int, done: Callable[[AxisState], bool], failure: str) -> None:
         """Go `way` until `done`, and stop. Raises Failed where that does not come."""
-        began = (await self._look()).position
+        began = (await self._read_axis()).position
         await self.device.motion.rotate(self.axis, way * self._speed_pps)
         deadline_s = self._deadline()
         while True:
             await self.clock.sleep(POLL_S)
-            state = await self._look()
+            state = await self._read_axis()
             if done(state):
                 break
             if not state.moving:
@@ -145,12 +145,12 @@ class StopSearch(Search):
         self._phase = "to the centre"
         first, second = sorted(self._edges)
         self._centre = (first + second) // 2
-        position = (await self._look()).position
+        position = (await self._read_axis()).position
         self._offset = await self._latching_chip.set_position(self.axis, position - self._centre)
         notes = [f"edges {first} and {second}, zero at {self._centre}", *await self._at_zero(second - first)]
         started = await self.device.motion.move(self.axis, 0)
         deadline_s = self.device.device_time_s() + (started.predicted_duration_s or 0.0) + SLACK_S
-        while not ((state := await self._look()).position_reached and not state.moving):
+        while not ((state := await self._read_axis()).position_reached and not state.moving):
             if self.device.device_time_s() > deadline_s:
                 raise Failed(f"the centre was not reached: the motor is at {state.position}, {_blocker(state)}")
             await self.clock.sleep(POLL_S)
@@ -169,12 +169,12 @@ class StopSearch(Search):
         """Stop by the ramp and wait for rest: a latched edge is exact however far the motor runs on."""
         await self.device.stop(self.axis)
         deadline_s = self._deadline()
-        while (await self._look()).moving:
+        while (await self._read_axis()).moving:
             if self.device.device_time_s() > deadline_s:
                 raise Failed("the motor did not come to rest")
             await self.clock.sleep(POLL_S)
 
-    async def _look(self) -> AxisState:
+    async def _read_axis(self) -> AxisState:
         return await self.device.monitor.axis_state(self.axis)
 
     def _deadline(self) -> float:

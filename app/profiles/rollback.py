@@ -57,7 +57,7 @@ class WayBack:
         if self._down:
             self.unchecked = "the link is gone, so nothing else was looked at"
         elif before is not None:
-            await self._look_over(before, left)
+            await self._check_others(before, left)
         return list(left.values())
 
     async def _one(self, step: Step) -> Change | None:
@@ -82,7 +82,7 @@ class WayBack:
             if isinstance(error, WriteRefused):
                 is_ = as_configured(self._device, step.item, error.read_back)
             elif is_ is None and step.register.access.readable and not self._down:
-                is_ = await self._look(step.item)
+                is_ = await self._read(step.item)
             if is_ is not None and step.was is not None and not (is_ ^ step.was) & step.item.mask:
                 return None
             return change_of(step, is_, str(told_of(error, step)))
@@ -94,14 +94,14 @@ class WayBack:
             self._silent += 1
         self._down = isinstance(error, LinkDown) or self._silent >= SILENT
 
-    async def _look(self, item: Item) -> int | None:
+    async def _read(self, item: Item) -> int | None:
         try:
             return await read_item(self._device, item)
         except BenchError as error:
             self._gone(error)
             return None
 
-    async def _look_over(self, before: Held, left: dict[Key, Change]) -> None:
+    async def _check_others(self, before: Held, left: dict[Key, Change]) -> None:
         """Whether everything else is as before too: on a line without checksums a write may have gone astray."""
         try:
             after = await read_held(self._device, before.words)

@@ -186,11 +186,11 @@ class AuditLog:
         """All names that entries bear. Raises StoreUnavailable."""
         await self._flush()
 
-        def look(session: Session) -> Known:
+        def query(session: Session) -> Known:
             devices = _names(session, AuditRow.device)
             return Known(devices, _names(session, AuditRow.who), _names(session, AuditRow.action))
 
-        return await self._database.read(look)
+        return await self._database.read(query)
 
 
 def _loss(first: Entry, lost: int) -> Entry:

@@ -60,10 +60,10 @@ class RegisterMaps:
         self.passed_over: list[str] = []
         """Files that are no maps by their names, or too many, for people."""
 
-    def look(self, users: Users) -> list[KeptMap]:
+    def scan(self, users: Users) -> list[KeptMap]:
         """What the folder holds now, by name. Raises StoreUnavailable where it cannot be looked into."""
         with self._turn:
-            self._look(users)
+            self._scan(users)
             return [kept for _, kept in self._kept.values()]
 
     def content(self, name: str) -> bytes:
@@ -92,7 +92,7 @@ class RegisterMaps:
             found = read(name, content)
         path = self.folder / f"{name}.toml"
         with self._turn:
-            self._look(users)
+            self._scan(users)
             if connected := [device for device, connected in users.get(name, {}).items() if connected]:
                 raise WrongState(f"{_use(connected, name)}, which stays as it is for that long", "disconnect first")
             if name not in self._kept and len(self._kept) >= KEPT_MAX:
@@ -103,13 +103,13 @@ class RegisterMaps:
                 self._write(path, content)
             except OSError as error:
                 raise _unavailable(error) from error
-            self._look(users)
+            self._scan(users)
             return self._kept[name][1]
 
     def delete(self, name: str, users: Users) -> None:
         """Raises UnknownThing; WrongState while there are devices that are made of it, connected or not."""
         with self._turn:
-            self._look(users)
+            self._scan(users)
             if name not in self._kept:
                 raise UnknownThing("register map", name, list(self._kept))
             if users.get(name):
@@ -118,7 +118,7 @@ class RegisterMaps:
                 self._kept[name][1].path.unlink(missing_ok=True)
             except OSError as error:
                 raise _unavailable(error) from error
-            self._look(users)
+            self._scan(users)
 
     def require_name(self, name: str) -> None:
         """Raises UsageError for a name that no map can have."""
@@ -131,7 +131,7 @@ class RegisterMaps:
 
     # --- inside ---------------------------------------------------------------------------------
 
-    def _look(self, users: Users) -> None:
+    def _scan(self, users: Users) -> None:
         try:
             paths = sorted(self.folder.glob("*.toml"))
         except OSError as error:

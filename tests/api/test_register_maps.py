@@ -168,7 +168,7 @@ def test_there_are_no_more_than_so_many(tmp_path: Path) -> None:
     maps.folder.mkdir()
     for index in range(KEPT_MAX + 1):
         (maps.folder / f"m{index:03}.toml").write_bytes(SMALL)
-    assert len(maps.look({})) == KEPT_MAX
+    assert len(maps.scan({})) == KEPT_MAX
     assert maps.passed_over == [f"m{KEPT_MAX}.toml: there are {KEPT_MAX} maps already"]
 
 
@@ -178,7 +178,7 @@ def test_a_map_stays_as_it_is_while_a_connected_device_uses_it(tmp_path: Path) -
     path, titled = maps.folder / "chip.toml", SMALL.replace(b'"x"', b'"another"')
 
     def told(*, connected: bool) -> tuple[str, bool]:
-        (kept,) = maps.look({"chip": {"bench": connected}})
+        (kept,) = maps.scan({"chip": {"bench": connected}})
         assert not isinstance(kept.found, Exception)
         return kept.found.head.title, bool(kept.behind)
 
@@ -192,4 +192,4 @@ def test_a_map_stays_as_it_is_while_a_connected_device_uses_it(tmp_path: Path) -
     path.write_bytes(SMALL)
     assert told(connected=False) == ("x", False)
     path.unlink()
-    assert maps.look({}) == []
+    assert maps.scan({}) == []

@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from starlette.types import Message
 
 from app.clock import HELD_MAX_S, TURN_S, VirtualClock, WallClock
-from app.conditions.service import LOOK_EVERY_S
+from app.conditions.service import POLL_PERIOD_S
 from app.devices.core import stopping
 from app.emulators.server import serve_tcp
 from app.emulators.tmc428.device import EmulatedDevice
@@ -53,7 +53,7 @@ async def test_looks_and_samples_wait_while_a_stop_is_under_way_but_not_for_ever
     before = looks()
     while looks() == before:
         await clock.advance(1e-3)
-    await clock.advance(LOOK_EVERY_S - HELD_MAX_S / 2)  # the next look comes while the stop is under way
+    await clock.advance(POLL_PERIOD_S - HELD_MAX_S / 2)  # the next look comes while the stop is under way
     far.patch(EmulatorPatch.model_validate({"faults": {"silence": True}}))
     stops = queue.counts.frames[Priority.STOP]
     under_way = asyncio.create_task(client.post("stop"))

@@ -221,7 +221,7 @@ async def _year(seconds: int) -> tuple[float, int, int]:
         assert state.rotary is not None
         assert state.counter is not None
         assert state.rotary.turns * turn + state.rotary.place == state.actual
-        assert note.look(state.counter) == state.rotary.place
+        assert note.update(state.counter) == state.rotary.place
         if clock.now() - checked_s > seconds / 12:  # every month the same instant, by both
             checked_s = clock.now()
             state = await service.state(device, 0)

@@ -38,7 +38,7 @@ GROWTH_MAX = 0.03
 DESCRIPTORS_MAX = 4
 RATE_HZ = 500.0
 """On the wall clock: two samples a second of the devices, which live so much faster [Hz]."""
-LOOK_EVERY_S = 1.0
+POLL_PERIOD_S = 1.0
 CHANNELS = ("position.0", "velocity.0", "target_position.0", "residual.0")
 DEVICES = {"shuttle": "tmc428", "turning": "tmc4210"}
 
@@ -110,7 +110,7 @@ def measure(quick: bool) -> Sequence[Row]:
                 break
             _as_a_user(api, turn=len(looks))
             looks.append((done_s, _resident_bytes(server.pid), len(os.listdir(f"/proc/{server.pid}/fd"))))
-            time.sleep(LOOK_EVERY_S)
+            time.sleep(POLL_PERIOD_S)
         took_s = time.monotonic() - began_s
         moving = [api.get(f"/devices/{name}/axes/0").raise_for_status().json() for name in DEVICES]
         for reader in readers:

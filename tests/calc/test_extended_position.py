@@ -42,7 +42,7 @@ def test_random_walks_over_many_wraps_are_followed_exactly(counter: Counter, dat
         reach = math.floor(elapsed_s * speed_pps)
         reach = min(reach, counter.half - 1)
         true += data.draw(st.integers(-reach, reach))
-        assert axis.look(counter.shows(true), axis.time_s + elapsed_s, speed_pps) == true
+        assert axis.update(counter.shows(true), axis.time_s + elapsed_s, speed_pps) == true
         assert axis.position == true
 
 
@@ -50,10 +50,10 @@ def test_random_walks_over_many_wraps_are_followed_exactly(counter: Counter, dat
 def test_a_look_that_came_too_late_is_told_and_never_guessed(counter: Counter, count: int, late: float) -> None:
     axis = ExtendedPosition(counter, 0, 0.0)
     with pytest.raises(TooLate, match="set the position anew") as caught:
-        axis.look(count, late * counter.allowed_s(500.0), 500.0)
+        axis.update(count, late * counter.allowed_s(500.0), 500.0)
     assert caught.value.allowed_s == counter.allowed_s(500.0)
     with pytest.raises(TooLate):  # later looks do not make it known again
-        axis.look(count, 1e9, 0.0)
+        axis.update(count, 1e9, 0.0)
     with pytest.raises(TooLate):
         axis.latched(count)
     with pytest.raises(TooLate):
@@ -64,7 +64,7 @@ def test_a_look_that_came_too_late_is_told_and_never_guessed(counter: Counter, c
 
 def test_at_rest_it_may_go_unlooked_at_for_ever() -> None:
     axis = ExtendedPosition(Counter(24), -5, 0.0)
-    assert axis.look(-5, 1e12, 0.0) == -5
+    assert axis.update(-5, 1e12, 0.0) == -5
     assert Counter(24).service_period_s(0) == math.inf
     assert Counter(24).service_period_s(1000.0) == pytest.approx(((1 << 23) - 1) / 4000)
 
@@ -113,9 +113,9 @@ def test_the_position_compare_is_off_while_it_would_come_early(counter: Counter,
 def test_what_cannot_be_is_refused() -> None:
     axis = ExtendedPosition(Counter(24), 0, 5.0)
     with pytest.raises(ValueError, match="does not show 8388608"):
-        axis.look(1 << 23, 6.0, 1.0)
+        axis.update(1 << 23, 6.0, 1.0)
     with pytest.raises(ValueError, match="time went back by 1 s"):
-        axis.look(0, 4.0, 1.0)
+        axis.update(0, 4.0, 1.0)
     with pytest.raises(ValueError, match="the counter shows 1, not 0"):
         axis.set((1 << 24) + 1, 0, 5.0)
     with pytest.raises(ValueError, match="microsteps, not"):
@@ -126,5 +126,5 @@ def test_what_cannot_be_is_refused() -> None:
         Counter(1)
     end = ExtendedPosition(Counter(32), -1, 0.0, LIMIT - 1)
     with pytest.raises(ValueError, match="microsteps, not"):
-        end.look(0, 1.0, 10.0)
+        end.update(0, 1.0, 10.0)
     assert end.position == LIMIT - 1

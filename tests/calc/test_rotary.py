@@ -69,7 +69,7 @@ def test_the_offset_follows_as_the_whole_position_would(turn: Fraction, counter:
     step = 1 << low_bit
     for _ in range(data.draw(st.integers(0, 40))):
         position += data.draw(st.integers(-step, step))
-        assert offset.look(counter.shows(position)) == Fraction(position) % turn
+        assert offset.update(counter.shows(position)) == Fraction(position) % turn
 
 
 @pytest.mark.sheet("AN-001", "3.1")
@@ -77,7 +77,7 @@ def test_the_bicycles_valve() -> None:
     """A lane of 256 microsteps and a wheel of 100: each round the valve comes round 56 further."""
     offset = TurnOffset(Fraction(100), Counter(8), 0)
     assert offset.displacement_const == 56
-    places = [offset.look(Counter(8).shows(position)) for position in range(0, 600, 50)]
+    places = [offset.update(Counter(8).shows(position)) for position in range(0, 600, 50)]
     assert places == [position % 100 for position in range(0, 600, 50)]
     assert offset.offset == 2 * 56 % 100
 
@@ -87,7 +87,7 @@ def test_a_look_that_came_too_late_is_told(quarter: int, before: int, now: int) 
     offset = TurnOffset(Fraction(100), Counter(8), 64 * quarter + before)
     kept = offset.offset
     with pytest.raises(MissedWrap, match="looked at too late"):
-        offset.look(64 * (quarter + 2) + now)
+        offset.update(64 * (quarter + 2) + now)
     assert offset.offset == kept
 
 

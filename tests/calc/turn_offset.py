@@ -39,7 +39,7 @@ class TurnOffset:
         """OFFSET, 0 <= offset < turn [microsteps]."""
         self._count = count % self.modulus
 
-    def look(self, count: int) -> Fraction:
+    def update(self, count: int) -> Fraction:
         """The place within the turn while the counter shows `count`, signed or not [microsteps].
 
         Raises MissedWrap where the two bits went on by two: by three or more they cannot tell.

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.client.arrival import STANDING_LOOKS, Arrival
+from app.client.arrival import STANDSTILL_POLLS, Arrival
 from app.client.errors import MoveEnded
 from app.client.records import AxisState, Condition, MoveStarted
 
@@ -36,35 +36,35 @@ STANDING = replace(MOVING, moving=False, velocity_pps=0.0)
 
 def test_at_the_target() -> None:
     arrival = Arrival(STARTED)
-    assert not arrival.look(MOVING)
-    assert arrival.look(replace(STANDING, position=5000, position_reached=True))
+    assert not arrival.update(MOVING)
+    assert arrival.update(replace(STANDING, position=5000, position_reached=True))
 
 
 def test_passing_the_target_is_not_arriving() -> None:
-    assert not Arrival(STARTED).look(replace(MOVING, position=5000, position_reached=True))
+    assert not Arrival(STARTED).update(replace(MOVING, position=5000, position_reached=True))
 
 
 def test_a_turning_point_is_no_end() -> None:
     arrival = Arrival(STARTED)
     for _ in range(5):
-        for _ in range(STANDING_LOOKS - 1):
-            assert not arrival.look(STANDING)
-        assert not arrival.look(MOVING)
+        for _ in range(STANDSTILL_POLLS - 1):
+            assert not arrival.update(STANDING)
+        assert not arrival.update(MOVING)
 
 
 def test_standing_elsewhere_ends_it_and_names_the_switch() -> None:
     arrival = Arrival(STARTED)
     state = replace(STANDING, switches={"left": False, "right": True, "home": False})
-    for _ in range(STANDING_LOOKS - 1):
-        assert not arrival.look(state)
+    for _ in range(STANDSTILL_POLLS - 1):
+        assert not arrival.update(state)
     with pytest.raises(MoveEnded, match="right") as ended:
-        arrival.look(state)
+        arrival.update(state)
     assert (ended.value.position, ended.value.target) == (2000, 5000)
 
 
 def test_another_target_ends_it_at_once() -> None:
     with pytest.raises(MoveEnded, match="7000"):
-        Arrival(STARTED).look(replace(MOVING, target_position=7000))
+        Arrival(STARTED).update(replace(MOVING, target_position=7000))
 
 
 @given(st.integers(-(1 << 31), (1 << 31) - 1), st.integers(-(1 << 31), (1 << 31) - 1), st.floats(0, 1))

@@ -162,7 +162,7 @@ async def test_whoever_asks_for_a_device_that_is_seldom_looked_at_gets_a_fresh_l
 
 
 async def look(clock: VirtualClock, conditions: ConditionService, device: Device) -> tuple[AxisState, Standing]:
-    looking = asyncio.create_task(conditions.look(device, 0))
+    looking = asyncio.create_task(conditions.poll(device, 0))
     while not looking.done():
         await clock.advance(0.001)
     return looking.result()

@@ -37,7 +37,9 @@ async def test_the_angle_is_exact_after_many_wraps_and_a_move_to_an_angle_is_too
             assert state.counter is not None
             assert state.rotary.turns * TURN + state.rotary.place == state.actual
             assert (
-                (state.counter % b.whole + state.rotary.offset) % TURN == state.rotary.place == note.look(state.counter)
+                (state.counter % b.whole + state.rotary.offset) % TURN
+                == state.rotary.place
+                == note.update(state.counter)
             )
             assert state.rotary.displacement_const == b.whole % TURN == note.displacement_const
         before = state.actual or 0

@@ -13,7 +13,7 @@ from ...store.tokens import NamedToken, Role, TokenStore, hash_of
 
 log = logging.getLogger("stepscope.tokens")
 
-LOOK_EVERY_S = 0.25
+POLL_PERIOD_S = 0.25
 """How often the file is looked at [s]: the command line writes it, too."""
 
 Changed = Callable[[Sequence[NamedToken], Sequence[NamedToken], bool], None]
@@ -84,7 +84,7 @@ class Tokens:
 
     async def _watch(self) -> None:
         while True:
-            await self._clock.sleep(LOOK_EVERY_S)
+            await self._clock.sleep(POLL_PERIOD_S)
             await self.refresh()
 
     async def _refresh(self, *, ours: bool) -> None:

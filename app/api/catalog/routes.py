@@ -28,7 +28,7 @@ async def list_models(bench: CurrentBench) -> list[CatalogEntry]:
     """Every model, without its registers: first those that stepscope knows well, then those of register maps, and those
     that an installed package lists, whose parameters are read when one of them is asked for."""
     with suppress(StoreUnavailable):  # then those that were read before
-        await bench.maps.look()
+        await bench.maps.scan()
     return entries()
 
 

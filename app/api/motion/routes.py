@@ -24,7 +24,7 @@ router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 @router.get("/axes/{axis}", responses=problems(*DEVICE_PROBLEMS, shape=AxisProblem))
 async def get_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> AxisStateOut:
     """Position, velocity, switches and flags, read now, and the condition that the axis is of by them."""
-    return axis_out(device, *await bench.conditions.look(device, axis.index))
+    return axis_out(device, *await bench.conditions.poll(device, axis.index))
 
 
 @router.post("/axes/{axis}/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
@@ -40,7 +40,7 @@ async def take_position_from_encoder(
 ) -> AxisStateOut:
     """Call the place where the motor stands what its encoder shows: the way out after lost steps. Nothing moves."""
     await encoded.position_from_encoder(axis.index)
-    return axis_out(device, *await bench.conditions.look(device, axis.index))
+    return axis_out(device, *await bench.conditions.poll(device, axis.index))
 
 
 @router.post("/axes/{axis}/clear-flags", responses=problems(*DEVICE_PROBLEMS))
@@ -49,7 +49,7 @@ async def clear_flags(
 ) -> AxisStateOut:
     """Take notice of the flags that the device keeps, so that they tell of what comes next."""
     await flagged.clear_flags(axis.index)
-    return axis_out(device, *await bench.conditions.look(device, axis.index))
+    return axis_out(device, *await bench.conditions.poll(device, axis.index))
 
 
 @router.post("/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))

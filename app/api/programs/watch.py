@@ -24,10 +24,10 @@ from ...links.queue import Priority, SampleDropped
 from ...procedures.debugging import DebugState
 from ...procedures.procedures import Procedures
 
-LOOKS_HZ = 20.0
+POLL_HZ = 20.0
 """How often a device is looked at, at most."""
 WIRE_SHARE = 0.25
-"""How much of a wire's time the looks may take: on a slow one they come less often."""
+"""How much of a wire's time polling may take: on a slow one they come less often."""
 READERS_MAX = 16
 """Of one device."""
 VARIABLES_MAX = 64
@@ -79,7 +79,7 @@ class Reader:
 @dataclass(slots=True)
 class _Watched:
     readers: list[Reader]
-    looks: asyncio.Task[None]
+    polling: asyncio.Task[None]
     traced: tuple[object, int] = (None, 0)
     """Whose trace was told, and how far."""
 
@@ -97,9 +97,9 @@ class ProgramWatch:
         """About how often the device is looked at."""
         possible = device.session.calls_per_s_possible
         if possible is None:
-            return LOOKS_HZ
+            return POLL_HZ
         questions = device.need(ProgramMemory).state_questions(variables)
-        return float(min(LOOKS_HZ, WIRE_SHARE * possible / questions))
+        return float(min(POLL_HZ, WIRE_SHARE * possible / questions))
 
     def join(self, device: Device, variables: Iterable[int]) -> tuple[Reader, Callable[[], None]]:
         """A reader from now on, and the function that ends it. Raises WrongState, UsageError for too many."""
@@ -108,8 +108,8 @@ class ProgramWatch:
         watched = self._watched.get(device)
         if watched is None:
             _require_few([reader])
-            looks = self._tasks.begin(self._look_on(device), f"program of {device.id}")
-            watched = self._watched[device] = _Watched([], looks)
+            polling = self._tasks.begin(self._keep_polling(device), f"program of {device.id}")
+            watched = self._watched[device] = _Watched([], polling)
         elif len(watched.readers) >= READERS_MAX:
             raise WrongState(f"{READERS_MAX} clients watch the program of {device.name} already", "close one of them")
         else:
@@ -119,7 +119,7 @@ class ProgramWatch:
         def end() -> None:
             watched.readers.remove(reader)
             if not watched.readers:
-                watched.looks.cancel()
+                watched.polling.cancel()
                 del self._watched[device]
 
         return reader, end
@@ -135,19 +135,19 @@ class ProgramWatch:
         """Look at nothing any more."""
         await self._tasks.end()
 
-    async def _look_on(self, device: Device) -> None:
+    async def _keep_polling(self, device: Device) -> None:
         while True:
             began_s = self._clock.now()
-            news = await self._look(device)
+            news = await self._poll(device)
             if news is not None:
                 for reader in tuple(self._watched[device].readers):
                     reader.tell(news)
             took_s = self._clock.now() - began_s
             # An emulator in this process has no wire that a look would take from others.
             rest_s = 0.0 if device.session.chip_timed else took_s * (1 / WIRE_SHARE - 1)
-            await self._clock.sleep(max(1 / LOOKS_HZ - took_s, rest_s, 0.001))
+            await self._clock.sleep(max(1 / POLL_HZ - took_s, rest_s, 0.001))
 
-    async def _look(self, device: Device) -> News | None:
+    async def _poll(self, device: Device) -> News | None:
         """None where the link is too busy for it just now."""
         if device.state != "connected":
             return device.problem or WrongState(f"{device.name} is not connected", "connect it first")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...calc.signals.alignment import REACH, at_times, difference_of, usual_interval_s
 from ...calc.signals.decimation import extremes
-from ...calc.signals.min_max_pyramid import Stretches, size_for
+from ...calc.signals.min_max_pyramid import MinMaxSegments, size_for
 from ...calc.signals.spectrum import SAMPLES_MAX, Detrend, Window, spectrum
 from ...errors import OutOfRange, UnknownThing, UsageError, WrongState
 from ...store.recordings.file import FloatArray, Rows
@@ -166,7 +166,7 @@ def spectrum_of(
         raise WrongState(
             f"{channel} has no spectrum here: {error}", "choose a longer part, or one without gaps"
         ) from error
-    lines = Stretches.of_rows(found.frequency_hz, np.stack((found.amplitude, found.density)))
+    lines = MinMaxSegments.of_rows(found.frequency_hz, np.stack((found.amplitude, found.density)))
     shown = lines.joined(size_for(len(lines), points))
     swinging = found.amplitude[1:]
     top = int(swinging.argmax()) + 1 if len(swinging) and swinging.max() > 0 else None

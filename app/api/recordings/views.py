@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...calc.signals.statistics import Piece, figures
+from ...calc.signals.statistics import Piece, statistics
 from ...errors import UnknownThing
 from ...recording.service import Course
 from ...store.recordings.file import TIME, Rows
@@ -83,7 +83,7 @@ def figures_of(head: Head, pieces: Callable[[], Iterable[Rows]]) -> dict[str, Fi
             yield rows.time_s, np.stack((*rows.columns, *errors))
 
     told = [*names, *away]
-    found = figures(with_errors, len(told))
+    found = statistics(with_errors, len(told))
     return {name: FiguresOut.model_validate(one) for name, one in zip(told, found, strict=True)}
 
 
@@ -120,12 +120,12 @@ def plot(
     require_channels(head, channels)
     zero_s = zero_of(opened, marks) or 0.0
     first, last = rows_between(opened, zero_s, from_s, to_s)
-    # Of a stretch three points may be left: its extremes, and one where a sample is missing. Two more are its ends.
-    stretches = opened.stretches(first, last, points if last - first <= points else max(1, points // 3 - 2))
+    # Of a segment three points may be left: its extremes, and one where a sample is missing. Two more are its ends.
+    segments = opened.segments(first, last, points if last - first <= points else max(1, points // 3 - 2))
     curves = []
     for number, column in enumerate(head.columns):
         if not channels or column.name in channels:
-            at_s, values = stretches.points(number)
+            at_s, values = segments.points(number)
             curves.append(
                 Curve(
                     channel=column.name,
@@ -150,12 +150,12 @@ def plot_frame(
 ) -> tuple[bytes, int]:
     """The same for a page that zooms, as one telemetry frame of all channels, and how many rows it stands for.
 
-    Times count from the zero. All channels share them: a stretch is two points, its extremes in their order.
+    Times count from the zero. All channels share them: a segment is two points, its extremes in their order.
     """
     zero_s = zero_of(opened, marks) or 0.0
     first, last = rows_between(opened, zero_s, from_s, to_s)
     wanted = points if last - first <= points else points // 2
-    time_s, columns = opened.stretches(first, last, wanted).line()
+    time_s, columns = opened.segments(first, last, wanted).line()
     frame = encode_header(0, 0, len(time_s), len(columns)) + encode_body(time_s - zero_s, columns.T)
     return frame, last - first
 

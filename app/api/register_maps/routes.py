@@ -24,7 +24,7 @@ MapName = Annotated[str, Path(description="small letters, digits and dashes; the
 @router.get("", responses=problems(StoreUnavailable))
 async def list_register_maps(bench: CurrentBench) -> RegisterMapList:
     """Every register map of this server, also those that cannot be read, and what is wrong with them."""
-    kept = await bench.maps.look()
+    kept = await bench.maps.scan()
     return RegisterMapList(
         folder=str(bench.maps.folder),
         maps=[_info(bench, each) for each in kept],

@@ -37,14 +37,14 @@ class MapShelf:
             found.setdefault(device.model, {})[device.id] = device.state != "disconnected"
         return found
 
-    async def look(self) -> list[KeptMap]:
+    async def scan(self) -> list[KeptMap]:
         """What there is now; models and disconnected devices are as it says from then on. Raises StoreUnavailable."""
         async with self._turn:
-            return self._taken_over(await asyncio.to_thread(self._maps.look, self.users()))
+            return self._taken_over(await asyncio.to_thread(self._maps.scan, self.users()))
 
     async def content(self, name: str) -> bytes:
         """The file. Raises UnknownThing, StoreUnavailable."""
-        await self.look()
+        await self.scan()
         return await asyncio.to_thread(self._maps.content, name)
 
     async def put(self, name: str, content: bytes, *, csv: bool, dry_run: bool) -> KeptMap:
@@ -52,14 +52,14 @@ class MapShelf:
         async with self._turn:
             users = self.users()
             kept = await asyncio.to_thread(self._maps.put, name, content, users, csv=csv, dry_run=dry_run)
-            self._taken_over(await asyncio.to_thread(self._maps.look, users))
+            self._taken_over(await asyncio.to_thread(self._maps.scan, users))
             return kept
 
     async def delete(self, name: str) -> None:
         """Delete one that no device is made of. Raises what `RegisterMaps.delete` does."""
         async with self._turn:
             await asyncio.to_thread(self._maps.delete, name, self.users())
-            self._taken_over(await asyncio.to_thread(self._maps.look, self.users()))
+            self._taken_over(await asyncio.to_thread(self._maps.scan, self.users()))
 
     def close(self) -> None:
         """Forget the models."""

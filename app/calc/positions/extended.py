@@ -23,7 +23,7 @@ SERVICE_SHARE = 0.25
 class TooLate(ValueError):
     """So much time went by that the counter may have gone round unseen: the position is not known any more.
 
-    `elapsed_s` since the look before [s], `allowed_s` what it could have been at that speed [s].
+    `elapsed_s` since the reading before [s], `allowed_s` what it could have been at that speed [s].
     """
 
     def __init__(self, elapsed_s: float, allowed_s: float) -> None:
@@ -111,10 +111,10 @@ class ExtendedPosition:
             raise self.lost
         return self._position
 
-    def look(self, count: int, time_s: float, speed_max_pps: float) -> int:
+    def update(self, count: int, time_s: float, speed_max_pps: float) -> int:
         """The counter shows `count` at `time_s` [s]; the position then.
 
-        `speed_max_pps` is what the motor cannot have exceeded since the look before, in either direction.
+        `speed_max_pps` is what the motor cannot have exceeded since the reading before, in either direction.
         Raises TooLate where that leaves the way open, and from then on until `set`; ValueError for a count
         that is none, or a time before the last one.
         """

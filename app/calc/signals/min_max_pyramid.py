@@ -1,6 +1,6 @@
-"""A long measurement as stretches, each with its lowest and its highest sample: what a plot needs, and no peak hidden.
+"""Min/max pyramid: a long measurement as segments, each with its lowest and its highest sample, so that no peak hides.
 
-Stretches are made of rows, and longer ones of shorter ones: once the rows were looked at in short stretches, every
+Segments are made of rows, and longer ones of shorter ones: once the rows were looked at in short segments, every
 plot of any part is put together from these, without the rows.
 """
 
@@ -19,13 +19,13 @@ S = TypeVar("S", np.float64, np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
-class Stretches:
-    """Stretches that follow each other.
+class MinMaxSegments:
+    """Consecutive segments.
 
-    start_s : [stretches], time of the first row of each [s]; never falling
-    low, high : [channels, stretches], the extremes; NaN where nothing is there
-    low_s, high_s : [channels, stretches], when they were [s]; the first time where there were several
-    missing : [channels, stretches], whether a sample is missing
+    start_s : [segments], time of the first row of each [s]; never falling
+    low, high : [channels, segments], the extremes; NaN where nothing is there
+    low_s, high_s : [channels, segments], when they were [s]; the first time where there were several
+    missing : [channels, segments], whether a sample is missing
     """
 
     start_s: FloatArray
@@ -39,13 +39,13 @@ class Stretches:
         return len(self.start_s)
 
     @classmethod
-    def of_rows(cls, time_s: FloatArray, columns: FloatArray) -> Stretches:
-        """Each row of `time_s` [rows] and `columns` [channels, rows] as a stretch of its own; NaN is missing."""
+    def of_rows(cls, time_s: FloatArray, columns: FloatArray) -> MinMaxSegments:
+        """Each row of `time_s` [rows] and `columns` [channels, rows] as a segment of its own; NaN is missing."""
         at_s = np.broadcast_to(time_s, columns.shape)
         return cls(time_s, columns, columns, at_s, at_s, np.isnan(columns))
 
     @classmethod
-    def chained(cls, parts: Sequence[Stretches]) -> Stretches:
+    def chained(cls, parts: Sequence[MinMaxSegments]) -> MinMaxSegments:
         """Several, one behind the other."""
         return cls(
             np.concatenate([part.start_s for part in parts]),
@@ -56,9 +56,9 @@ class Stretches:
             np.concatenate([part.missing for part in parts], axis=1),
         )
 
-    def part(self, first: int, last: int) -> Stretches:
+    def part(self, first: int, last: int) -> MinMaxSegments:
         """From number `first` up to `last`, without it."""
-        return Stretches(
+        return MinMaxSegments(
             self.start_s[first:last],
             self.low[:, first:last],
             self.high[:, first:last],
@@ -67,21 +67,21 @@ class Stretches:
             self.missing[:, first:last],
         )
 
-    def joined(self, size: int) -> Stretches:
+    def joined(self, size: int) -> MinMaxSegments:
         """Each `size` of them as one; the last may be shorter."""
         if size < 1:
-            raise ValueError(f"at least one stretch becomes one, not {size}")
+            raise ValueError(f"at least one segment becomes one, not {size}")
         if size == 1 or not len(self):
             return self
         low, low_s = _best(self.low, self.low_s, size, 1.0)
         high, high_s = _best(self.high, self.high_s, size, -1.0)
         missing = np.asarray(_folded(self.missing, size, False).any(axis=2))
-        return Stretches(self.start_s[::size], low, high, low_s, high_s, missing)
+        return MinMaxSegments(self.start_s[::size], low, high, low_s, high_s, missing)
 
     def line(self) -> tuple[FloatArray, FloatArray]:
         """As points on one time axis for all channels: `time_s` [points] and `columns` [channels, points].
 
-        A stretch is two points, at its beginning and half-way to the next: its extremes in the order in which they
+        A segment is two points, at its beginning and half-way to the next: its extremes in the order in which they
         were; a third one where a sample is missing: NaN for the channels concerned, the second again for the others.
         A single row is a single point.
         """
@@ -111,9 +111,9 @@ class Stretches:
         return time_s[wanted], values[wanted]
 
 
-def size_for(stretches: int, wanted: int) -> int:
+def size_for(segments: int, wanted: int) -> int:
     """How many have to become one so that at most `wanted` are left."""
-    return max(1, -(-stretches // max(1, wanted)))
+    return max(1, -(-segments // max(1, wanted)))
 
 
 def _best(values: FloatArray, at_s: FloatArray, size: int, sign: float) -> tuple[FloatArray, FloatArray]:
@@ -126,7 +126,7 @@ def _best(values: FloatArray, at_s: FloatArray, size: int, sign: float) -> tuple
 
 
 def _folded(values: NDArray[S], size: int, fill: float) -> NDArray[S]:
-    """[channels, stretches] as [channels, longer stretches, size], filled up at the end."""
+    """[channels, segments] as [channels, longer segments, size], filled up at the end."""
     channels, count = values.shape
     rest = -count % size
     if rest:

@@ -1,4 +1,4 @@
-"""What a stretch of a measurement comes down to: a few figures by which two of them are compared."""
+"""Statistics of a part of a measurement, by which two of them are compared."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BAND = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
+class Statistics:
     """Of the samples that are there. Overshoot and settling are those of a step: None where the values go nowhere.
 
     peak : the value farthest from 0, with its sign
@@ -40,11 +40,11 @@ Piece = tuple[FloatArray, FloatArray]
 """Times [rows, s] and columns [channels, rows] of a part of a measurement."""
 
 
-def figures(pieces: Callable[[], Iterable[Piece]], channels: int) -> list[Figures]:
-    """Figures of each of `channels`; NaN is missing. All None where nothing is there.
+def statistics(pieces: Callable[[], Iterable[Piece]], channels: int) -> list[Statistics]:
+    """Statistics of each of `channels`; NaN is missing. All None where nothing is there.
 
     `pieces` gives the measurement part by part, in order, and anew with each call: it is gone through twice, so that
-    one which is longer than the memory has figures as well.
+    one which is longer than the memory has statistics as well.
     """
     sums = [_Sums() for _ in range(channels)]
     for _, columns in pieces():
@@ -55,7 +55,7 @@ def figures(pieces: Callable[[], Iterable[Piece]], channels: int) -> list[Figure
         for time_s, columns in pieces():
             for number, step in steps.items():
                 step.add(time_s, columns[number])
-    return [one.figures(steps.get(number)) for number, one in enumerate(sums)]
+    return [one.statistics(steps.get(number)) for number, one in enumerate(sums)]
 
 
 class _Sums:
@@ -88,10 +88,10 @@ class _Sums:
         """Whether it ends elsewhere than it began; noise around one place has neither overshoot nor settling time."""
         return self.samples > 0 and abs(self.last - self.first) > 0.5 * (self._high - self._low)
 
-    def figures(self, step: _Step | None) -> Figures:
+    def statistics(self, step: _Step | None) -> Statistics:
         if not self.samples:
-            return Figures(0, self.missing, *[None] * 9)
-        return Figures(
+            return Statistics(0, self.missing, *[None] * 9)
+        return Statistics(
             samples=self.samples,
             missing=self.missing,
             minimum=self._low,

@@ -18,7 +18,7 @@ from .events import DeviceEvent, MotionCommanded, StateChanged
 
 log = logging.getLogger("stepscope.devices")
 
-LOOK_EVERY_S = 1.0
+POLL_PERIOD_S = 1.0
 """How often it is seen whether a motor that was found moving has come to rest [s]."""
 
 
@@ -28,7 +28,7 @@ class FoundMoving:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._heard: dict[Device, Callable[[], None]] = {}
-        self._looks: dict[Device, asyncio.Task[None]] = {}
+        self._polls: dict[Device, asyncio.Task[None]] = {}
         self._found: dict[Device, dict[int, str]] = {}
 
     def sync(self, devices: Sequence[Device]) -> None:
@@ -41,10 +41,10 @@ class FoundMoving:
                 self._heard[device] = device.listen(partial(self._hear, device))
 
     async def close(self) -> None:
-        """End looking."""
-        looks = tuple(self._looks.values())
+        """End polling."""
+        polls = tuple(self._polls.values())
         self.sync(())
-        await asyncio.gather(*looks, return_exceptions=True)
+        await asyncio.gather(*polls, return_exceptions=True)
 
     def _hear(self, device: Device, event: DeviceEvent) -> None:
         if isinstance(event, MotionCommanded):
@@ -52,11 +52,11 @@ class FoundMoving:
         elif isinstance(event, StateChanged):
             self._forget(device)
             if event.state == "connected":
-                self._looks[device] = asyncio.create_task(
-                    self._look(device, tuple(device.session.motion_commands)), name=f"found moving {device.id}"
+                self._polls[device] = asyncio.create_task(
+                    self._poll(device, tuple(device.session.motion_commands)), name=f"found moving {device.id}"
                 )
 
-    async def _look(self, device: Device, commands: Sequence[int]) -> None:
+    async def _poll(self, device: Device, commands: Sequence[int]) -> None:
         """`commands` is how often each axis had been commanded by then."""
         found = self._found[device] = {}
         for axis in device.axes:
@@ -67,7 +67,7 @@ class FoundMoving:
                 log.warning("%s: %s", device.name, found[index])
         self._tell(device)
         while found:
-            await self._clock.sleep(LOOK_EVERY_S)
+            await self._clock.sleep(POLL_PERIOD_S)
             for index in tuple(found):
                 if not await self._moves(device, index):
                     self._clear(device, index)
@@ -84,9 +84,9 @@ class FoundMoving:
             self._tell(device)
 
     def _forget(self, device: Device) -> None:
-        look = self._looks.pop(device, None)
-        if look is not None:
-            look.cancel()
+        poll = self._polls.pop(device, None)
+        if poll is not None:
+            poll.cancel()
         self._found.pop(device, None)
         self._tell(device)
 

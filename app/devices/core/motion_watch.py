@@ -48,12 +48,12 @@ class UnderWay:
     stopped_s: float | None = None
     """When a stop was commanded."""
     rest: MotionReading | None = None
-    """The first look at rest, if the latest was one as well."""
+    """The first reading at rest, if the latest was one as well."""
     position: int | None = None
 
 
 class MotionWatch:
-    """One axis. `tell` hears of each end; `wake` has to see to it that looks come while a motion is under way."""
+    """One axis. `tell` hears of each end; `wake` has to see to it that readings come while a motion is under way."""
 
     def __init__(self, axis: int, tell: Callable[[MotionEnd], None], wake: Callable[[], None]) -> None:
         self._axis = axis
@@ -61,8 +61,8 @@ class MotionWatch:
         self._wake = wake
         self._ends: deque[MotionEnd] = deque(maxlen=KEPT)
         self.under_way: UnderWay | None = None
-        self.looked_s = float("-inf")
-        """When the latest look was, device time [s]."""
+        self.polled_s = float("-inf")
+        """When the latest reading was taken, device time [s]."""
         self._ended_s = float("-inf")
         """When the latest motion was seen to have ended, device time [s]."""
         self.wait_s = 0.0
@@ -83,29 +83,29 @@ class MotionWatch:
         if self.under_way is not None:
             self.under_way.stopped_s, self.under_way.rest = time_s, None
 
-    def look(self, look: MotionReading, spread_s: float = 0.0) -> None:
-        """Somebody looked; `spread_s` [s] lay between the first and the last question of this look."""
-        self.looked_s = max(self.looked_s, look.time_s)
+    def update(self, reading: MotionReading, spread_s: float = 0.0) -> None:
+        """Take in a reading; `spread_s` [s] lay between the first and the last question of it."""
+        self.polled_s = max(self.polled_s, reading.time_s)
         motion = self.under_way
         if motion is None:
             # Polls come from several sides: one from before the end that another has seen is no new motion.
-            if look.speed and look.time_s - spread_s > self._ended_s:
-                self.began("unknown", look.time_s)
-                self.look(look)
+            if reading.speed and reading.time_s - spread_s > self._ended_s:
+                self.began("unknown", reading.time_s)
+                self.update(reading)
             return
-        if look.time_s - spread_s < motion.seen_s:
+        if reading.time_s - spread_s < motion.seen_s:
             return  # partly from before the command
-        motion.position = look.position
-        if look.speed:
-            motion.seen_s, motion.rest = look.time_s, None
-            motion.direction = 1 if look.speed > 0 else -1
-        elif motion.rest is None or motion.rest.position != look.position:
-            motion.rest = look
-        if motion.rest is None or look.speed or motion.kind == "search":
+        motion.position = reading.position
+        if reading.speed:
+            motion.seen_s, motion.rest = reading.time_s, None
+            motion.direction = 1 if reading.speed > 0 else -1
+        elif motion.rest is None or motion.rest.position != reading.position:
+            motion.rest = reading
+        if motion.rest is None or reading.speed or motion.kind == "search":
             return
-        if motion.stopped_s is not None and look.time_s >= motion.stopped_s:
+        if motion.stopped_s is not None and reading.time_s >= motion.stopped_s:
             self.end("stop_command", "stopped on command")
-        elif motion.kind == "position" and look.reached and motion.target in (None, look.position):
+        elif motion.kind == "position" and reading.reached and motion.target in (None, reading.position):
             self.end("target_reached", "at its target")
 
     def at_rest(self, now_s: float) -> tuple[UnderWay, MotionReading] | None:

@@ -23,7 +23,7 @@ class Timeline:
         self._seq = 0
         self._told = 0
         """Bits that are set in the chip as far as is known, and were told."""
-        self._looked_s = float("-inf")
+        self._read_s = float("-inf")
         """When the registers were read last, device time [s]."""
 
     def read(self, word: int, left: int, time_s: float, mask: int | None = None) -> ChipEvents | None:
@@ -32,7 +32,7 @@ class Timeline:
         mask = self._mask if mask is None else mask & self._mask
         new = word & ~self._told & mask
         self._told = self._told & ~mask | left & mask
-        self._looked_s = time_s
+        self._read_s = time_s
         return self._add(new, time_s) if new else None
 
     def glimpsed(self, bits: int, time_s: float) -> ChipEvents | None:
@@ -41,7 +41,7 @@ class Timeline:
         What is older than the latest reading has been told by that.
         """
         new = bits & ~self._told & self._mask
-        if not new or time_s <= self._looked_s:
+        if not new or time_s <= self._read_s:
             return None
         self._told |= new
         return self._add(new, time_s)

@@ -69,7 +69,7 @@ class Watch:
                     if not self._works():
                         break
                 else:
-                    await self._look_in()
+                    await self._probe()
             else:
                 await self._clock.sleep(RETRIES_S[min(failures, len(RETRIES_S) - 1)])
                 failures += 1
@@ -83,7 +83,7 @@ class Watch:
     def _works(self) -> bool:
         return self._device.state == "connected"
 
-    async def _look_in(self) -> None:
+    async def _probe(self) -> None:
         # A failure of the link is told to the device by its queue; here it only must not end the watch.
         with contextlib.suppress(BenchError):
             await self._device.identity.refresh()

@@ -108,11 +108,11 @@ class RangeWatch:
         """Look at an axis, and stop it where it is time; when to look again [s]."""
         device, limiter = self._device, self._limiter
         began_s, commands = device.session.clock.now(), device.session.motion_commands[axis]
-        look = await limiter.rules.look(axis)
+        reading = await limiter.rules.read_axis(axis)
         took_s = device.session.clock.now() - began_s
         soon_s = max(POLL_S, took_s)  # on a slow line others want to ask too
         motion = limiter.motion(axis)
-        way = sign(look.velocity_pps) or self._way_to_be(look, motion)
+        way = sign(reading.velocity_pps) or self._way_to_be(reading, motion)
         if way == 0:
             self._stopped.pop(axis, None)
             unsure = motion is not None and not motion.positioning and began_s - self._commanded_s < UNSURE_S
@@ -122,32 +122,32 @@ class RangeWatch:
         turns_round = motion is not None and not motion.positioning and motion.way * way < 0
         pause_s: float | None = IDLE_S
         if end is not None:
-            pause_s = self._pause_s(axis, look, (end - look.position) * way, soon_s, REACTION_S + took_s)
+            pause_s = self._pause_s(axis, reading, (end - reading.position) * way, soon_s, REACTION_S + took_s)
         if pause_s is not None:
             self._stopped.pop(axis, None)
             return soon_s if turns_round else pause_s
         stopped_at, speed_pps = self._stopped.get(axis, (-1, 0.0))
-        if stopped_at != commands or abs(look.velocity_pps) >= speed_pps > 0:  # else it brakes already
+        if stopped_at != commands or abs(reading.velocity_pps) >= speed_pps > 0:  # else it brakes already
             assert end is not None
-            await self._stop(axis, look, way, end)
-        self._stopped[axis] = (device.session.motion_commands[axis], abs(look.velocity_pps))
+            await self._stop(axis, reading, way, end)
+        self._stopped[axis] = (device.session.motion_commands[axis], abs(reading.velocity_pps))
         return soon_s
 
     @staticmethod
-    def _way_to_be(look: AxisReading, motion: Motion | None) -> int:
+    def _way_to_be(reading: AxisReading, motion: Motion | None) -> int:
         """Of an axis that does not turn yet, or no more."""
         if motion is None:
             return 0
-        return motion.way if look.target is None else sign(look.target - look.position)
+        return motion.way if reading.target is None else sign(reading.target - reading.position)
 
-    def _pause_s(self, axis: int, look: AxisReading, room: int, soon_s: float, reaction_s: float) -> float | None:
+    def _pause_s(self, axis: int, reading: AxisReading, room: int, soon_s: float, reaction_s: float) -> float | None:
         """How long the axis may go unlooked at [s, server time]; None where it is to be stopped now."""
         rules, view, scale = self._limiter.rules, self._limiter.view(), self._device.session.time_scale
         if scale <= 0:
             return IDLE_S  # an emulator whose time stands
-        speed = abs(look.velocity_pps)
+        speed = abs(reading.velocity_pps)
         rise_pps2 = rules.acceleration_pps2(axis, view) or UNKNOWN_PPS2
-        if look.target is not None and not self._limiter.limits[axis].beyond(look.target):
+        if reading.target is not None and not self._limiter.limits[axis].beyond(reading.target):
             # It ends by itself, at the latest where it was told to; unless that cannot be any more.
             return None if speed and room + ROOM < 0.9 * speed**2 / (2 * rise_pps2) else IDLE_S / 2
         top_pps = rules.top_pps(axis, view)
@@ -155,18 +155,20 @@ class RangeWatch:
             until_s = (max(pause_s, soon_s) + reaction_s) * scale
             # It may speed up meanwhile. Where nobody knows how far, it is looked at as often as can be.
             fastest = speed if top_pps is None else max(speed, min(top_pps, speed + rise_pps2 * until_s))
-            braked = rules.braking(axis, replace(look, velocity_pps=math.copysign(fastest, look.velocity_pps)), view)
+            braked = rules.braking(
+                axis, replace(reading, velocity_pps=math.copysign(fastest, reading.velocity_pps)), view
+            )
             if (braked or 0.0) + fastest * until_s <= room and not (top_pps is None and pause_s > soon_s):
                 return pause_s
         return None
 
-    async def _stop(self, axis: int, look: AxisReading, way: int, end: int) -> None:
+    async def _stop(self, axis: int, reading: AxisReading, way: int, end: int) -> None:
         device = self._device
-        known = self._limiter.rules.braking(axis, look, self._limiter.view()) is not None
+        known = self._limiter.rules.braking(axis, reading, self._limiter.view()) is not None
         name = "position_max" if way > 0 else "position_min"
         self.why = f"axis {axis} came to {name} {end}, its soft limit"
-        log.info("%s: %s; stopped at %d", device.name, self.why, look.position)
+        log.info("%s: %s; stopped at %d", device.name, self.why, reading.position)
         outcome = (await device.stop_axes([axis], "ramp" if known else "immediate"))[0]
-        device.stopped_by_limit(LimitReached(axis, name, end, look.position))
+        device.stopped_by_limit(LimitReached(axis, name, end, reading.position))
         if outcome.problem is not None:
             raise outcome.problem

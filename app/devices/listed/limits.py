@@ -143,19 +143,19 @@ class ListedRules(Rules):
             rows = self._state.axes[axis]
             async with self._link.calls() as calls:
                 await calls.ask_many((rows.max_speed, rows.max_acceleration, rows.target_speed, rows.target_position))
-            await self.look(axis)
+            await self.read_axis(axis)
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         async with self._link.calls() as calls:
-            values = await self._motions.look(axis, calls)
+            values = await self._motions.poll(axis, calls)
         going_to = values[2] if self._motions.axes[axis].driven == "position" else None
         return AxisReading(values[0] or 0, float(values[1] or 0), target=going_to)
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         word = view(_address(self._state.axes[axis].max_acceleration))
-        return look.velocity_pps**2 / (2 * word) if word else None
+        return reading.velocity_pps**2 / (2 * word) if word else None
 
 
 def _address(row: Register) -> int:

@@ -27,7 +27,7 @@ class ListedMonitor(AxisMonitor):
         axis = self._session.axis(axis).index
         self._session.require_connected()
         async with self._link.calls(priority=priority) as calls:
-            values = await self._motions.look(axis, calls)
+            values = await self._motions.poll(axis, calls)
             time_s = calls.time_s
         position, speed = values[0] or 0, values[1] or 0
         target, target_speed, told = values[2:]

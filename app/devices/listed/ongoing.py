@@ -1,4 +1,4 @@
-"""The motions under way: what drives each axis, why it came to rest, and the task that looks while one moves."""
+"""The motions under way: what drives each axis, why it came to rest, and the task that polls while one moves."""
 
 from __future__ import annotations
 
@@ -114,13 +114,13 @@ class ListedMotions:
     async def _poll(self, index: int) -> None:
         """Ask once, unless a caller has just asked; where the axis rests for a while, its motion has ended."""
         watch = self.axes[index].watch
-        if self._session.device_time_s() - watch.looked_s > POLL_S * self._session.time_scale:
+        if self._session.device_time_s() - watch.polled_s > POLL_S * self._session.time_scale:
             async with self._link.calls(priority=Priority.SAMPLE) as calls:
-                await self.look(index, calls)
+                await self.poll(index, calls)
         if watch.at_rest(self._session.device_time_s()) is not None:
             watch.end("unknown", "the axis rests, and nothing that the module tells by standard names says why")
 
-    async def look(self, index: int, calls: Calls) -> list[int | None]:
+    async def poll(self, index: int, calls: Calls) -> list[int | None]:
         """Read what tells how an axis is (`AxisRoles.polled`, None for what is lacking), and heed it."""
         rows = self._state.axes[index]
         asked_at_s = self._session.device_time_s()
@@ -129,7 +129,7 @@ class ListedMotions:
         axis = self.axes[index]
         self._session.saw_position(index, position, asked_at_s)
         reached = axis.reached(values[4], position, values[2])
-        axis.watch.look(MotionReading(calls.time_s, position, speed, reached), self._link.poll_spread_s)
+        axis.watch.update(MotionReading(calls.time_s, position, speed, reached), self._link.poll_spread_s)
         return values
 
     @staticmethod

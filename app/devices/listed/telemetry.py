@@ -90,7 +90,7 @@ class ListedTelemetry(RowTelemetry):
         for row in np.flatnonzero(known & (speed != 0) if watch.under_way is None else known):
             target = None if watch.under_way is None else watch.under_way.target
             reached = target is not None and speed[row] == 0 and position[row] == target
-            watch.look(
+            watch.update(
                 MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)), spread_s
             )
 

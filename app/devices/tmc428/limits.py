@@ -136,11 +136,11 @@ class RampRules(ChipRules):
                 found = self._link.table.find(CURRENTS, axis)
                 currents = () if found is None or limits.current_max_a is None else (found[0],)
                 await self._registers.learn((*_decisive(self._memory.rows[axis]), *currents))
-                await self.look(axis)
+                await self.read_axis(axis)
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         link, rows = self._link, self._memory.rows[axis]
         async with link.turn() as turn:
             io = link.io(turn)
@@ -155,13 +155,13 @@ class RampRules(ChipRules):
         positioning = rows.mode.unpack(reference) in POSITIONING_MODES
         return AxisReading(position, velocity * unit_pps, target=target if positioning else None)
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         one = next(one for one in self.quantities[axis] if one.kind == "acceleration")
         a_pps2 = one.value(view)
         if a_pps2 is None:
             return None
         # With a_max 0 a stop is one at once (`RampStops`).
-        return look.velocity_pps**2 / (2 * a_pps2) if a_pps2 else 0.0
+        return reading.velocity_pps**2 / (2 * a_pps2) if a_pps2 else 0.0
 
 
 def _decisive(rows: AxisRoles) -> tuple[Register, ...]:

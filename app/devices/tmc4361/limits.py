@@ -171,11 +171,11 @@ class SRampRules(ChipRules):
             return
         decisive = (*roles.RAMP, roles.row("DSTOP"), roles.XTARGET, roles.CURRENT_CONF, SCALE_VALUES)
         await self._registers.learn((*decisive, *SHADOW_ROWS.values(), *PIPES))
-        await self.look(roles.AXIS)
+        await self.read_axis(roles.AXIS)
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         async with self._link.turn() as turn:
             io = self._link.io(turn)
             mode, target, acceleration, velocity, position = await io.values(
@@ -187,13 +187,13 @@ class SRampRules(ChipRules):
         going_to = target if mode & roles.POSITIONING_BIT else None
         return AxisReading(position, velocity * faster, acceleration * faster**2, going_to)
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         ramp = self._memory.ramp()
         if ramp is None or ramp.never_slows():
             return 0.0 if ramp is not None else None  # such a stop is one at once
         faster = self._told(view)
         plan = prediction.to_velocity(
-            ramp, self._cruise.shape, 0.0, look.velocity_pps / faster, look.acceleration_pps2 / faster**2
+            ramp, self._cruise.shape, 0.0, reading.velocity_pps / faster, reading.acceleration_pps2 / faster**2
         )
         return None if plan is None else abs(float(plan.curve(2).position[-1]))
 

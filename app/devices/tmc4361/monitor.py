@@ -101,7 +101,7 @@ class Monitor(AxisMonitor):
         reference = held.fields(roles.REFERENCE_CONF)
         self.stalled = self._holds_stall(reference)
         moving = self._moving(ramp, flags, velocity, COUNTER.way(target, position), reference)
-        self._look(time_s, held, moving)
+        self._update_watch(time_s, held, moving)
         return AxisState(
             position=position,
             target_position=target if ramp.positioning else None,
@@ -202,16 +202,16 @@ class Monitor(AxisMonitor):
             time_s = words.time_s
         tell_position(self._session, held, asked_at_s)
         moving = bool(held.word(roles.STATUS) & (roles.VEL_STATE.mask | roles.RAMP_STATE.mask))
-        self._look(time_s, held, moving)
+        self._update_watch(time_s, held, moving)
         rests = self._expected.watch.at_rest(self._session.device_time_s())
         if rests is not None:
             self._expected.watch.end(*self._why(*rests, held))
 
-    def _look(self, time_s: float, held: Snapshot, moving: bool) -> None:
+    def _update_watch(self, time_s: float, held: Snapshot, moving: bool) -> None:
         """Tell the watch what was seen."""
         velocity = held.value(roles.VACTUAL) or int(moving)
         reached = bool(held.fields(roles.STATUS)["TARGET_REACHED_F"])
-        self._expected.watch.look(MotionReading(time_s, held.value(roles.XACTUAL), velocity, reached))
+        self._expected.watch.update(MotionReading(time_s, held.value(roles.XACTUAL), velocity, reached))
 
     def _why(self, motion: UnderWay, rest: MotionReading, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""

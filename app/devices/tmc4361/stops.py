@@ -54,7 +54,7 @@ class Stops:
         problem: BenchError | None = None
         for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
-                stands = attempt == 1 and await self._look_before_stop(io)
+                stands = attempt == 1 and await self._read_before_stop(io)
                 return await self._send_stop(io, mode, stands=stands)
             except LinkDown as error:
                 return error
@@ -64,7 +64,7 @@ class Stops:
         self._expected.uncertain(str(problem))
         return problem
 
-    async def _look_before_stop(self, io: RegisterIO) -> bool:
+    async def _read_before_stop(self, io: RegisterIO) -> bool:
         """Whether the axis stands; the ramp is read along."""
         asked = (*STATE, *roles.RAMP)
         held = Snapshot(asked, await io.read_many(asked))

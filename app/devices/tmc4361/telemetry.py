@@ -212,4 +212,4 @@ class ChipTelemetry(RowTelemetry):
             for row in np.flatnonzero(wanted):
                 reached = bool(ARRIVAL.unpack(int(state[row])))
                 seen = float(speed[row]) or float(moving[row])
-                self._expected.watch.look(MotionReading(float(times_s[row]), int(position[row]), seen, reached))
+                self._expected.watch.update(MotionReading(float(times_s[row]), int(position[row]), seen, reached))

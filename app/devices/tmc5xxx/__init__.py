@@ -1,7 +1,7 @@
 """The driver of a TMC5xxx, of parts that `family.compose` puts together.
 
 rows, ramp, flags     what the chips have in common, by what it is; the ramp and the event flags as far as anybody knows
-memory, setting       what the registers hold, and what that means; nothing is asked of the chip
+memory, decoded_registers  what the registers hold, and what that means; nothing is asked of the chip
 predictions, motions  what is expected of the axes, and what ended their motions
 events, reader        GSTAT and RAMP_STAT read so that nothing is lost, as a timeline
 preparation, moves    positioning and rotation

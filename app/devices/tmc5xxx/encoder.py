@@ -10,8 +10,8 @@ from ..core.capabilities import NO_ENCODER, EncoderSetting
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
-from .setting import ChipSetting
 from .start_up import DECIMAL, encoder_constant
 
 REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "GCONF"})
@@ -23,17 +23,17 @@ class SixPointEncoders(EncoderSetting):
 
     ENCODER_REGISTERS = REGISTERS
 
-    def __init__(self, session: Session, memory: ChipMemory, setting: ChipSetting) -> None:
+    def __init__(self, session: Session, memory: ChipMemory, decoded: DecodedRegisters) -> None:
         self._session = session
         self._memory = memory
-        self._setting = setting
+        self._decoded = decoded
 
     def require_encoder(self, axis: int, /) -> None:
         index = self._session.axis(axis).index
         if self._memory.rows(index).x_enc is None:
             what, instead = NO_ENCODER
             raise WrongState(f"a {self._session.family.title} {what}", instead)
-        if not self._setting.counts_encoder(index):
+        if not self._decoded.counts_encoder(index):
             raise WrongState(
                 "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
             )
@@ -43,7 +43,7 @@ class SixPointEncoders(EncoderSetting):
         known."""
         axis = self._session.axis(axis).index
         memory = self._memory
-        rows, mechanics = memory.rows(axis), self._setting.mechanics(axis)
+        rows, mechanics = memory.rows(axis), self._decoded.mechanics(axis)
         word = None if rows.enc_const is None else memory.word(rows.enc_const)
         if rows.enc_const is None or rows.x_enc is None or not word:
             return ()

@@ -23,6 +23,7 @@ from .chip_identity import ChipIdentity
 from .clearing import FlagClearing
 from .configuration import Configuration
 from .counter import Counter
+from .decoded_registers import DecodedRegisters
 from .encoder import SixPointEncoders
 from .events import Events
 from .identity import found_by
@@ -38,7 +39,6 @@ from .preparation import Preparation
 from .raw import DatagramsByHand
 from .reader import ChipReader
 from .roles import roles_of
-from .setting import ChipSetting
 from .stall import ChipStall
 from .standstill import Standstill
 from .start_up import plan
@@ -57,40 +57,40 @@ def compose(
     tasks = BackgroundTasks()
     # What is known, and what is expected.
     memory = ChipMemory(link, roles_of(config.model))
-    setting = ChipSetting(session, memory)
+    decoded = DecodedRegisters(session, memory)
     predictions = Predictions(session)
     log = Events(session, memory.chip, (memory.was_reset, predictions.was_reset))
     motions = Motions(session, predictions)
     # Reading and writing.
-    reader = ChipReader(link, memory, setting, log)
+    reader = ChipReader(link, memory, decoded, log)
     standstill = Standstill(session, memory)
-    written_motion = WrittenMotion(session, link, memory, setting, predictions, motions)
+    written_motion = WrittenMotion(session, link, memory, decoded, predictions, motions)
     writes = Writes(session, memory, log, reader, written_motion)
     registers = RegisterFile(link, writes, session.family.axes, READ_AT_ONCE)
     # Motion, and what becomes of it.
-    stops = Stops(session, link, memory, setting, predictions, motions)
-    preparation = Preparation(memory, setting, log, reader, standstill)
-    monitor = Monitor(session, link, memory, setting, log, reader, standstill, motions)
+    stops = Stops(session, link, memory, decoded, predictions, motions)
+    preparation = Preparation(memory, decoded, log, reader, standstill)
+    monitor = Monitor(session, link, memory, decoded, log, reader, standstill, motions)
     motions.wake = Poller(session, tasks, monitor.poll, motions.to_poll).begin
     # Each acts on a state that is set, in this order.
     session.state_hooks += [memory.heard_state, predictions.heard_state, log.heard_state, motions.heard_state]
-    calls = PositionCalls(session, link, memory, setting, standstill, predictions, registers)
+    calls = PositionCalls(session, link, memory, decoded, standstill, predictions, registers)
     parts = Parts(
         identity=ChipIdentity(session, link, memory, reader, tasks),
         registers=registers,
         raw=RawDatagrams(link, writes, DatagramsByHand(config.model, memory, log, written_motion)),
-        motion=SixPointMotion(session, link, memory, setting, preparation, predictions, motions, stops),
+        motion=SixPointMotion(session, link, memory, decoded, preparation, predictions, motions, stops),
         monitor=monitor,
         counter=Counter(session, link, memory, log, reader),
-        telemetry=SixPointTelemetry(link, memory, setting, log, predictions, motions),
+        telemetry=SixPointTelemetry(link, memory, decoded, log, predictions, motions),
         configuration=Configuration(memory, registers),
         others=(
             memory,
-            setting,
+            decoded,
             log,
-            SixPointEncoders(session, memory, setting),
+            SixPointEncoders(session, memory, decoded),
             calls,
-            ChipStall(session, memory, setting, registers, calls),
+            ChipStall(session, memory, decoded, registers, calls),
             FlagClearing(session, link, memory, log, reader, standstill, registers),
             MicrostepTables(session, link, memory, writes),
         ),

@@ -127,11 +127,11 @@ class SixPointRules(ChipRules):
             if limits.given:
                 rows = self._memory.rows(axis)
                 await self._registers.learn((rows.rampmode, rows.chopconf, rows.xtarget, *rows.settings))
-                await self.look(axis)
+                await self.read_axis(axis)
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         link, rows = self._registers.link, self._memory.rows(axis)
         async with link.turn() as turn:
             io = link.io(turn)
@@ -143,13 +143,13 @@ class SixPointRules(ChipRules):
         unit = velocity_unit_pps(self.clock_hz)
         return AxisReading(position, velocity * unit, target=target if mode == r.POSITION else None)
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         # A stop brakes with AMAX as the user has set it, whatever an earlier stop has written there.
         word = self._memory.wanted(self._memory.rows(axis).amax)
         if word is None:
             return None
         # AMAX 0 would never brake: such a stop takes the greatest there is.
-        return look.velocity_pps**2 / (2 * (word or ACCELERATION_MAX) * acceleration_unit_pps2(self.clock_hz))
+        return reading.velocity_pps**2 / (2 * (word or ACCELERATION_MAX) * acceleration_unit_pps2(self.clock_hz))
 
 
 def _full_scale_a(model: str, limits: AxisLimits, select: int) -> float:

@@ -18,11 +18,11 @@ from ..core.results import AxisState, MotionEnd, StopReason, Switches
 from ..core.session import Session
 from ..core.signs import Signs
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .events import Events
 from .memory import ChipMemory
 from .motions import Motions
 from .reader import ChipReader
-from .setting import ChipSetting
 from .signs import signs
 from .standstill import Standstill
 
@@ -45,7 +45,7 @@ class Monitor(AxisMonitor):
         session: Session,
         link: RegisterLink,
         memory: ChipMemory,
-        setting: ChipSetting,
+        decoded: DecodedRegisters,
         log: Events,
         reader: ChipReader,
         standstill: Standstill,
@@ -54,7 +54,7 @@ class Monitor(AxisMonitor):
         self.session = session
         self.link = link
         self.memory = memory
-        self.setting = setting
+        self.decoded = decoded
         self.log = log
         self.reader = reader
         self.standstill = standstill
@@ -93,7 +93,7 @@ class Monitor(AxisMonitor):
         positioning = mode == r.POSITION
         stat = held.fields(rows.ramp_stat) if rows.ramp_stat.address in held.words else None
         self._tell(axis, time_s, held)
-        unit = self.setting.ramp(axis).velocity_unit_pps
+        unit = self.decoded.ramp(axis).velocity_unit_pps
         vmax = self.memory.word(rows.vmax)
         wanted_pps = None if vmax is None else {r.FORWARD: 1, r.BACKWARD: -1}.get(mode, 0) * vmax * unit
         return AxisState(
@@ -107,7 +107,7 @@ class Monitor(AxisMonitor):
             mode=r.MODE_NAMES[mode],
             switches=Switches(
                 None if stat is None else bool(stat["status_stop_l"]),
-                None if stat is None or not self.setting.has_right_switch() else bool(stat["status_stop_r"]),
+                None if stat is None or not self.decoded.has_right_switch() else bool(stat["status_stop_r"]),
                 None,
             ),
             flags=self._flags(axis, held),
@@ -122,7 +122,7 @@ class Monitor(AxisMonitor):
     def _encoder(self, axis: int, held: Snapshot) -> EncoderState:
         """What the encoder tells; nothing while nobody has set how its counts count."""
         rows = self.memory.rows(axis)
-        if rows.x_enc is None or not self.setting.counts_encoder(axis):
+        if rows.x_enc is None or not self.decoded.counts_encoder(axis):
             return {}
         encoder = held.value(rows.x_enc)
         return {"encoder_position": encoder, "deviation": float(encoder - held.value(rows.xactual))}
@@ -204,7 +204,7 @@ class Monitor(AxisMonitor):
         watch = self.motions.of(axis)
         watch.wait_s = (self.memory.wanted(rows.ramp["TZEROWAIT"]) or 0) * 512 / self.session.clock_hz
         reached = held.value(rows.rampmode) == r.POSITION and position == target
-        watch.look(MotionReading(time_s, position, moving, reached))
+        watch.update(MotionReading(time_s, position, moving, reached))
 
     def _why(self, axis: int, motion: UnderWay, rest: MotionReading, held: Snapshot) -> tuple[StopReason, str]:
         """Why the motor rests."""

@@ -28,12 +28,12 @@ from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcom
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
 from .preparation import Before, Preparation
 from .roles import HIGHEST, LOWEST, signed
-from .setting import ChipSetting
 from .stops import Stops
 
 ARRIVAL_UNKNOWN = "the axis may be under way: stop it"
@@ -46,7 +46,7 @@ class SixPointMotion(Motion):
     session: Session
     link: RegisterLink
     memory: ChipMemory
-    setting: ChipSetting
+    decoded: DecodedRegisters
     preparation: Preparation
     predictions: Predictions
     motions: Motions
@@ -125,7 +125,7 @@ class SixPointMotion(Motion):
                 )
 
     def _target(self, move: AxisMove, before: Before) -> int:
-        wanted = to_position(self.setting.mechanics(move.axis), move.target, move.unit)
+        wanted = to_position(self.decoded.mechanics(move.axis), move.target, move.unit)
         if move.unit == "microsteps" and wanted != move.target:
             before.warnings.append(f"rounded to {wanted} microsteps")
         target = before.position + wanted if move.relative else wanted
@@ -208,7 +208,7 @@ class SixPointMotion(Motion):
 
     def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
         """A velocity in chip units, with its sign. Raises OutOfRange with the limits in `unit`."""
-        one = velocity_unit_in(unit, self.setting.mechanics(axis), velocity_unit_pps(self.session.clock_hz))
+        one = velocity_unit_in(unit, self.decoded.mechanics(axis), velocity_unit_pps(self.session.clock_hz))
         exact = velocity / one
         limit = VELOCITY_MAX * one
         # Rounded up by a hair: a limit has to fit although a client sent it with fewer digits.

@@ -11,10 +11,10 @@ from ..core.capabilities import PositionFromEncoder, PositionSetting, Registers
 from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.session import Session
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
 from .predictions import Predictions
 from .roles import HIGHEST, LOWEST
-from .setting import ChipSetting
 from .standstill import Standstill
 
 
@@ -25,14 +25,14 @@ class PositionCalls(PositionSetting, PositionFromEncoder):
     session: Session
     link: RegisterLink
     memory: ChipMemory
-    setting: ChipSetting
+    decoded: DecodedRegisters
     standstill: Standstill
     predictions: Predictions
     registers: Registers
 
     def cruise_pps(self, axis: int) -> float | None:
         """The speed limit of moves as the user has set it [pps]; None where nobody knows it."""
-        return self.setting.ramp(self.session.axis(axis).index).pps("VMAX")
+        return self.decoded.ramp(self.session.axis(axis).index).pps("VMAX")
 
     async def set_position(self, axis: int, position: int, *, with_encoder: bool = True) -> int:
         """Call the place where the motor stands `position`; XTARGET follows, and an encoder that counts, but for
@@ -50,7 +50,7 @@ class PositionCalls(PositionSetting, PositionFromEncoder):
         # No guard: a stop that comes between changes nothing here, and nothing here sets the motor in motion.
         async with self.session.queue.turn(Priority.COMMAND) as turn:
             io = self.link.io(turn)
-            encoder = rows.x_enc if self.setting.counts_encoder(axis) else None
+            encoder = rows.x_enc if self.decoded.counts_encoder(axis) else None
             asked = (rows.xactual, rows.vactual, *(() if encoder is None else (encoder,)))
             read = Snapshot(asked, await io.read_many(asked))
             if read.word(rows.vactual):
@@ -80,7 +80,7 @@ class PositionCalls(PositionSetting, PositionFromEncoder):
     async def position_from_encoder(self, axis: int) -> int:
         """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
         rows = self.memory.rows(self.session.axis(axis).index)
-        if rows.x_enc is None or not self.setting.counts_encoder(axis):
+        if rows.x_enc is None or not self.decoded.counts_encoder(axis):
             raise WrongState("no encoder counts on this axis", "set ENC_CONST first")
         return await self.set_position(
             axis, (await self.registers.read(rows.x_enc.name, axis)).value, with_encoder=False

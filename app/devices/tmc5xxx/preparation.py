@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 from ..core.register_io import RegisterIO, Snapshot
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .events import Events
 from .memory import ChipMemory
 from .ramp import Ramp
 from .reader import ChipReader
-from .setting import ChipSetting
 from .standstill import Standstill
 
 
@@ -52,7 +52,7 @@ class Preparation:
     """Reads axes that are about to move. Nothing moves by it."""
 
     memory: ChipMemory
-    setting: ChipSetting
+    decoded: DecodedRegisters
     log: Events
     reader: ChipReader
     standstill: Standstill
@@ -75,7 +75,7 @@ class Preparation:
             switches |= held.fields(rows.ramp_stat)
         return Before(
             axis,
-            self.setting.ramp(axis),
+            self.decoded.ramp(axis),
             held.value(rows.rampmode),
             held.value(rows.xactual),
             held.value(rows.vactual),

@@ -12,9 +12,9 @@ from ...registers.model import Register
 from ..core.register_io import RegisterIO, Snapshot
 from ..core.register_link import RegisterLink
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .events import Events
 from .memory import ChipMemory
-from .setting import ChipSetting
 
 STATUS_RESET = 1
 """reset_flag in the SPI status byte."""
@@ -23,10 +23,10 @@ STATUS_RESET = 1
 class ChipReader:
     """Registers and flags in one chain, the flags last; whoever keeps something in mind is told."""
 
-    def __init__(self, link: RegisterLink, memory: ChipMemory, setting: ChipSetting, log: Events) -> None:
+    def __init__(self, link: RegisterLink, memory: ChipMemory, decoded: DecodedRegisters, log: Events) -> None:
         self._link = link
         self._memory = memory
-        self._setting = setting
+        self._decoded = decoded
         self._log = log
 
     async def peek(self, io: RegisterIO, axes: Sequence[int], registers: Sequence[Register] = ()) -> Snapshot:
@@ -49,7 +49,7 @@ class ChipReader:
             held.words[gstat.address] &= ~r.part(gstat, "reset").mask
         self._log.saw(held, time_s)  # first: a reset makes forget what was seen before
         memory.saw(held)
-        self._setting.tell_positions(held, asked_at_s)
+        self._decoded.tell_positions(held, asked_at_s)
         return held
 
     async def poll(self, io: RegisterIO, axes: Sequence[int], registers: Sequence[Register] = ()) -> Snapshot:
@@ -76,7 +76,7 @@ class ChipReader:
         sw_mode = self._memory.known(sw_mode_row)
         if sw_mode is None:
             return False
-        return not r.part(sw_mode_row, "sg_stop").unpack(sw_mode) or self._setting.goes_nowhere(axis)
+        return not r.part(sw_mode_row, "sg_stop").unpack(sw_mode) or self._decoded.goes_nowhere(axis)
 
     async def read_alone(self, register: Register) -> int | None:
         """A register that reading clears, for a caller that wants that; None for all others."""

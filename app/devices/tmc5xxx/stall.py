@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from ..core.capabilities import Registers, StallStop
 from ..core.results import WriteItem
 from ..core.session import Session
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
 from .position import PositionCalls
-from .setting import ChipSetting
 
 FULL_SCALE = 32
 TSTEP_MAX = 0xFFFFF
@@ -22,16 +22,21 @@ class ChipStall(StallStop):
     """Of each axis, by its registers. StealthChop is off meanwhile: StallGuard2 measures with SpreadCycle only."""
 
     def __init__(
-        self, session: Session, memory: ChipMemory, setting: ChipSetting, registers: Registers, calls: PositionCalls
+        self,
+        session: Session,
+        memory: ChipMemory,
+        decoded: DecodedRegisters,
+        registers: Registers,
+        calls: PositionCalls,
     ) -> None:
         self._session = session
         self._memory = memory
-        self._setting = setting
+        self._decoded = decoded
         self._registers = registers
         self._calls = calls
 
     async def full_step(self, axis: int) -> int:
-        return self._setting.mechanics(axis).microsteps_per_full_step
+        return self._decoded.mechanics(axis).microsteps_per_full_step
 
     def cruise_pps(self, axis: int) -> float | None:
         return self._calls.cruise_pps(axis)
@@ -52,7 +57,7 @@ class ChipStall(StallStop):
             WriteItem("COOLCONF", axis, fields={"sgt": threshold, "sfilt": 0, "semin": 0}),
         ]
         if table.find("VCOOLTHRS", axis):
-            ramp = self._setting.ramp(axis)
+            ramp = self._decoded.ramp(axis)
             writes.append(WriteItem("VCOOLTHRS", axis, round(velocity_pps / ramp.velocity_unit_pps)))
             writes.append(WriteItem("VHIGH", axis, VHIGH_NEVER))
         else:

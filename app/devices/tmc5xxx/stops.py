@@ -23,10 +23,10 @@ from ..core.session import Session
 from ..core.sixpoint_plans import turn_plan
 from ..core.stop_each import stop_each
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
-from .setting import ChipSetting
 
 HARDEST = 0xFFFF
 """The greatest AMAX."""
@@ -39,7 +39,7 @@ class Stops:
     session: Session
     link: RegisterLink
     memory: ChipMemory
-    setting: ChipSetting
+    decoded: DecodedRegisters
     predictions: Predictions
     motions: Motions
 
@@ -78,12 +78,12 @@ class Stops:
         back = Snapshot(checked, (await io.chain(*writes, checked))[0])
         self.motions.of(axis).stop_commanded(io.time_s)
         self.memory.saw(back)
-        self.setting.tell_positions(back, io.asked_s)
+        self.decoded.tell_positions(back, io.asked_s)
         if not io.arrived:
             return BadReply(self.session.port.name, "the stop may have arrived otherwise", b"")
         if back.value(rows.rampmode) != r.FORWARD:
             return WriteRefused(rows.rampmode.name, r.FORWARD, back.word(rows.rampmode), "stop again, or cut the power")
-        ramp = self.setting.ramp(axis)
+        ramp = self.decoded.ramp(axis)
         v_pps = back.value(rows.vactual) * ramp.velocity_unit_pps
         plan = turn_plan(ramp.sixpoint(vmax=1, amax=amax), 0.0, v_pps) if v_pps else None
         self.predictions.expect(axis, io.time_s, back.value(rows.xactual), plan)

@@ -20,12 +20,12 @@ from ..core.register_samples import Asked, field, number, residual, words_plan
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .events import Events
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
 from .roles import AxisRoles, ChipRoles
-from .setting import ChipSetting
 
 MICROSTEPS = "microsteps"
 QUANTITIES = {
@@ -76,7 +76,7 @@ class SixPointTelemetry(RowTelemetry):
         self,
         link: RegisterLink,
         memory: ChipMemory,
-        setting: ChipSetting,
+        decoded: DecodedRegisters,
         log: Events,
         predictions: Predictions,
         motions: Motions,
@@ -85,7 +85,7 @@ class SixPointTelemetry(RowTelemetry):
         self._access = link.access
         self._chip: ChipRoles = memory.chip
         self._memory = memory
-        self._setting = setting
+        self._decoded = decoded
         self._log = log
         self._predictions = predictions
         self._motions = motions
@@ -104,7 +104,7 @@ class SixPointTelemetry(RowTelemetry):
     # --- channels -------------------------------------------------------------------------------
 
     def _decoder(self, quantity: str, rows: AxisRoles, asked: Asked) -> Decoder:
-        unit_pps = self._setting.ramp(rows.axis).velocity_unit_pps
+        unit_pps = self._decoded.ramp(rows.axis).velocity_unit_pps
         position = rows.xactual
         if quantity in ("position", "target_position"):
             row = position if quantity == "position" else rows.xtarget
@@ -154,7 +154,7 @@ class SixPointTelemetry(RowTelemetry):
         position = number(asked.column(rows.xactual), rows.xactual) if quantity == "deviation" else None
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
-            if not self._setting.counts_encoder(rows.axis):
+            if not self._decoded.counts_encoder(rows.axis):
                 return np.full(len(times_s), np.nan)
             counts = encoder(times_s, words, status)
             return counts if position is None else counts - position(times_s, words, status)
@@ -195,7 +195,7 @@ class SixPointTelemetry(RowTelemetry):
     def _switch_seen(self, axis: int, *, left: bool) -> float:
         """As the latest look saw it; NaN where none did."""
         stat = self._log.polled_stat(axis)
-        known = stat is not None and (left or self._setting.has_right_switch())
+        known = stat is not None and (left or self._decoded.has_right_switch())
         return float((stat or 0) >> (0 if left else 1) & 1) if known else float("nan")
 
     def _arrival(self, rows: AxisRoles, asked: Asked) -> Decoder:
@@ -244,7 +244,7 @@ class SixPointTelemetry(RowTelemetry):
             return number(asked.index(register), register)(times_s, words, none)
 
         if rows.xactual in asked and not reset:
-            encoder = rows.x_enc if self._setting.counts_encoder(rows.axis) else None
+            encoder = rows.x_enc if self._decoded.counts_encoder(rows.axis) else None
             seen = None if encoder is None or encoder not in asked else int(values(encoder)[-1])
             self._session.saw_position(rows.axis, int(values(rows.xactual)[-1]), float(times_s[-1]), seen)
         if rows.vactual not in asked:
@@ -255,7 +255,7 @@ class SixPointTelemetry(RowTelemetry):
             _, expected = book.at(times_s)
             # NaN, where nothing is expected, compares false, and so does a speed that reads 0 itself.
             book.observe(
-                times_s, (velocity == 0) & (np.abs(expected) > self._setting.ramp(rows.axis).velocity_unit_pps)
+                times_s, (velocity == 0) & (np.abs(expected) > self._decoded.ramp(rows.axis).velocity_unit_pps)
             )
         if rows.xactual in asked and rows.xtarget in asked:
             position, target = values(rows.xactual), values(rows.xtarget)
@@ -263,4 +263,4 @@ class SixPointTelemetry(RowTelemetry):
             wanted = velocity != 0 if watch.under_way is None else np.ones(len(times_s), dtype=np.bool_)
             for row in np.flatnonzero(wanted):
                 reached = bool(position[row] == target[row]) and self._memory.known(rows.rampmode) == r.POSITION
-                watch.look(MotionReading(float(times_s[row]), int(position[row]), float(velocity[row]), reached))
+                watch.update(MotionReading(float(times_s[row]), int(position[row]), float(velocity[row]), reached))

@@ -66,7 +66,7 @@ class Writes(RegisterRules):
         notes = self._notes(register, word)
         rows = self._memory.chip.moved_by(register)
         if rows is not None:
-            held = await self._motion.look_before(io, rows)
+            held = await self._motion.read_before(io, rows)
             position, target = held.value(rows.xactual), held.value(rows.xtarget)
             positioning = held.value(rows.rampmode) == r.POSITION
             if register is rows.xactual and positioning and register.decode(word) != target:

@@ -11,11 +11,11 @@ from ..core.register_link import RegisterLink
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
 from . import roles as r
+from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
 from .motions import Motions
 from .predictions import Predictions
 from .roles import AxisRoles, signed
-from .setting import ChipSetting
 
 
 class WrittenMotion:
@@ -26,25 +26,25 @@ class WrittenMotion:
         session: Session,
         link: RegisterLink,
         memory: ChipMemory,
-        setting: ChipSetting,
+        decoded: DecodedRegisters,
         predictions: Predictions,
         motions: Motions,
     ) -> None:
         self.session = session
         self.link = link
         self.memory = memory
-        self.setting = setting
+        self.decoded = decoded
         self.predictions = predictions
         self.motions = motions
         self._before: tuple[int, int, float] = (0, 1, 0.0)
         """XACTUAL and VACTUAL right before a write, and when the write went out."""
 
-    async def look_before(self, io: RegisterIO, rows: AxisRoles) -> Snapshot:
+    async def read_before(self, io: RegisterIO, rows: AxisRoles) -> Snapshot:
         """XACTUAL, VACTUAL, RAMPMODE and XTARGET right before a write that may move the axis."""
         asked = (rows.xactual, rows.vactual, rows.rampmode, rows.xtarget)
         held = Snapshot(asked, await io.read_many(asked))
         self.memory.saw(held)
-        self.setting.tell_positions(held, io.asked_s)
+        self.decoded.tell_positions(held, io.asked_s)
         self._before = (held.value(rows.xactual), held.word(rows.vactual), io.time_s)
         return held
 
@@ -79,7 +79,7 @@ class WrittenMotion:
             held = Snapshot(asked, await io.read_many(asked))
             time_s = io.time_s
         self.memory.saw(held)
-        self.setting.tell_positions(held, io.asked_s)
+        self.decoded.tell_positions(held, io.asked_s)
         position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
         if before_velocity == 0 and position == before_position:
             # From rest the start is known exactly: it was when the datagram went out.
@@ -89,7 +89,7 @@ class WrittenMotion:
         if not moves or (mode == r.HOLD and not velocity):
             self.predictions.end(axis, time_s, "a register was written")
             return
-        ramp = self.setting.ramp(axis)
+        ramp = self.decoded.ramp(axis)
         unit = ramp.velocity_unit_pps
         if mode == r.POSITION:
             plan = move_plan(ramp.sixpoint(vmax, amax), signed(target - position), velocity * unit)

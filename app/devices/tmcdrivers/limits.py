@@ -78,12 +78,12 @@ class DriverRules(ChipRules):
         if any(limits.given for limits in self.limits):
             await self._reader.read_axis()
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         reading = await self._reader.read_axis()
         place = reading.held.value(self._memory.rows.mscnt) * self._memory.microsteps // FINEST
         return AxisReading(place, self._reader.speed_pps(reading.held))
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         return 0.0  # VACTUAL 0 stops the field at once
 
 

@@ -45,7 +45,7 @@ class Reader:
         unique = tuple({row.address: row for row in (*asked, gstat)}.values())
         held = Snapshot(unique, await io.read_many(unique))
         reading = Reading(held, io.asked_s, io.time_s)
-        await self.resets.look(io, held.word(gstat))  # first: a reset makes forget what was seen before
+        await self.resets.check(io, held.word(gstat))  # first: a reset makes forget what was seen before
         self.memory.saw(held)
         return reading
 

@@ -20,7 +20,7 @@ class Resets:
         self._owed = 0
         """What the driver has cleared and its user has not."""
 
-    async def look(self, io: RegisterIO, gstat: int) -> None:
+    async def check(self, io: RegisterIO, gstat: int) -> None:
         """GSTAT was read: take notice of a reset. Raises LinkError."""
         if gstat & self._bit:
             self.seen += 1

@@ -270,7 +270,7 @@ class ModuleRules(Rules):
         currents = [*self._currents, rows.current_scaler]
         async with self._link.calls() as calls:
             await calls.ask_many((*decisive, *currents))
-        await self.look(0)
+        await self.read_axis(0)
 
     async def learn_for(self, command: int, type_: int, value: int) -> None:
         if command != Opcode.MVP or not self.limits[0].ranged:
@@ -283,7 +283,7 @@ class ModuleRules(Rules):
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         async with self._link.calls() as calls:
             asked_s = self._session.device_time_s()
             target, told_speed, told_position = await calls.ask_many(self._looked_at)
@@ -293,11 +293,11 @@ class ModuleRules(Rules):
         going_to = target if self._ongoing.driven == "position" else None
         return AxisReading(position, speed * self._state.speed_unit_pps, target=going_to)
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         word = view(self._roles.max_acceleration.address)
         if not word:
             return None
-        return look.velocity_pps**2 / (2 * word * self._state.acceleration_unit_pps2)
+        return reading.velocity_pps**2 / (2 * word * self._state.acceleration_unit_pps2)
 
 
 def _named(row: Register) -> str:

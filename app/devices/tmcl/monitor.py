@@ -68,7 +68,7 @@ class ModuleMonitor(AxisMonitor):
         # The encoder was read with the first position, and is told as if it were with the last.
         with_it = None if encoder is None else self._state.wrap.shows(encoder + self._state.wrap.way(position, first))
         self._session.saw_position(axis, position, asked_at_s, with_it)
-        self._ongoing.watch.look(MotionReading(time_s, position, speed, reached), self._link.poll_spread_s)
+        self._ongoing.watch.update(MotionReading(time_s, position, speed, reached), self._link.poll_spread_s)
         mode = self._mode(bool(step_direction), searching, speed, target_speed or 0, reached)
         return AxisState(
             position=position,

@@ -58,7 +58,7 @@ class Poller:
         """Ask once, unless a caller has just asked; of a motor that rests for a while, ask why. Raises BenchError."""
         watch = self._ongoing.watch
         # Telemetry that asks for the same looks often enough: one set of questions is enough for both.
-        if self._session.device_time_s() - watch.looked_s > POLL_S * self._session.time_scale:
+        if self._session.device_time_s() - watch.polled_s > POLL_S * self._session.time_scale:
             async with self._link.calls(priority=Priority.SAMPLE) as calls:
                 asked_at_s = self._session.device_time_s()
                 told_position, told_speed, reached = await calls.ask_many(self._state.roles.poll)
@@ -66,7 +66,7 @@ class Poller:
                 speed = calls.need(self._state.roles.actual_speed, told_speed)
                 time_s = calls.time_s
             self._session.saw_position(0, position, asked_at_s)
-            watch.look(
+            watch.update(
                 MotionReading(time_s, position, speed, self._ongoing.reached(reached, position)),
                 self._link.poll_spread_s,
             )

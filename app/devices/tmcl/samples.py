@@ -207,6 +207,6 @@ class ModuleTelemetry(RowTelemetry):
         known = np.isfinite(position) & np.isfinite(speed) & np.isfinite(reached)
         spread_s = self._sampler.row_spread_s()
         for row in np.flatnonzero(known & (speed != 0) if self._ongoing.watch.under_way is None else known):
-            self._ongoing.watch.look(
+            self._ongoing.watch.update(
                 MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached[row])), spread_s
             )

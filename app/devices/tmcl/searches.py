@@ -94,7 +94,7 @@ class Searches:
             position = calls.need(self._state.roles.actual_position, told_position)
             speed = calls.need(self._state.roles.actual_speed, told_speed)
             time_s = calls.time_s
-        self._ongoing.watch.look(
+        self._ongoing.watch.update(
             MotionReading(time_s, position, speed, self._ongoing.reached(told, position)), self._link.poll_spread_s
         )
         return SearchState(

@@ -173,7 +173,7 @@ class Interpreter:
         self._ahead = None
         while self.active:
             now = self._drive.clocks
-            self._look(now)
+            self._sample_interrupts(now)
             self._pending &= self._application.interrupts
             if now < self._due and (self._wait is not None or (self._pending and self._interruptible)):
                 return min(self._due, stop)  # the command before is still at work
@@ -395,7 +395,7 @@ class Interpreter:
         if number in self._application.interrupts and number in self._application.vectors:
             self._pending.add(number)
 
-    def _look(self, now: int) -> None:
+    def _sample_interrupts(self, now: int) -> None:
         """Which timers have run out and which inputs have changed since the last look."""
         enabled = self._application.interrupts
         if not enabled:

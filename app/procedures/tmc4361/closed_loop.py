@@ -94,7 +94,7 @@ class ClosedLoopCalibration(Calibration):
         self._disturbed = True
         await self._regulate(0)
         self._phase = PHASES[2]
-        await self._look_at_encoder()
+        await self._check_encoder()
         self._phase = PHASES[3]
         await self._to_full_step()
         self._phase = PHASES[4]
@@ -125,7 +125,7 @@ class ClosedLoopCalibration(Calibration):
             await self.device.registers.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": 0})
             self._scaled = True
 
-    async def _look_at_encoder(self) -> None:
+    async def _check_encoder(self) -> None:
         for way in (FULL_STEP, -FULL_STEP):  # the rotor may have stood anywhere: now it follows the field
             await self._go(way)
             await self._pass(self._settle_s)

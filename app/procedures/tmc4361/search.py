@@ -95,14 +95,14 @@ class LatchSearch(StopSearch):
             )
             return not tracking
 
-        state = await self._look()
+        state = await self._read_axis()
         if not state.moving or state.velocity_pps * way <= 0:
             await self.device.motion.rotate(self.axis, way * self._speed_pps)
         began = state.position
         deadline_s = self._deadline()
         while not await caught():
             await self.clock.sleep(POLL_S)
-            state = await self._look()
+            state = await self._read_axis()
             if not state.moving and not await caught():
                 return None
             if abs(state.position - began) > self._max_travel or self.device.device_time_s() > deadline_s:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...clock import Clock
 from ...devices.core.device import Device
+from ...devices.tmc5xxx.decoded_registers import DecodedRegisters
 from ...devices.tmc5xxx.position import PositionCalls
-from ...devices.tmc5xxx.setting import ChipSetting
 from ...errors import WrongState
 from ..search import Switch
 from ..stop_search import Latching, StopSearch
@@ -38,10 +38,10 @@ class SwitchSearch(StopSearch):
             raise WrongState(
                 f"a {device.family.title} has no reference switch of its own", "search for the left or the right switch"
             )
-        position, setting = device.part(PositionCalls), device.part(ChipSetting)
+        position, decoded = device.part(PositionCalls), device.part(DecodedRegisters)
         assert position is not None  # no other device is searched by this
-        assert setting is not None
-        if switch == "right" and not setting.has_right_switch():
+        assert decoded is not None
+        if switch == "right" and not decoded.has_right_switch():
             raise WrongState(
                 "encoder 2 has the pins of the right switches", "search for the left one, or write GCONF.enc2_enable 0"
             )

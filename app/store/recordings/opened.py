@@ -1,4 +1,4 @@
-"""A recording that is looked at: where its rows stand in the file, and the extremes of each short stretch of them.
+"""A recording that is looked at: where its rows stand in the file, and the extremes of each short segment of them.
 
 A long recording's rows stay on the disk. Looking at it once costs a reading of the file; from then on a plot of any
 part costs about the same few milliseconds, and what was written meanwhile is read behind what is known.
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...calc.signals.min_max_pyramid import Stretches, size_for
+from ...calc.signals.min_max_pyramid import MinMaxSegments, size_for
 from .file import FloatArray, Rows, decode_head, whole_batches
 from .head import Head, UnreadableRecording
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     import pyarrow as pa  # at run time by who opens a file, as in `file`
 
 BLOCK = 64
-"""Rows of a short stretch, of recordings that have no more than `BLOCKS_MAX` of them."""
+"""Rows of a short segment, of recordings that have no more than `BLOCKS_MAX` of them."""
 BLOCKS_MAX = 1 << 18
-"""Short stretches that are kept of a recording, 70 MB of eight channels; of longer ones they are twice as long, and so
+"""Short segments that are kept of a recording, 70 MB of eight channels; of longer ones they are twice as long, and so
 on."""
 PIECE_ROWS = 16_384
 """Rows of a piece: a megabyte or two."""
@@ -55,7 +55,7 @@ class Opened:
         self._offsets, self._firsts, self._times_s = array("q"), array("q"), array("d")
         self._rows = 0
         self._last_s = float("nan")
-        self._blocks = Stretches.of_rows(np.empty(0), np.empty((self.channels, 0)))
+        self._blocks = MinMaxSegments.of_rows(np.empty(0), np.empty((self.channels, 0)))
         self._block = BLOCK
         self._rest = np.empty((1 + self.channels, 0))
         """Rows that are no whole block yet, times first."""
@@ -110,7 +110,7 @@ class Opened:
                 parts.append(self._taken(batches))
             self._blocks = self._joined(parts)
 
-    def _taken(self, batches: list[pa.RecordBatch]) -> Stretches:
+    def _taken(self, batches: list[pa.RecordBatch]) -> MinMaxSegments:
         """The whole blocks that there are with `batches`; what is left waits for the next."""
         table = _table(batches, 1 + self.channels)
         begins = np.cumsum([0, *(batch.num_rows for batch in batches[:-1])])
@@ -119,12 +119,12 @@ class Opened:
         table = np.concatenate((self._rest, table), axis=1)
         whole = table.shape[1] // self._block * self._block
         self._rest = table[:, whole:].copy()
-        return Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(self._block)
+        return MinMaxSegments.of_rows(table[0, :whole], table[1:, :whole]).joined(self._block)
 
-    def _joined(self, parts: Sequence[Stretches]) -> Stretches:
+    def _joined(self, parts: Sequence[MinMaxSegments]) -> MinMaxSegments:
         """All of them as one, in longer blocks where there are too many; an odd one waits for its pair."""
         parts = [part for part in parts if len(part)] or parts[:1]
-        blocks = Stretches.chained(parts) if len(parts) > 1 else parts[0]
+        blocks = MinMaxSegments.chained(parts) if len(parts) > 1 else parts[0]
         while len(blocks) > self._blocks_max and len(blocks) % 2 == 0:
             self._block *= 2
             blocks = blocks.joined(2)
@@ -186,24 +186,24 @@ class Opened:
         times_s = self.read(first, last).time_s
         return first + int(np.searchsorted(times_s, time_s, side="right" if side == "right" else "left"))
 
-    def stretches(self, first: int, last: int, wanted: int) -> Stretches:
-        """Rows `first` up to `last` as at most `wanted` + 2 stretches; as they are where they are few enough."""
+    def segments(self, first: int, last: int, wanted: int) -> MinMaxSegments:
+        """Rows `first` up to `last` as at most `wanted` + 2 segments; as they are where they are few enough."""
         first, last = max(0, first), min(last, self._rows)
         rows = max(0, last - first)
         with self._lock:  # both of the same look
             block, blocks = self._block, self._blocks
         if rows < wanted * block or rows < 4 * block:
             read = self.read(first, last)
-            return Stretches.of_rows(read.time_s, read.columns).joined(size_for(rows, wanted))
+            return MinMaxSegments.of_rows(read.time_s, read.columns).joined(size_for(rows, wanted))
         begin, end = -(-first // block), min(last // block, len(blocks))
         inner = blocks.part(begin, end).joined(size_for(end - begin, wanted))
         parts = [inner]
         for at, edge in ((0, (first, begin * block)), (len(parts), (end * block, last))):
             if edge[0] < edge[1]:
                 read = self.read(*edge)
-                outer = Stretches.of_rows(read.time_s, read.columns).joined(edge[1] - edge[0])
+                outer = MinMaxSegments.of_rows(read.time_s, read.columns).joined(edge[1] - edge[0])
                 parts.insert(at if at == 0 else len(parts), outer)
-        return Stretches.chained(parts)
+        return MinMaxSegments.chained(parts)
 
 
 class OpenedRecordings:

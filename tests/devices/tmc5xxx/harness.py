@@ -14,9 +14,9 @@ from app.devices.core.device import Device
 from app.devices.core.events import DeviceEvent
 from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
+from app.devices.tmc5xxx.decoded_registers import DecodedRegisters
 from app.devices.tmc5xxx.memory import ChipMemory
 from app.devices.tmc5xxx.ramp import Ramp
-from app.devices.tmc5xxx.setting import ChipSetting
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.build import build_emulator
 from app.emulators.drive.documents import ChipFaultsChange
@@ -74,15 +74,15 @@ class Bench:
         return memory
 
     @property
-    def setting(self) -> ChipSetting:
+    def decoded(self) -> DecodedRegisters:
         """What that means."""
-        setting = self.device.part(ChipSetting)
-        assert setting is not None
-        return setting
+        decoded = self.device.part(DecodedRegisters)
+        assert decoded is not None
+        return decoded
 
     def ramp(self, axis: int = 0) -> Ramp:
         """The ramp as the user wants it."""
-        return self.setting.ramp(axis)
+        return self.decoded.ramp(axis)
 
     @property
     def port(self) -> Overheard:

@@ -123,7 +123,7 @@ async def test_relative_moves_and_units_are_those_of_the_axis() -> None:
 async def test_microsteps_are_those_of_chopconf() -> None:
     async with bench("tmc5130") as b:
         await b.device.registers.write("CHOPCONF", 0, fields={"mres": 4})
-        assert b.setting.mechanics(0).microsteps_per_full_step == 16
+        assert b.decoded.mechanics(0).microsteps_per_full_step == 16
         await b.device.motion.move(0, 1, unit="rev")
         assert (await b.at_rest()).position == 3_200
 

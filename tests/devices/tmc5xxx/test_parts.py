@@ -13,13 +13,13 @@ from app.devices.core.register_io import Snapshot
 from app.devices.core.register_link import RegisterLink
 from app.devices.core.results import MotionEnd
 from app.devices.core.session import Session
+from app.devices.tmc5xxx.decoded_registers import DecodedRegisters
 from app.devices.tmc5xxx.events import Events
 from app.devices.tmc5xxx.memory import ChipMemory
 from app.devices.tmc5xxx.motions import Motions
 from app.devices.tmc5xxx.predictions import Predictions
 from app.devices.tmc5xxx.reader import ChipReader
 from app.devices.tmc5xxx.roles import FORWARD, part, roles_of
-from app.devices.tmc5xxx.setting import ChipSetting
 from app.devices.tmc5xxx.signs import signs
 from app.devices.tmc5xxx.standstill import Standstill
 from app.emulators.build import build_emulator
@@ -112,9 +112,9 @@ def test_a_flag_that_the_driver_took_is_owed_until_its_user_has_it(model: str) -
 async def test_ramp_stat_is_left_alone_while_a_stall_may_hold_an_axis_that_would_go_on() -> None:
     link = a_link("tmc5130")
     memory = ChipMemory(link, roles_of("tmc5130"))
-    setting = ChipSetting(link.session, memory)
+    decoded = DecodedRegisters(link.session, memory)
     log = Events(link.session, memory.chip, (memory.was_reset,))
-    reader = ChipReader(link, memory, setting, log)
+    reader = ChipReader(link, memory, decoded, log)
     rows = memory.rows(0)
     assert not reader.may_read_stat(0)  # nobody knows SW_MODE yet
     async with link.turn() as turn:

@@ -72,7 +72,7 @@ def test_against_all_rows(
         pieces = list(opened.pieces(first, last))
         np.testing.assert_array_equal(np.concatenate([np.empty(0), *(one.time_s for one in pieces)]), read.time_s)
         assert [one.columns.shape[1] for one in pieces] == [len(one.time_s) for one in pieces]
-        shown = opened.stretches(first, last, wanted)
+        shown = opened.segments(first, last, wanted)
         longest = BLOCK * (1 if blocks_max == 1000 else 4 * -(-opened.rows // (BLOCK * blocks_max)))
         assert len(shown) <= max(wanted, 4 * longest) + 2
         starts = np.searchsorted(rows.time_s, shown.start_s)

@@ -113,11 +113,11 @@ class Rules(ABC):
     # --- the watch ------------------------------------------------------------------------------
 
     @abstractmethod
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         """The axis now. Raises BenchError."""
 
     @abstractmethod
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         """How far the axis runs on after a stop by its ramp [microsteps]; None where nobody knows."""
 
     def acceleration_pps2(self, axis: int, view: View) -> float | None:

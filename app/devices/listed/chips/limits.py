@@ -76,19 +76,21 @@ class ListedChipRules(ChipRules):
                 ramp = self._state.ramps[axis]
                 rows = (ramp.mode.register, ramp.target, *_settings(ramp.max_speed, ramp.acceleration))
                 await self._registers.learn(rows)
-                await self.look(axis)
+                await self.read_axis(axis)
 
     # --- the watch ------------------------------------------------------------------------------
 
-    async def look(self, axis: int) -> AxisReading:
+    async def read_axis(self, axis: int) -> AxisReading:
         link = self._registers.link
         async with link.turn() as turn:
-            look = await self._motions.look(link.io(turn), self._state.ramps[axis])
-        return AxisReading(look.position, float(look.speed), target=look.target if look.mode == POSITION else None)
+            reading = await self._motions.poll(link.io(turn), self._state.ramps[axis])
+        return AxisReading(
+            reading.position, float(reading.speed), target=reading.target if reading.mode == POSITION else None
+        )
 
-    def braking(self, axis: int, look: AxisReading, view: View) -> float | None:
+    def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         word = self._state.wanted(self._state.ramps[axis].acceleration)
-        return look.velocity_pps**2 / (2 * word) if word else None
+        return reading.velocity_pps**2 / (2 * word) if word else None
 
 
 def _settings(*rows: Register) -> tuple[Register, ...]:

@@ -30,21 +30,21 @@ class ChipMonitor(AxisMonitor):
         ramp = self._state.ramps[self._session.axis(axis).index]
         self._session.require_connected()
         async with self._session.queue.turn(priority) as turn:
-            look = await self._motions.look(self._link.io(turn), ramp)
+            reading = await self._motions.poll(self._link.io(turn), ramp)
         speed = self._state.word(ramp.max_speed)
-        way = {FORWARD: 1, BACKWARD: -1}.get(look.mode)
+        way = {FORWARD: 1, BACKWARD: -1}.get(reading.mode)
         return AxisState(
-            position=look.position,
-            target_position=look.target if look.mode == POSITION else None,
-            velocity_pps=float(look.speed),
+            position=reading.position,
+            target_position=reading.target if reading.mode == POSITION else None,
+            velocity_pps=float(reading.speed),
             target_velocity_pps=None if way is None or speed is None else float(way * speed),
             acceleration_pps2=None,
-            position_reached=look.reached,
-            moving=look.moves,
-            mode=MODES[look.mode],
+            position_reached=reading.reached,
+            moving=reading.moves,
+            mode=MODES[reading.mode],
             switches=Switches(None, None, None),
             flags={},
-            time_s=look.time_s,
+            time_s=reading.time_s,
         )
 
     def signs(self, axis: int, state: AxisState) -> Signs:

@@ -54,16 +54,16 @@ class ChipMotion(Motion):
         ramp, warnings = self.state.ramps[move.axis], list[str]()
         async with self.link.command(move.axis) as turn:
             io = self.link.io(turn)
-            look = await self.motions.look(io, ramp)
-            target = self._target(move, ramp, look.position, warnings)
+            reading = await self.motions.poll(io, ramp)
+            target = self._target(move, ramp, reading.position, warnings)
             settings = [self._setting(ramp, row) for row in (ramp.acceleration, ramp.max_speed)]
             if self.session.limiter is not None:
-                self.session.limiter.require_target(move.axis, target, look.position)
+                self.session.limiter.require_target(move.axis, target, reading.position)
             to_target, to_mode = _put(ramp.target, target), self._mode(ramp, POSITION)
-            if look.speed or look.moves:
+            if reading.speed or reading.moves:
                 writes = [to_target, *settings, to_mode]
             else:  # until the last word the target is where the axis stands, and nothing moves
-                writes = [_put(ramp.target, look.position), to_mode, *settings, to_target]
+                writes = [_put(ramp.target, reading.position), to_mode, *settings, to_target]
             self.session.commanded(move.axis, "move", target=target)
             back = await self._set_off(io, ramp, writes)
             self.motions.watches[move.axis].began("position", io.time_s, target)
@@ -72,7 +72,7 @@ class ChipMotion(Motion):
                 held = back.word(ramp.target)
                 raise WriteRefused(ramp.target.name, to_raw(target, ramp.target.width), held, UNDER_WAY)
         self.session.tell(MotionStarted(move.axis, io.time_s))
-        return MoveStarted(move.axis, look.position, target, io.time_s, None, warnings)
+        return MoveStarted(move.axis, reading.position, target, io.time_s, None, warnings)
 
     def _target(self, move: AxisMove, ramp: Ramp, position: int, warnings: list[str]) -> int:
         wanted = to_position(self.state.mechanics(move.axis), move.target, move.unit)
@@ -115,14 +115,14 @@ class ChipMotion(Motion):
         self.session.require_connected()
         async with self.link.command(axis) as turn:
             io = self.link.io(turn)
-            look = await self.motions.look(io, ramp)
+            reading = await self.motions.poll(io, ramp)
             acceleration = [self._setting(ramp, ramp.acceleration)] if speed else []
             if self.session.limiter is not None:
                 self.session.limiter.require_velocity(axis, speed)
-                self.session.limiter.require_way(axis, speed, look.position)
+                self.session.limiter.require_way(axis, speed, reading.position)
             mode = FORWARD if speed >= 0 else BACKWARD
             writes = [*acceleration, Write(ramp.max_speed, abs(speed)), self._mode(ramp, mode)]
-            if look.mode in (FORWARD, BACKWARD) and look.mode != mode:
+            if reading.mode in (FORWARD, BACKWARD) and reading.mode != mode:
                 writes = [*acceleration, self._mode(ramp, mode), Write(ramp.max_speed, abs(speed))]
             self.session.commanded(axis, "rotate", velocity=speed)
             back = await self._set_off(io, ramp, writes)
@@ -192,7 +192,7 @@ class ChipMotion(Motion):
         return None
 
     def _mode(self, ramp: Ramp, mode: int) -> Write:
-        """Right after a look, which has read the word."""
+        """Right after a poll, which has read the word."""
         return Write(ramp.mode.register, ramp.mode.pack(mode, self.state.word(ramp.mode.register) or 0))
 
     async def _set_off(self, io: RegisterIO, ramp: Ramp, writes: Sequence[Write]) -> Snapshot:

@@ -1,4 +1,4 @@
-"""The motions under way: why each axis came to rest, and the looks that find it out while one moves."""
+"""The motions under way: why each axis came to rest, and the polling that finds it out while one moves."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class ChipMotions:
                 if watch.under_way is not None:
                     watch.end("lost_link", f"the link failed while it moved; what it did then is not known: {problem}")
 
-    async def look(self, io: RegisterIO, ramp: Ramp) -> RampReading:
+    async def poll(self, io: RegisterIO, ramp: Ramp) -> RampReading:
         """Read what tells how an axis is, in one turn, and heed it. Raises LinkError."""
         state = self._state
         asked = [ramp.mode.register, ramp.target, ramp.max_speed, ramp.acceleration, ramp.speed, ramp.position]
@@ -78,10 +78,10 @@ class ChipMotions:
         for row in asked:
             state.saw(row, held.word(row))
         self._session.saw_position(ramp.axis, held.value(ramp.position), io.asked_s)
-        look = self._told(held, ramp, io.time_s)
-        seen = MotionReading(look.time_s, look.position, look.speed or int(look.moves), look.reached)
-        self.watches[ramp.axis].look(seen, io.time_s - io.asked_s)
-        return look
+        reading = self._told(held, ramp, io.time_s)
+        seen = MotionReading(reading.time_s, reading.position, reading.speed or int(reading.moves), reading.reached)
+        self.watches[ramp.axis].update(seen, io.time_s - io.asked_s)
+        return reading
 
     def _told(self, held: Snapshot, ramp: Ramp, time_s: float) -> RampReading:
         mode = ramp.mode.unpack(held.word(ramp.mode.register))
@@ -99,6 +99,6 @@ class ChipMotions:
         for ramp in self._state.ramps:
             watch = self.watches[ramp.axis]
             async with self._session.queue.turn(Priority.SAMPLE) as turn:
-                await self.look(self._link.io(turn), ramp)
+                await self.poll(self._link.io(turn), ramp)
             if watch.at_rest(self._session.device_time_s()) is not None:
                 watch.end("unknown", "the axis rests, and nothing that its registers tell by standard names says why")

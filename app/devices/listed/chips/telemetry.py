@@ -79,7 +79,7 @@ class ChipTelemetry(RowTelemetry):
         for row in np.flatnonzero(speed != 0) if watch.under_way is None else range(len(times_s)):
             target = None if watch.under_way is None else watch.under_way.target
             reached = target is not None and speed[row] == 0 and position[row] == target
-            watch.look(MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)))
+            watch.update(MotionReading(float(times_s[row]), int(position[row]), float(speed[row]), bool(reached)))
 
 
 def _speed_of(asked: Asked, row: Register) -> Callable[[FloatArray, IntArray, IntArray], FloatArray] | None:

@@ -1,4 +1,4 @@
-"""How the chip is set, as far as the driver knows it: ramps, microsteps, encoders, switches."""
+"""Decodes the shadow registers of a TMC5xxx: ramps, microsteps, encoders, switches."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .memory import ChipMemory
 from .ramp import Ramp
 
 
-class ChipSetting:
-    """What the words in memory mean. Nothing is asked of the chip."""
+class DecodedRegisters:
+    """Configuration as the shadow registers hold it; reads nothing from the chip."""
 
     def __init__(self, session: Session, memory: ChipMemory) -> None:
         self._session = session

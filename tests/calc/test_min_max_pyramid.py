@@ -1,4 +1,4 @@
-"""Stretches of a measurement, and stretches of stretches: never is a peak hidden or a gap closed."""
+"""Min/max segments of a measurement, and segments of segments: never is a peak hidden or a gap closed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.signals.min_max_pyramid import Stretches, size_for
+from app.calc.signals.min_max_pyramid import MinMaxSegments, size_for
 
 COLUMNS = arrays(
     np.float64,
@@ -25,7 +25,7 @@ def extremes(values: np.ndarray) -> tuple[float, float]:
 @given(COLUMNS, st.integers(1, 30), st.integers(1, 9))
 def test_against_looking_at_every_sample(columns: np.ndarray, size: int, again: int) -> None:
     time_s = np.arange(columns.shape[1]) / 10
-    whole = Stretches.of_rows(time_s, columns).joined(size).joined(again)
+    whole = MinMaxSegments.of_rows(time_s, columns).joined(size).joined(again)
     length = size * again
     assert len(whole) == -(-columns.shape[1] // length)
     for number in range(len(whole)):
@@ -43,13 +43,13 @@ def test_against_looking_at_every_sample(columns: np.ndarray, size: int, again: 
 @given(COLUMNS, st.integers(1, 30))
 def test_what_is_drawn_has_every_extreme_and_every_gap(columns: np.ndarray, size: int) -> None:
     time_s = np.arange(columns.shape[1]) / 10
-    stretches = Stretches.of_rows(time_s, columns).joined(size)
-    line_s, line = stretches.line()
+    segments = MinMaxSegments.of_rows(time_s, columns).joined(size)
+    line_s, line = segments.line()
     assert np.all(np.diff(line_s) >= 0)
     for channel, values in enumerate(columns):
         assert np.isnan(line[channel]).any() == np.isnan(values).any()
         np.testing.assert_array_equal(extremes(line[channel]), extremes(values))
-        own_s, own = stretches.points(channel)
+        own_s, own = segments.points(channel)
         assert np.all(np.diff(own_s) >= 0)
         rows = np.round(own_s * 10).astype(int)
         there = ~np.isnan(own)
@@ -60,15 +60,15 @@ def test_what_is_drawn_has_every_extreme_and_every_gap(columns: np.ndarray, size
 
 def test_parts_and_chains() -> None:
     columns = np.array([[3.0, 1.0, 2.0, 5.0, 4.0]])
-    rows = Stretches.of_rows(np.arange(5.0), columns)
-    chained = Stretches.chained((rows.part(0, 2).joined(2), rows.part(2, 5).joined(3)))
+    rows = MinMaxSegments.of_rows(np.arange(5.0), columns)
+    chained = MinMaxSegments.chained((rows.part(0, 2).joined(2), rows.part(2, 5).joined(3)))
     np.testing.assert_array_equal(chained.low, [[1, 2]])
     np.testing.assert_array_equal(chained.high, [[3, 5]])
     np.testing.assert_array_equal(chained.start_s, [0, 2])
 
 
-@pytest.mark.parametrize(("stretches", "wanted", "size"), [(0, 10, 1), (10, 10, 1), (11, 10, 2), (100, 7, 15)])
-def test_how_many_become_one(stretches: int, wanted: int, size: int) -> None:
-    assert size_for(stretches, wanted) == size
+@pytest.mark.parametrize(("segments", "wanted", "size"), [(0, 10, 1), (10, 10, 1), (11, 10, 2), (100, 7, 15)])
+def test_how_many_become_one(segments: int, wanted: int, size: int) -> None:
+    assert size_for(segments, wanted) == size
     with pytest.raises(ValueError, match="at least one"):
-        Stretches.of_rows(np.arange(2.0), np.zeros((1, 2))).joined(0)
+        MinMaxSegments.of_rows(np.arange(2.0), np.zeros((1, 2))).joined(0)

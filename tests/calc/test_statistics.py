@@ -1,4 +1,4 @@
-"""What a measurement comes down to."""
+"""Statistics of measurements."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.signals.statistics import Figures, Piece
-from app.calc.signals.statistics import figures as figures_of
+from app.calc.signals.statistics import Piece, Statistics
+from app.calc.signals.statistics import statistics as statistics_of
 
 
-def figures(time_s: np.ndarray, values: np.ndarray, cuts: Iterable[int] = ()) -> Figures:
+def of_channel(time_s: np.ndarray, values: np.ndarray, cuts: Iterable[int] = ()) -> Statistics:
     """Of one channel, in pieces that end at `cuts`."""
 
     def pieces() -> Iterator[Piece]:
@@ -24,7 +24,7 @@ def figures(time_s: np.ndarray, values: np.ndarray, cuts: Iterable[int] = ()) ->
         for first, last in pairwise(ends):
             yield time_s[first:last], values[None, first:last]
 
-    (found,) = figures_of(pieces, 1)
+    (found,) = statistics_of(pieces, 1)
     return found
 
 
@@ -35,7 +35,7 @@ def test_a_damped_step_settles_and_overshoots_as_theory_says() -> None:
     swing = np.exp(-damping * natural * time_s) * (
         np.cos(damped * time_s) + damping / np.sqrt(1 - damping**2) * np.sin(damped * time_s)
     )
-    found = figures(time_s, 1000 * (1 - swing))
+    found = of_channel(time_s, 1000 * (1 - swing))
     assert found.overshoot == pytest.approx(1000 * np.exp(-np.pi * damping / np.sqrt(1 - damping**2)), rel=1e-3)
     envelope_s = -np.log(0.02 * np.sqrt(1 - damping**2)) / (damping * natural)
     assert found.settling_s is not None
@@ -44,20 +44,20 @@ def test_a_damped_step_settles_and_overshoots_as_theory_says() -> None:
 
 def test_noise_around_a_place_is_no_step() -> None:
     noise = np.random.default_rng(1).normal(size=1000)
-    found = figures(np.arange(1000.0), noise)
+    found = of_channel(np.arange(1000.0), noise)
     assert (found.overshoot, found.settling_s) == (None, None)
     assert found.rms == pytest.approx(1, rel=0.1)
 
 
 def test_nothing_there() -> None:
-    found = figures(np.arange(3.0), np.full(3, np.nan))
+    found = of_channel(np.arange(3.0), np.full(3, np.nan))
     assert (found.samples, found.missing, found.maximum) == (0, 3, None)
 
 
 @given(arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e6, 1e6) | st.just(np.nan)), st.booleans())
 def test_figures_of_what_is_there(values: np.ndarray, mirrored: bool) -> None:
     values = -values if mirrored else values
-    found = figures(np.arange(len(values)) / 10, values)
+    found = of_channel(np.arange(len(values)) / 10, values)
     known = values[~np.isnan(values)]
     assert (found.samples, found.missing) == (len(known), len(values) - len(known))
     if len(known):
@@ -75,8 +75,8 @@ def test_figures_of_what_is_there(values: np.ndarray, mirrored: bool) -> None:
 def test_in_how_many_pieces_it_comes_does_not_matter(values: np.ndarray, cuts: set[int], rising: bool) -> None:
     values = np.sort(values) if rising else values
     time_s = np.arange(len(values)) / 10
-    whole = figures(time_s, values)
-    parts = figures(time_s, values, (cut for cut in cuts if cut < len(values)))
+    whole = of_channel(time_s, values)
+    parts = of_channel(time_s, values, (cut for cut in cuts if cut < len(values)))
     for one, other in zip(astuple(parts), astuple(whole), strict=True):
         assert other is one is None or one == pytest.approx(other, rel=1e-9, abs=1e-9)
 
@@ -84,5 +84,5 @@ def test_in_how_many_pieces_it_comes_does_not_matter(values: np.ndarray, cuts: s
 def test_settling_is_told_whether_or_not_the_last_sample_outside_ends_a_piece() -> None:
     time_s, values = np.arange(6.0), np.array([0.0, 50.0, 110.0, 101.0, 100.0, 100.0])
     for cuts in ((), (1,), (2,), (3,), (1, 2, 3, 4, 5)):
-        found = figures(time_s, values, cuts)
+        found = of_channel(time_s, values, cuts)
         assert (found.overshoot, found.settling_s) == (10.0, 3.0)
