@@ -122,6 +122,12 @@ def emulate(
     tcp: Annotated[
         str | None, typer.Option(metavar="HOST:PORT", help="Where to listen; port 0 picks a free one.")
     ] = None,
+    can: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CHANNEL", help="Module: a CAN bus, vcan0 of socketcan, or INTERFACE:CHANNEL of python-can."
+        ),
+    ] = None,
     address: Annotated[
         list[int] | None, typer.Option(help="Module: its address; more than one put several on the line. [default: 1]")
     ] = None,
@@ -156,7 +162,7 @@ def emulate(
 
     Ctrl-C ends it.
     """
-    of_modules: dict[str, object] = {"address": address, "data_dir": data_dir}
+    of_modules: dict[str, object] = {"address": address, "can": can, "data_dir": data_dir}
     of_line: dict[str, object] = {"control": control, "shared_bus": shared_bus or None}
     of_uart: dict[str, object] = {"echo": echo or None, "node": node}
     with _told():
@@ -178,6 +184,7 @@ def emulate(
                 clock_hz=clock_hz,
                 pty=pty,
                 tcp=tcp,
+                can=can,
                 addresses=(node or (0,)) if is_uart else address or (1,),
                 baud=baud,
                 shared_bus=shared_bus,

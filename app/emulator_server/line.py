@@ -22,7 +22,7 @@ class LineOptions:
     """An emulated line as the command line describes it. `addresses` are those of its modules, or nodes of its chips.
 
     `model` is what hangs on it: modules, one board with a `chip` ("": its usual one) that has `clock_hz`, or chips with
-    a UART, whose line may give back what is said to it (`echo`).
+    a UART, whose line may give back what is said to it (`echo`). `can` is a bus of python-can, `INTERFACE:CHANNEL`.
     """
 
     model: str
@@ -30,6 +30,7 @@ class LineOptions:
     clock_hz: float | None = None
     pty: Path | None = None
     tcp: str | None = None
+    can: str | None = None
     addresses: Sequence[int] = (1,)
     baud: int | None = None
     shared_bus: bool = False

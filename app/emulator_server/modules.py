@@ -21,7 +21,14 @@ def make_line(clock: Clock, options: LineOptions) -> Far:
     modules = {}
     for address in options.addresses:
         # Modules that made the same noise would be one module twice.
-        named = {"address": address, "time_scale": options.time_scale, "seed": options.seed + address}
+        named: dict[str, object] = {
+            "address": address,
+            "time_scale": options.time_scale,
+            "seed": options.seed + address,
+        }
+        if options.can is not None and "can_receive_id" in family.options.model_fields:
+            # As delivered they would all listen to 1, and all answer as 2.
+            named |= {"can_receive_id": 2 * address - 1, "can_send_id": 2 * address}
         eeprom = None if kept is None else kept / "emulators" / f"{options.model}-{address}.json"
         modules[address] = family.make(options.model, clock, family.options.model_validate(named), eeprom)
         modules[address].pace = pace

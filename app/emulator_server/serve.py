@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from ..clock import WallClock
 from ..emulators.board.options import MODEL as BOARD
 from ..emulators.core.pace import Pace
+from ..emulators.line.can_end import CanEnd
+from ..emulators.line.can_message import CanModule
 from ..emulators.line.ends import End
 from ..emulators.line.framing import Fixed
 from ..emulators.line.line import Line
@@ -22,6 +24,7 @@ from ..emulators.line.raw import RawChip
 from ..emulators.line.server import LineServer
 from ..emulators.line.tcp import TcpEnd
 from ..emulators.server import Served, frame_bytes_of, serve_tcp
+from ..links.can_bus import SOCKETCAN, check_bus, require_python_can
 from ..listening import CannotListen, host_and_port, listen, url_of, why
 from ..registers.catalog import find_model, is_model
 from .line import LineMaker, LineOptions
@@ -111,14 +114,16 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
 
     Raises ValueError for options that cannot be, CannotListen for an address or a path that cannot be had.
     """
-    if options.pty is None and options.tcp is None:
-        raise ValueError("say where: --pty PATH, --tcp HOST:PORT, or both")
+    if options.pty is None and options.tcp is None and options.can is None:
+        raise ValueError("say where: --pty PATH, --tcp HOST:PORT, --can CHANNEL, or several")
+    can_bus = None if options.can is None else _bus_of(options.can)
     if len(set(options.addresses)) != len(options.addresses):
         raise ValueError("whoever is on a line needs an address of its own")
     if is_model(options.model) and find_model(options.model).uart == "plain" and tuple(options.addresses) != (0,):
         raise ValueError(f"a {options.model} has no node address, and is alone on its line")
     with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
         far = _maker_of(options.model)(WallClock(), options)
+    can_end = None if can_bus is None else CanEnd(*can_bus, _can_bit_rate(options.model, far.line))
     with contextlib.ExitStack() as stack:
         # The control port first: a client may set a fault as soon as the line is there.
         control = listen(*host_and_port("--control", options.control)) if options.control else None
@@ -126,7 +131,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
             stack.callback(control.close)
             control.listen()  # whoever calls before the server behind it runs just waits
         try:
-            server = stack.enter_context(LineServer(far.line, _ends(options.tcp, options.pty)))
+            server = stack.enter_context(LineServer(far.line, _ends(options.tcp, options.pty, can_end)))
         except OSError as error:
             raise CannotListen(str(error)) from error
         said = [f"emulated {options.model} at {', '.join(end.name for end in server.ends)}"]
@@ -149,7 +154,29 @@ def _maker_of(model: str) -> LineMaker:
     return line_maker_of(model)
 
 
-def _ends(tcp: str | None, pty: Path | None) -> list[End]:
+def _bus_of(can: str) -> tuple[str, str]:
+    """Interface and channel of `INTERFACE:CHANNEL`, of socketcan by its channel alone. Raises UsageError."""
+    require_python_can()
+    interface, colon, channel = can.partition(":")
+    bus = (interface, channel) if colon else (SOCKETCAN, can)
+    check_bus(*bus)
+    return bus
+
+
+def _can_bit_rate(model: str, line: Line) -> int:
+    """Of the modules on `line` [bit/s]. Raises ValueError for those without CAN, and where they differ."""
+    rates = {module.can_bit_rate if isinstance(module, CanModule) else None for module in line.modules}
+    rate = rates.pop()
+    if rate is None:
+        raise ValueError(f"--can is not for a {model}: its emulator has no CAN interface")
+    if rates:
+        raise ValueError(
+            "the modules' EEPROMs hold different CAN bit rates (global parameter 69), so they cannot share a bus"
+        )
+    return rate
+
+
+def _ends(tcp: str | None, pty: Path | None, can: End | None = None) -> list[End]:
     ends: list[End] = []
     if tcp is not None:
         ends.append(TcpEnd(listen(*host_and_port("--tcp", tcp))))
@@ -157,6 +184,8 @@ def _ends(tcp: str | None, pty: Path | None) -> list[End]:
         from ..emulators.line.pty import PtyEnd  # not every system has such terminals
 
         ends.append(PtyEnd(pty))
+    if can is not None:
+        ends.append(can)
     return ends
 
 

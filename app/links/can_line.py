@@ -4,25 +4,23 @@ On the bus a question has the module's receive identifier and seven bytes: comma
 An answer has the module's send identifier and seven bytes: the module's address, status, command, value. The bus
 has its own check of bits, so there is no checksum; here both get the two missing bytes back, and
 everything above knows nine-byte frames only. The version as a string needs all eight bytes of a
-message, and is asked for with eight.
+message, and is asked for with eight; a command of the program memory comes back as its seven.
 """
 
 from __future__ import annotations
 
 import contextlib
-import re
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from importlib.util import find_spec
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..clock import Clock
 from ..errors import LinkDown, UsageError
 from ..registers.tmcl.commands import Opcode
+from .can_bus import bus_name, check_bus, open_bus, require_python_can
 from .line_thread import Job
 from .port import Answer
-from .serial_address import openable, port_url
 from .serial_line import Line, LinePort, shared_line
 from .streams import Closing, Stream
 from .tmcl import FRAME_BYTES, checksum, has_plain_reply
@@ -34,34 +32,6 @@ SLICE_S = 0.05
 SEND_TIMEOUT_S = 0.5
 TIMEOUT_S = 0.1
 """Wait for an answer [s]. A message takes a millisecond at 125 kbit/s, a module some more."""
-
-
-SERIAL_INTERFACES = frozenset({"robotell", "seeedstudio", "serial", "slcan"})
-"""Interfaces of python-can whose channel is a serial port, with `@` and a baud rate behind it."""
-INTERFACES = frozenset(
-    {
-        "canalystii",
-        "cantact",
-        "etas",
-        "gs_usb",
-        "iscan",
-        "ixxat",
-        "kvaser",
-        "neousys",
-        "neovi",
-        "nican",
-        "nixnet",
-        "pcan",
-        "socketcan",
-        "systec",
-        "udp_multicast",
-        "usb2can",
-        "vector",
-        "virtual",
-    }
-)
-"""Interfaces of python-can whose channel is a name or a number; not those that need more than that (socketcand)."""
-CHANNEL = re.compile(r"[A-Za-z0-9_.:-]{1,200}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +50,8 @@ class CanStream:
         self._message = message
         self._routes = routes
         self._closing = False
-        self._wants_string = False
+        self._special: int | None = None
+        """The command asked last, where its answer has neither status nor command: 134, 136 type 0."""
 
     @property
     def fd(self) -> int | None:
@@ -96,8 +67,8 @@ class CanStream:
         route = self._routes().get(data[0])
         if route is None:
             return  # nobody has that address, so nobody will answer
-        self._wants_string = data[1] == Opcode.GET_VERSION and not has_plain_reply(data)
-        body = data[1:8] + (b"\0" if self._wants_string else b"")
+        self._special = None if has_plain_reply(data) else data[1]
+        body = data[1:8] + (b"\0" if self._special == Opcode.GET_VERSION else b"")
         try:
             self._bus.send(
                 self._message(arbitration_id=route.send_id, data=body, is_extended_id=False), timeout=SEND_TIMEOUT_S
@@ -127,11 +98,14 @@ class CanStream:
         for address, route in self._routes().items():
             if message.arbitration_id != route.receive_id:
                 continue
-            if len(data) == PLAIN_BYTES and data[0] == route.send_id & 0xFF:
+            plain = len(data) == PLAIN_BYTES and data[0] == route.send_id & 0xFF
+            # An error has the usual form, and names the command where a stored command has its motor.
+            usual = plain and data[2] in (self._special, Opcode.REQUEST_EVENT)
+            if self._special is not None and not usual and len(data) in (PLAIN_BYTES, PLAIN_BYTES + 1):
+                return bytes((HOST,)) + data.ljust(8)
+            if plain:
                 body = bytes((HOST, address)) + data[1:]
                 return body + bytes((checksum(body),))
-            if self._wants_string and len(data) in (PLAIN_BYTES, PLAIN_BYTES + 1):
-                return bytes((HOST,)) + data.ljust(8)
         return b""
 
     def abort(self) -> None:
@@ -149,7 +123,7 @@ class CanLine(Line):
         self.interface, self.channel, self.bitrate = interface, channel, bitrate
         self.routes: dict[int, Route] = {}
         """By address, of the modules in use; replaced and never changed, for the thread looks at it."""
-        super().__init__(_name(interface, channel), self._open)
+        super().__init__(bus_name(interface, channel), self._open)
 
     def put(self, port: LinePort, job: Job) -> None:
         """Raises LinkDown where two modules cannot be told apart."""
@@ -162,16 +136,9 @@ class CanLine(Line):
         super().put(port, job)
 
     def _open(self, _: int) -> Stream:
+        bus = open_bus(self.interface, self.channel, self.bitrate)
         import can
 
-        channel = self.channel
-        if self.interface in SERIAL_INTERFACES:
-            device, at, baud = channel.partition("@")
-            channel = f"{openable(self.name, device)}{at}{baud}"
-        try:
-            bus = can.Bus(interface=self.interface, channel=channel, bitrate=self.bitrate)
-        except Exception as error:  # every adapter's driver has errors of its own
-            raise LinkDown(self.name, str(error) or type(error).__name__) from error
         return CanStream(bus, can.Message, lambda: self.routes)
 
 
@@ -181,6 +148,7 @@ class CanPort(LinePort):
     def __init__(self, line: CanLine, route: Route, timeout_s: float | None, clock: Clock | None) -> None:
         super().__init__(line, address=route.send_id & 0xFF, timeout_s=timeout_s or TIMEOUT_S, clock=clock)
         self.route = route
+        self.traits = replace(self.traits, arbitrates=True)
 
     @property
     def name(self) -> str:
@@ -227,31 +195,11 @@ def can_port(
 
     Raises UsageError where python-can is not installed, and for an interface or a channel that cannot be.
     """
-    if find_spec("can") is None:
-        raise UsageError("CAN needs python-can: pip install 'stepscope[can]'")
-    _check(interface, channel)
-    line = shared_line(_name(interface, channel), lambda: CanLine(interface, channel, bitrate))
+    require_python_can()
+    check_bus(interface, channel)
+    line = shared_line(bus_name(interface, channel), lambda: CanLine(interface, channel, bitrate))
     if line.bitrate != bitrate and not line.is_open:
         line.bitrate = bitrate
     if line.bitrate != bitrate:
         raise UsageError(f"{line.name} is open at {line.bitrate} bit/s; all modules on a bus use the same")
     return CanPort(line, Route(send_id, receive_id), timeout_s, clock)
-
-
-def _check(interface: str, channel: str) -> None:
-    """Raises UsageError. python-can loads an interface by name, and several open whatever file a channel names."""
-    if interface in SERIAL_INTERFACES:
-        device, at, baud = channel.partition("@")
-        if at and not (baud.isascii() and baud.isdecimal() and len(baud) < 8):
-            raise UsageError(f"behind the @ of a {interface} channel stands its baud rate, not {baud!r}")
-        if port_url(device).startswith("spy://"):
-            raise UsageError(f"a {interface} channel is a device name, or socket://host:port")
-    elif interface not in INTERFACES:
-        known = ", ".join(sorted(INTERFACES | SERIAL_INTERFACES))
-        raise UsageError(f"python-can has no interface {interface!r} here; there is {known}")
-    elif not CHANNEL.fullmatch(channel):
-        raise UsageError(f"a {interface} channel is called by letters, digits and . _ : -, not {channel!r}")
-
-
-def _name(interface: str, channel: str) -> str:
-    return f"can {interface} {channel}"

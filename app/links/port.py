@@ -63,12 +63,13 @@ class PortTraits:
     """What a port can besides exchanging frames: itself, typed so, or None where it cannot.
 
     chains : the replies of its chip belong to the frame before. batches : many exchanges on a thread of its own.
-    sampling : its far end samples itself on its own time
+    sampling : its far end samples itself on its own time. arbitrates : whoever speaks unasked disturbs nobody (CAN)
     """
 
     chains: ChainPort | None = None
     batches: BatchPort | None = None
     sampling: SamplingPort | None = None
+    arbitrates: bool = False
 
 
 class ChainPort(FramePort, Protocol):

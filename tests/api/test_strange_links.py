@@ -16,7 +16,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.links.can_line import INTERFACES, SERIAL_INTERFACES
+from app.links.can_bus import INTERFACES, SERIAL_INTERFACES
 from app.main import bench_of
 from app.settings import Settings
 from tests.links.test_serial_address import strange_names

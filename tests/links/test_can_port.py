@@ -11,7 +11,7 @@ import pytest
 
 from app.clock import VirtualClock
 from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
-from app.links import can_line
+from app.links import can_bus
 from app.links.can_line import CanPort, can_port
 from app.links.queue import LinkQueue
 from app.links.registry import can_factory
@@ -161,7 +161,7 @@ async def test_an_interface_that_is_not_there() -> None:
 
 
 def test_without_python_can(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(can_line, "find_spec", lambda name: None)
+    monkeypatch.setattr(can_bus, "find_spec", lambda name: None)
     with pytest.raises(UsageError, match=r"stepscope\[can\]"):
         port_on("x")
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from app.clock import VirtualClock
 from app.errors import BenchError, LinkDown, UsageError
-from app.links.can_line import INTERFACES, SERIAL_INTERFACES
+from app.links.can_bus import INTERFACES, SERIAL_INTERFACES
 from app.links.registry import Link, can_factory
 from app.links.serial_address import allow_ports, device_of, openable, port_url
 from app.links.streams import open_stream

@@ -17,6 +17,7 @@ from ..core.family import DeviceFamily
 from ..core.session import Session
 from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
+from .arrivals import Arrivals
 from .borrowed import BorrowedAcceleration
 from .configuration import ModuleConfiguration
 from .console import ModuleSender
@@ -57,6 +58,7 @@ def compose(
     records = Records(session, state)
     ongoing = OngoingMotion(session, state)
     poller = Poller(session, state, link, ongoing, tasks)
+    arrivals = Arrivals(session, link, ongoing, poller, tasks)
     ticks = TickTimer(session, state)
     borrowed = BorrowedAcceleration(session, state, link, records, tasks)
     departure = Departure(session, state, link, ongoing, borrowed)
@@ -67,7 +69,7 @@ def compose(
 
     session.writes_counter = counter_writes(state.roles)
     session.link_filters.append(link.counts)
-    session.state_hooks += [state.on_state, ongoing.on_state]
+    session.state_hooks += [state.on_state, ongoing.on_state, arrivals.on_state]
     session.listen(ongoing.on_event)
     state.saw_hooks.append(ongoing.on_seen)
     ongoing.began_hooks.append(poller.begin)
@@ -82,7 +84,7 @@ def compose(
             identity=identity,
             registers=parameters,
             raw=console,
-            motion=ModuleMotion(session, state, link, ongoing, departure, stops),
+            motion=ModuleMotion(session, state, link, ongoing, departure, stops, arrivals),
             monitor=ModuleMonitor(session, state, link, ongoing, ticks),
             counter=ModuleCounter(session, state, link, ticks),
             telemetry=ModuleTelemetry(session, state, link, ongoing),
@@ -92,6 +94,7 @@ def compose(
                 state,
                 link,
                 ongoing,
+                arrivals,
                 Eeprom(session, state, link, records),
                 ProgramStore(session, state, link, download, ongoing, console, moving, identity.refresh),
                 ModuleEncoders(session, state, link, ongoing),

@@ -16,6 +16,7 @@ from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcom
 from ..core.session import Session
 from ..core.tmcl_link import TmclLink
 from ..core.tmcl_refusals import limits
+from .arrivals import Arrivals
 from .departure import Departure
 from .ongoing import OngoingMotion
 from .state import ModuleState
@@ -35,6 +36,7 @@ class ModuleMotion(Motion):
         ongoing: OngoingMotion,
         departure: Departure,
         stops: Stops,
+        arrivals: Arrivals,
     ) -> None:
         self._session = session
         self._state = state
@@ -42,6 +44,7 @@ class ModuleMotion(Motion):
         self._ongoing = ongoing
         self._departure = departure
         self._stops = stops
+        self._arrivals = arrivals
 
     # --- moves ----------------------------------------------------------------------------------
 
@@ -66,6 +69,7 @@ class ModuleMotion(Motion):
                 raise CannotMove("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4", axis)
             if session.limiter is not None:
                 session.limiter.require_target(axis, state.wrap.shows(target), before.position)
+            await self._arrivals.ask_for(calls)
             request = Request(self._link.address, Opcode.MVP, ABS, axis, target)
             started_s = await self._departure.set_off(calls, request, "position", target)
             try:

@@ -54,11 +54,14 @@ class Poller:
             except BenchError:
                 continue
 
-    async def poll(self) -> None:
-        """Ask once, unless a caller has just asked; of a motor that rests for a while, ask why. Raises BenchError."""
+    async def poll(self, *, at_once: bool = False) -> None:
+        """Ask once, unless a caller has just asked; of a motor that rests for a while, ask why. Raises BenchError.
+
+        `at_once`: also where a caller has just asked, for something has happened since.
+        """
         watch = self._ongoing.watch
         # Telemetry that asks for the same looks often enough: one set of questions is enough for both.
-        if self._session.device_time_s() - watch.polled_s > POLL_S * self._session.time_scale:
+        if at_once or self._session.device_time_s() - watch.polled_s > POLL_S * self._session.time_scale:
             async with self._link.calls(priority=Priority.SAMPLE) as calls:
                 asked_at_s = self._session.device_time_s()
                 told_position, told_speed, reached = await calls.ask_many(self._state.roles.poll)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from ...clock import Clock
 from ...registers.tmcl.commands import Opcode, Status
 from ..core.noise import cut, flip
+from .can_message import CanMessage, CanModule
 from .faults import LineFaults, LinePatch, LineState
 from .framing import TMCL, Framing
 from .module import LineModule
@@ -75,7 +76,7 @@ class Line:
         self._wire_free_s = 0.0
         self._said_s = 0.0
         """When the latest byte of a client was on the wire [s]."""
-        self._listeners: dict[int, tuple[Hashable, bool]] = {}
+        self._listeners: dict[int, _Listener] = {}
         self._polled_s = 0.0
 
     # --- clients ------------------------------------------------------------------------------------
@@ -89,7 +90,7 @@ class Line:
         self._clients.pop(client, None)
         self._waiting = [entry for entry in self._waiting if entry[2] != client]
         heapq.heapify(self._waiting)
-        self._listeners = {index: entry for index, entry in self._listeners.items() if entry[0] != client}
+        self._listeners = {index: entry for index, entry in self._listeners.items() if entry.client != client}
 
     # --- bytes --------------------------------------------------------------------------------------
 
@@ -134,6 +135,27 @@ class Line:
                     self._transact(client, frame, heard_s, byte_s)
                 else:
                     assembly.deaf = True
+
+    def hear_message(self, client: Hashable, message: CanMessage, at_s: float) -> None:
+        """`client` says a message on a CAN bus at `at_s` [s]; answers are delivered as `CanMessage.packed`.
+
+        The bus is not the serial wire: it takes no time here, and it checks and repeats its messages by itself, so that
+        flipped bits and half frames do not show. Raises TypeError where a module of this line has no such interface.
+        """
+        if client not in self._clients or not self.plugged:
+            return
+        for index, module in enumerate(self.modules):
+            if not isinstance(module, CanModule):
+                raise TypeError(f"{type(module).__name__} has no CAN interface")
+            if module.faults.unplugged:
+                continue
+            said = module.receive_message(message, module.clock.at(at_s))
+            if said is None or module.faults.silence or self.faults.silence:
+                continue
+            if message.data[0] == Opcode.REQUEST_EVENT and said.data[1] == Status.OK:
+                self._listen(index, _Listener(client, message.data[1] != 0, by_can=True), at_s)
+            due_s = at_s + module.faults.late_reply_s + self.faults.late_reply_s
+            heapq.heappush(self._waiting, (due_s, next(self._order), client, said.packed()))
 
     def collect(self, at_s: float) -> list[Delivery]:
         """Everything that has arrived by `at_s` [s], in order of time."""
@@ -206,7 +228,7 @@ class Line:
             if said is None or faults.silence or self.faults.silence:
                 continue
             if self._framing.events and frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
-                self._listen(index, client, again=frame[2] != 0, at_s=heard_s)
+                self._listen(index, _Listener(client, frame[2] != 0), heard_s)
             due_s = max(due_s, heard_s + module.reply_pause_s + len(said) * byte_s)
             late_s = max(late_s, faults.late_reply_s)
             said = cut(flip(said, faults.bit_error_rate, self._noise), faults.half_frame_rate, self._noise)
@@ -241,26 +263,38 @@ class Line:
         ]
         return True
 
-    def _listen(self, index: int, client: Hashable, *, again: bool, at_s: float) -> None:
+    def _listen(self, index: int, listener: _Listener, at_s: float) -> None:
         if index not in self._listeners:  # what came up while nobody listened is nobody's
             self.modules[index].unsolicited(self.modules[index].clock.at(at_s))
-        self._listeners[index] = (client, again)
+        self._listeners[index] = listener
 
     def _fetch_events(self, at_s: float) -> None:
         byte_s = BITS_A_BYTE / self.baud if self.baud else 0.0
-        for index, (client, again) in list(self._listeners.items()):
+        for index, listener in list(self._listeners.items()):
             module = self.modules[index]
             now_s = module.clock.at(at_s)
             for chip_s, frame in module.unsolicited(now_s):
-                if not again:
+                if not listener.again:
                     self._listeners.pop(index, None)
                 if module.faults.unplugged or module.faults.silence or self.faults.silence or not self.plugged:
                     continue
                 # By the module's clock the event is some time old: so it also is by ours.
                 ago_s = (now_s - chip_s) / module.clock.scale if module.clock.scale else 0.0
+                if listener.by_can and isinstance(module, CanModule):
+                    said = module.as_message(frame).packed()
+                    heapq.heappush(self._waiting, (at_s - ago_s, next(self._order), listener.client, said))
+                    continue
                 due_s = max(at_s - ago_s, self._wire_free_s) + len(frame) * byte_s
                 self._wire_free_s = max(self._wire_free_s, due_s)
-                self._send(client, frame, due_s)
+                self._send(listener.client, frame, due_s)
+
+
+class _Listener(NamedTuple):
+    """Who hears of a module's events: the next one only, or all (`again`)."""
+
+    client: Hashable
+    again: bool
+    by_can: bool = False
 
 
 class _Assembly:

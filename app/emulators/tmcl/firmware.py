@@ -3,7 +3,10 @@
 Open in all sources, and decided here (what is about one command: see `commands`):
 - an answer bears the addresses that held when the command came, so a new address begins with the next command;
   whether answers are suppressed (parameter 255) counts from the very command that changes it;
-- a frame whose checksum is wrong is answered with command 0 and value 0, for nothing in it can be trusted.
+- a frame whose checksum is wrong is answered with command 0 and value 0, for nothing in it can be trusted;
+- a heartbeat counts commands over its own interface: parameter 68 those of the serial ones, 82 those over CAN;
+- the second CAN identifier (83) is obeyed and never answered, as the second serial address is; 0 is none;
+- a CAN message of 8 bytes is a command of 7 with one that means nothing, but for the version as a string.
 """
 
 from __future__ import annotations
@@ -11,20 +14,37 @@ from __future__ import annotations
 import struct
 from collections.abc import Collection
 
+from ...links.tmcl import has_plain_reply
 from ...registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
 from ..drive import Drive
+from ..line.can_message import CanMessage
 from .application import Application, wrapped
 from .axis import Axis
 from .commands import MOTOR_BITS, Commands, NoAnswer, Special
 from .coordinates import Coordinates
 from .eeprom import Eeprom
-from .global_parameters import ADDRESS, AUTOSTART, HEARTBEAT, HOST, PAUSE, SECONDARY, GlobalParameters
+from .global_parameters import (
+    ADDRESS,
+    AUTOSTART,
+    CAN_HEARTBEAT,
+    CAN_RECEIVE,
+    CAN_SECONDARY,
+    CAN_SEND,
+    HEARTBEAT,
+    HOST,
+    PAUSE,
+    SECONDARY,
+    GlobalParameters,
+)
 from .interpreter import Interpreter
 from .models import Played
 from .ports import Ports
 from .refused import Refused
 
 _BODY = struct.Struct(">BBBBi")
+HEARTBEATS = (HEARTBEAT, CAN_HEARTBEAT)
+_COMMAND = struct.Struct(">BBBi")
+_CAN_LENGTHS = (7, 8)
 ALWAYS_ANSWERED = frozenset({Opcode.GAP, Opcode.GGP, Opcode.GIO})
 """Commands that parameter 255 does not silence."""
 
@@ -93,8 +113,8 @@ class Firmware:
         self.interpreter.power_on()
         self.coordinates.power_on()
         self._started = self.drive.clocks
-        self._heard: int | None = self.drive.clocks
-        """When the latest command came [clocks]; None since the heartbeat failed."""
+        self._heard: dict[int, int | None] = dict.fromkeys(HEARTBEATS, self.drive.clocks)
+        """When the latest command came, by the heartbeat of its interface [clocks]; None since that failed."""
 
     # --- time ------------------------------------------------------------------------------------
 
@@ -102,22 +122,22 @@ class Firmware:
         """Let time pass to `until_clocks`; events and a missing heartbeat are dealt with as they come."""
         drive = self.drive
         while drive.clocks < until_clocks:
-            silent_at = self._silent_at(until_clocks)
+            silent_at, silent = min((self._silent_at(beat, until_clocks), beat) for beat in HEARTBEATS)
             event = self.interpreter.advance(min(until_clocks, silent_at))
             if event is not None:
                 self.axis.happened(event)
                 self.interpreter.happened(event)
             elif silent_at <= drive.clocks:
-                self._heard = None
+                self._heard[silent] = None
                 self.axis.stop_search()
                 self.axis.stop()
 
-    def _silent_at(self, else_at: int) -> int:
-        """When the heartbeat (parameter 68) runs out [clocks]; `else_at` where none is awaited."""
-        limit_ms = self.globals.configuration[HEARTBEAT]
-        if not limit_ms or self._heard is None:
+    def _silent_at(self, heartbeat: int, else_at: int) -> int:
+        """When a heartbeat (parameter 68 or 82) runs out [clocks]; past `else_at` where none is awaited."""
+        limit_ms, heard = self.globals.configuration.get(heartbeat, 0), self._heard[heartbeat]
+        if not limit_ms or heard is None:
             return else_at + 1
-        return max(self._heard + limit_ms * self._clocks_per_ms, self.drive.clocks)
+        return max(heard + limit_ms * self._clocks_per_ms, self.drive.clocks)
 
     def _milliseconds(self) -> int:
         return (self.drive.clocks - self._started) // self._clocks_per_ms
@@ -132,7 +152,7 @@ class Firmware:
     def receive(self, frame: bytes) -> bytes | None:
         """Obey one 9-byte frame. None: not for this module, or a command or setting without answer."""
         configuration = self.globals.configuration
-        address, opcode, type_, motor, value = _BODY.unpack_from(frame)
+        address = frame[0]
         mine = configuration[ADDRESS]
         if address != mine and (address != configuration[SECONDARY] or address == 0):
             return None
@@ -141,10 +161,37 @@ class Firmware:
             if address != mine or self.globals.suppress:
                 return None
             return _pack(host, mine, Status.WRONG_CHECKSUM, 0, 0)
-        self._heard = self.drive.clocks
+        self._heard[HEARTBEAT] = self.drive.clocks
+        reply = self._obey(frame[1:8], host, mine)
+        return reply if address == mine else None
+
+    def receive_message(self, message: CanMessage) -> CanMessage | None:
+        """Obey one message of the CAN bus. None: not for this module, or a command or setting without answer."""
+        configuration = self.globals.configuration
+        listens, answers = configuration[CAN_RECEIVE], configuration[CAN_SEND]
+        second = configuration[CAN_SECONDARY]
+        wanted = message.identifier in (listens, second) if second else message.identifier == listens
+        if not wanted or len(message.data) not in _CAN_LENGTHS:
+            return None
+        self._heard[CAN_HEARTBEAT] = self.drive.clocks
+        reply = self._obey(message.data[:7], configuration[HOST], listens & 0xFF)
+        if reply is None or message.identifier != listens:
+            return None
+        if message.data[0] == Opcode.GET_VERSION and not has_plain_reply(bytes(1) + message.data):
+            return CanMessage(answers, reply[1 : 1 + len(message.data)])
+        return CanMessage(answers, reply[1:8])
+
+    def as_message(self, frame: bytes) -> CanMessage:
+        """A frame of its own as it is said on the CAN bus."""
+        configuration = self.globals.configuration
+        return CanMessage(configuration[CAN_SEND], bytes((configuration[CAN_RECEIVE] & 0xFF,)) + frame[2:8])
+
+    def _obey(self, command: bytes, host: int, mine: int) -> bytes | None:
+        """The nine bytes that answer seven: opcode, type, motor, value; None where nothing is to be said."""
+        opcode, type_, motor, value = _COMMAND.unpack(command)
         try:
             if self.application.downloading and opcode < CONTROL_FIRST:
-                self.application.store(frame[1:8])
+                self.application.store(command)
                 reply = _pack(host, mine, Status.STORED, opcode, value)
             else:
                 reply = _pack(host, mine, Status.OK, opcode, self._handlers[opcode](type_, motor, value))
@@ -154,9 +201,7 @@ class Firmware:
             return None
         except Special as answer:
             reply = bytes((host,)) + answer.content
-        if address != mine or (self.globals.suppress and opcode not in ALWAYS_ANSWERED):
-            return None
-        return reply
+        return None if self.globals.suppress and opcode not in ALWAYS_ANSWERED else reply
 
     # --- what others ask --------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...registers.model import Register, Space, to_signed
-from ...registers.tmcl.commands import BAUD_RATES
+from ...registers.tmcl.commands import BAUD_RATES, CAN_BIT_RATES
 from ...registers.tmcl.description import TmclModule
 from ...registers.tmcl.pd42_globals import VARIABLES, VARIABLES_STORED
 from .application import PROTECT_READ, Application
@@ -15,6 +15,7 @@ from .refused import invalid_value, wrong_type
 CONFIGURATION, USER_VARIABLES, INTERRUPT_SETUP = 0, 2, 3
 """Banks."""
 BAUD, ADDRESS, HEARTBEAT, PAUSE, HOST, AUTOSTART, PROTECTION = 65, 66, 68, 75, 76, 77, 81
+CAN_RATE, CAN_SEND, CAN_RECEIVE, CAN_HEARTBEAT, CAN_SECONDARY = 69, 70, 71, 82, 83
 KEEP_COORDINATES, FORGET_VARIABLES, SECONDARY = 84, 85, 87
 STATUS, DOWNLOADING, COUNTER, LAST_ERROR, TICKS, RANDOM, SUPPRESS = 128, 129, 130, 131, 132, 133, 255
 _FIRST_STORED, _LAST_STORED = 64, 127
@@ -35,7 +36,7 @@ class GlobalParameters:
         self.eeprom = eeprom
         self._application = application
         self._variables = application.variables
-        self._delivered = delivered
+        self._delivered = {number: value for number, value in delivered.items() if number in self._bank0}
         self.milliseconds: Callable[[], int] = lambda: 0
         self.timer_set: Callable[[int], None] = lambda number: None
         """Hears the number of each setting of bank 3 that was written."""
@@ -50,6 +51,7 @@ class GlobalParameters:
         }
         self.configuration = {**self._defaults, **self._delivered, **known}
         self.baud_in_force = baud_of(self.configuration[BAUD])
+        self.can_rate_in_force = can_bit_rate_of(self.configuration[CAN_RATE]) if self.has_can else None
         self.suppress = 0
         self._variables[:] = 0
         if not self.configuration[FORGET_VARIABLES]:
@@ -63,6 +65,11 @@ class GlobalParameters:
         """Erase the EEPROM (command 137). What was set at delivery is gone too: the address is 1 again."""
         self._delivered = {}
         self.eeprom.erase()
+
+    @property
+    def has_can(self) -> bool:
+        """Whether the module has a CAN interface: then it has identifiers to listen to."""
+        return CAN_RECEIVE in self._bank0
 
     @property
     def address(self) -> int:
@@ -171,6 +178,11 @@ class GlobalParameters:
 def baud_of(code: int) -> int:
     """Baud rate of a code of global parameter 65."""
     return BAUD_RATES.get(code) or _FASTER_BAUDS[code]
+
+
+def can_bit_rate_of(code: int) -> int:
+    """CAN bit rate of a code of global parameter 69 [bit/s]."""
+    return CAN_BIT_RATES[code]
 
 
 def _allowed(row: Register | None, value: int) -> bool:

@@ -13,11 +13,12 @@ from ..core.base import EmulatorBase
 from ..core.ground_truth import GroundTruth, ProgramGroundTruth
 from ..drive import Drive
 from ..drive.documents import ground_truth
+from ..line.can_message import CanMessage
 from . import plant
 from .eeprom import Eeprom
 from .faults import UNDERVOLTAGE_V, Faults
 from .firmware import Firmware
-from .global_parameters import ADDRESS, BAUD
+from .global_parameters import ADDRESS, BAUD, CAN_RECEIVE, CAN_SEND
 from .models import PLAYED
 from .options import TmclOptions, TmclPatch
 from .refused import Refused
@@ -41,7 +42,12 @@ class EmulatedModule(EmulatorBase[TmclPatch, TmclState]):
         self._model = model
         self.options = options or TmclOptions()
         super().__init__(clock, self.options.time_scale, Faults())
-        delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
+        delivered = {
+            ADDRESS: self.options.address,
+            BAUD: self.options.baud_code,
+            CAN_RECEIVE: self.options.can_receive_id,
+            CAN_SEND: self.options.can_send_id,
+        }
         self._drive = Drive(self.options.drive(played.full_scale_a))
         self._firmware = Firmware(
             played,
@@ -79,6 +85,26 @@ class EmulatedModule(EmulatorBase[TmclPatch, TmclState]):
         with self._lock:
             self._run_until(at_s)
             return self._firmware.receive(frame)
+
+    @property
+    def can_bit_rate(self) -> int | None:
+        """Of the CAN interface since power-on [bit/s]; None for a model that has none."""
+        return self._firmware.globals.can_rate_in_force
+
+    def receive_message(self, message: CanMessage, at_s: float | None = None) -> CanMessage | None:
+        """Obey one message of a CAN bus at chip time `at_s` [s], by default now; None where there is no answer.
+
+        Raises WrongState for a model without CAN.
+        """
+        if self.can_bit_rate is None:
+            raise WrongState(f"a {self._model} has no CAN interface", "use its serial one")
+        with self._lock:
+            self._run_until(at_s)
+            return self._firmware.receive_message(message)
+
+    def as_message(self, frame: bytes) -> CanMessage:
+        """A frame of its own (position reached) as it is said on the bus."""
+        return self._firmware.as_message(frame)
 
     def unsolicited(self, at_s: float | None = None) -> list[tuple[float, bytes]]:
         """Position reached events that came up by `at_s` [s] and were not fetched yet: (chip time [s], frame)."""

@@ -34,6 +34,12 @@ class TmclOptions(MotorDocument):
     baud_code: Annotated[int, Field(strict=True, ge=0, le=11)] = rest_only(
         0, "code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200"
     )
+    can_receive_id: Annotated[int, Field(strict=True, ge=0, le=2047)] = rest_only(
+        1, "CAN identifier that it listens to at delivery (global parameter 71)"
+    )
+    can_send_id: Annotated[int, Field(strict=True, ge=0, le=2047)] = rest_only(
+        2, "CAN identifier of its answers at delivery (global parameter 70)"
+    )
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (

@@ -359,6 +359,11 @@ BAUD_RATES: Mapping[int, int] = MappingProxyType(
 )
 """Global parameter 65 in bank 0 to baud (TMCM-1690 and TMCM-1290 manuals; higher codes are not confirmed)."""
 
+CAN_BIT_RATES: Mapping[int, int] = MappingProxyType(
+    {2: 20_000, 3: 50_000, 4: 100_000, 5: 125_000, 6: 250_000, 7: 500_000, 8: 1_000_000}
+)
+"""Global parameter 69 in bank 0 to bit/s (TMCM-1690 manual)."""
+
 REFERENCE_MODES: Mapping[int, str] = MappingProxyType(
     {
         1: "left stop switch",

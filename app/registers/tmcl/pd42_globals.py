@@ -36,7 +36,11 @@ GLOBAL_PARAMETERS = (
     ),
     _interface(66, "serial_address", RW, (1, 255), "address of the module", reset=1, write_note=_LOSES_CONTACT),
     _interface(
-        68, "serial_heartbeat", RW, (0, 65535), "the motor stops when no command came for so long; 0 switches it off"
+        68,
+        "serial_heartbeat",
+        RW,
+        (0, 65535),
+        "the motor stops when no serial command came for so long; 0 switches it off",
     ).having(unit="ms", reset=0),
     _interface(69, "can_bit_rate", RW, (2, 8), "bit rate of the CAN interface").having(
         reset=8,
@@ -53,10 +57,16 @@ GLOBAL_PARAMETERS = (
         reset=0,
         write_note="lifting the protection from reading erases the program",
     ),
-    _interface(82, "can_heartbeat", RW, (0, 65535), "as parameter 68, for CAN", unit="ms", reset=0),
-    _interface(83, "can_secondary_address", RW, (0, 2047), "second CAN identifier that the module listens to").having(
-        reset=0
-    ),
+    _interface(
+        82,
+        "can_heartbeat",
+        RW,
+        (0, 65535),
+        "the motor stops when no command came over CAN for so long; 0 switches it off",
+    ).having(unit="ms", reset=0),
+    _interface(
+        83, "can_secondary_address", RW, (0, 2047), "second CAN identifier, obeyed but never answered; 0: none"
+    ).having(reset=0),
     _application(84, "coordinate_storage", RW, (0, 1), "where coordinates are kept").having(
         values={0: "RAM", 1: "RAM and EEPROM"}, reset=0
     ),

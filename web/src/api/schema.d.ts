@@ -6800,6 +6800,18 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
+            /**
+             * Can Receive Id
+             * @description CAN identifier that it listens to at delivery (global parameter 71)
+             * @default 1
+             */
+            can_receive_id?: number;
+            /**
+             * Can Send Id
+             * @description CAN identifier of its answers at delivery (global parameter 70)
+             * @default 2
+             */
+            can_send_id?: number;
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoders */
