@@ -302,8 +302,9 @@ class RegisterTable:
             if key in self._by_name:
                 raise ValueError(f"{chip}: two rows are called {register.name} on axis {register.axis}")
             self._by_name[key] = register
-            if register.alias:
-                self._by_name[(register.alias, register.axis)] = register
+        for register in registers:
+            if register.alias:  # where another row is called that, its name counts
+                self._by_name.setdefault((register.alias, register.axis), register)
         self._place(registers)
         ambiguous: set[tuple[str, int | None]] = set()
         for register in registers:

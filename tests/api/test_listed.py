@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+
 import httpx
 import pytest
 
@@ -9,10 +12,13 @@ from app.clock import VirtualClock
 from app.registers import catalog
 from app.registers.listed import package
 from app.registers.listed.modules import role_of
+from app.registers.model import Space
 
 LISTED = catalog.listings()
 MODEL = LISTED[0]
 SEVERAL = next(model for model in LISTED if model.kind == "module" and model.axes > 1)
+MOST = max((model for model in LISTED if model.kind == "module"), key=lambda model: model.axes)
+"""A module with the most axes, and with outputs."""
 
 
 def named(role: str) -> str:
@@ -61,6 +67,33 @@ async def test_parameters_motion_and_stop(client: httpx.AsyncClient, module: str
     told = (await client.get(f"{module}/emulator")).json()
     assert told["depth"].startswith("plain")
     assert told["plain_axes"][1]["position"] == 2000
+
+
+async def test_ports_and_global_parameters_are_recorded(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    body = {"name": "Module", "model": MOST.name, "link": {"kind": "emulator"}}
+    assert (await client.post("devices", json=body)).status_code == 201
+    module, table, last = "devices/module", catalog.find_model(MOST.name).table, MOST.axes - 1
+    output = next(row.name for row in table if row.space is Space.OUTPUT)
+    setting = next(row.name for row in table if row.space is Space.GLOBAL_0)
+    current = next(row.name for row in table if row.axis == last and role_of(row) == "max_speed")
+    written = {f"{output}.0": 1, f"{setting}.0": 4711, f"{current}.{last}": 77}
+    assert {channel["name"] for channel in (await client.get(module)).json()["channels"]} >= set(written)
+    started = await client.post("recordings", json={"device": "module", "channels": list(written), "rate_hz": 100})
+    assert started.status_code == 201, started.text
+    recording = started.json()["id"]
+    for _ in range(10):
+        await clock.advance(0.05)
+    for channel, value in written.items():
+        name, axis = channel.split(".")
+        assert (await client.put(f"{module}/registers/{name}?axis={axis}", json={"value": value})).status_code == 200
+    for _ in range(10):
+        await clock.advance(0.05)
+    assert (await client.post(f"recordings/{recording}/stop")).status_code == 200
+    text = (await client.get(f"recordings/{recording}?format=csv")).text
+    rows = [row for row in csv.reader(io.StringIO(text)) if row and not row[0].startswith("#")]
+    for channel, value in written.items():
+        column = [float(row[rows[0].index(channel)]) for row in rows[1:]]
+        assert (column[0] != value, column[-1]) == (True, value), channel
 
 
 async def test_the_emulator_can_be_disturbed(client: httpx.AsyncClient, module: str) -> None:

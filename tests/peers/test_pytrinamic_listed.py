@@ -1,4 +1,7 @@
-"""The maker's own class of every listed module against its plain emulated one: rotate, move, stop, parameters."""
+"""The maker's own class of every listed module against its plain emulated one: rotate, move, stop, parameters, ports.
+
+Those that are known well have tests of their own: `test_pytrinamic`, `test_pytrinamic_tmcm1161`.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,14 @@ from tests.peers.served_line import served
 
 SOON_S = 20.0
 NAMES = [model.name for model in catalog.listings() if model.kind == "module"]
+
+
+MOVED = ("TargetPosition", "ActualPosition", "TargetVelocity", "ActualVelocity", "PositionReachedFlag")
+
+
+def numbers_of(constants: Any) -> dict[str, int]:
+    """What a class of the package names; nothing of None."""
+    return {} if constants is None else {name: n for name, n in vars(constants).items() if isinstance(n, int)}
 
 
 def wait_for(motor: Any, name: str, value: int) -> None:
@@ -56,9 +67,32 @@ def test_rotate_move_stop_and_parameters(module: Any) -> None:
         module.move_by(index, -2500)
         wait_for(motor, "actual_position", -1000)
         assert motor.target_position == -1000
-    motor = module.motors[0]
-    held = (names["actualposition"], names["actualvelocity"], names.get("positionreachedflag"))
-    for name, number in names.items():
-        if number not in held and name not in ("targetposition", "targetvelocity"):
-            motor.set_axis_parameter(number, 7)
-            assert motor.get_axis_parameter(number) == 7, name
+    for index, motor in enumerate(module.motors):
+        numbers = set(numbers_of(motor.AP).values()) - {numbers_of(motor.AP).get(name) for name in MOVED}
+        for number in numbers:
+            motor.set_axis_parameter(number, 1000 * index + number)
+    for index, motor in enumerate(module.motors):  # after all of them: no axis has written over another
+        numbers = set(numbers_of(motor.AP).values()) - {numbers_of(motor.AP).get(name) for name in MOVED}
+        assert {number: motor.get_axis_parameter(number) for number in numbers} == {
+            number: 1000 * index + number for number in numbers
+        }
+
+
+def test_global_parameters_and_ports(module: Any) -> None:
+    kind = type(module)
+    for name, bank in (("GP", 0), ("GP0", 0), ("GP3", 3)):
+        for number in numbers_of(getattr(kind, name, None)).values():
+            module.set_global_parameter(number, bank, 7 + number)
+            assert module.get_global_parameter(number, bank) == 7 + number
+    mixed = numbers_of(getattr(kind, "IO", None))
+    for name, number in {**numbers_of(getattr(kind, "DO", None)), **mixed}.items():
+        if name.startswith(("OUT", "GPO")):
+            module.set_digital_output(number)
+            assert module.get_digital_output(number) == 1
+            module.clear_digital_output(number)
+            assert module.get_digital_output(number) == 0
+    inputs = {name: number for name, number in mixed.items() if name.startswith(("IN", "GPI"))}
+    for number in {**numbers_of(getattr(kind, "DI", None)), **inputs}.values():
+        assert module.get_digital_input(number) == 0
+    for number in numbers_of(getattr(kind, "AIN", None)).values():
+        assert module.get_analog_input(number) == 0

@@ -61,8 +61,44 @@ def test_every_name_and_number_of_the_package_is_a_row(name: str) -> None:
     assert model.tier == "names"
     for row in model.table:  # nothing is made up
         assert row.reset is None
-        assert (row.width, row.signed, row.range, row.unit) == (32, True, None, "")
-        assert row.access is Access.RW or role_of(row) is not None
+        assert (row.width, row.signed, row.unit) == (32, True, "")
+        if row.space is Space.OUTPUT:
+            assert (row.access, row.range) == (Access.RW, (0, 1))
+        elif row.space in (Space.DIGITAL_IN, Space.ANALOG_IN):
+            assert (row.access, row.range, row.volatile) == (Access.R, None, True)
+        else:
+            assert row.range is None
+            assert row.access is Access.RW or role_of(row) is not None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_port_whose_kind_is_told_is_a_row(name: str) -> None:
+    model = catalog.find_model(name)
+    kind = classes()[package.listings()[name].class_name]
+    wanted = {
+        space: numbers(getattr(kind, folder, type(None)))
+        for folder, space in (("DI", Space.DIGITAL_IN), ("DO", Space.OUTPUT), ("AIN", Space.ANALOG_IN))
+    }
+    untold: dict[str, int] = {}
+    for port, number in numbers(getattr(kind, "IO", type(None))).items():
+        letters = port.rstrip("0123456789").rstrip("_")
+        space = KINDS_OF_PORTS.get(letters)
+        (untold if space is None else wanted[space])[port] = number
+    for space, ports in wanted.items():
+        assert {row.name: row.address for row in model.table if row.space is space} == ports
+    assert set(untold) <= {"Home", "Enable", "STO", "STO1", "STO2"}
+    for ports in wanted.values():
+        for port in ports:  # a port goes by its name, though another has a number that reads like it (IN2 is in4)
+            found = model.table.find(port)
+            assert found is not None
+            assert found[0].name == port
+
+
+KINDS_OF_PORTS = {
+    **dict.fromkeys(("OUT", "GPO"), Space.OUTPUT),
+    **dict.fromkeys(("IN", "GPI"), Space.DIGITAL_IN),
+    **dict.fromkeys(("AIN", "ADIN", "VIN", "Voltage", "Temperature"), Space.ANALOG_IN),
+}
 
 
 def test_names_of_values_come_from_constants_that_begin_with_the_parameter() -> None:

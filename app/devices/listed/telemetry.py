@@ -1,4 +1,4 @@
-"""Telemetry channels: the standard quantities of each axis, and every other axis parameter by its name."""
+"""Telemetry channels: the standard quantities of each axis, and every other parameter and port by its name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ...links.tmcl import FRAME_BYTES
 from ...registers.listed.modules import Role, role_of
-from ...registers.model import Register, Space
+from ...registers.model import Register
 from ..core.motion_watch import MotionReading
 from ..core.row_telemetry import RowTelemetry
 from ..core.sample_plan import FloatArray, SamplePlan, Taken
@@ -30,7 +30,7 @@ QUANTITIES: Mapping[Role, tuple[str, str]] = {
 
 
 class ListedTelemetry(RowTelemetry):
-    """Samples of a module of which names are known."""
+    """Samples of a module of which names are known. Global parameters and ports stand under axis 0."""
 
     def __init__(self, session: Session, state: ListedState, link: TmclLink, motions: ListedMotions) -> None:
         self._state = state
@@ -40,16 +40,16 @@ class ListedTelemetry(RowTelemetry):
         self._rows: dict[str, Register] = {}
         units: list[dict[str, str]] = [{} for _ in session.axes]
         for row in state.table:
-            if row.space is Space.AXIS and row.axis is not None and not row.read_clears and not row.when:
-                role = role_of(row)
+            if row.access.readable and not row.read_clears and not row.when:
+                role, axis = role_of(row), row.axis or 0
                 quantity, unit = QUANTITIES.get(role, (row.name, "")) if role is not None else (row.name, "")
-                units[row.axis][quantity] = unit
-                self._rows[f"{quantity}.{row.axis}"] = row
+                units[axis][quantity] = unit
+                self._rows[f"{quantity}.{axis}"] = row
         super().__init__(session, units, PACE)
 
     def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
         chosen = self.chosen(channels)
-        rows = {(row.axis, row.address): row for row in (self._rows[channel.name] for channel in chosen)}
+        rows = {(row.space, row.axis, row.address): row for row in (self._rows[channel.name] for channel in chosen)}
         asked = list(rows.values())
         columns = tuple(_column(asked.index(self._rows[channel.name])) for channel in chosen)
         frames = tuple(reading(self._link.address, row).encode() for row in asked)

@@ -28,6 +28,8 @@ FIRMWARE = 0x0100
 ABS, REL = 0, 1
 STATUS = 2
 _SPACES = {0: Space.GLOBAL_0, 2: Space.GLOBAL_2, 3: Space.GLOBAL_3}
+_PORTS = {0: Space.DIGITAL_IN, 1: Space.ANALOG_IN, 2: Space.OUTPUT}
+"""By the bank of SIO and GIO."""
 
 Key = tuple[Space, int, int]
 """Space, axis, number."""
@@ -176,6 +178,13 @@ class ListedModule(PlainEmulatorBase):
             self._put(key, self._stored[key])
         return self._get(key)
 
+    def _sio(self, request: Request) -> int:
+        self._put(self._port_key(request), request.value)
+        return request.value
+
+    def _gio(self, request: Request) -> int:
+        return self._get(self._port_key(request))
+
     def _rfs(self, request: Request) -> int:
         """No search runs, and none can be started."""
         self._axis(request)
@@ -202,6 +211,8 @@ class ListedModule(PlainEmulatorBase):
         Opcode.STGP: _stgp,
         Opcode.RSGP: _rsgp,
         Opcode.RFS: _rfs,
+        Opcode.SIO: _sio,
+        Opcode.GIO: _gio,
         Opcode.GET_VERSION: _version,
     }
 
@@ -226,6 +237,12 @@ class ListedModule(PlainEmulatorBase):
             raise Refused(Status.INVALID_VALUE)
         return self._known((space, 0, request.type))
 
+    def _port_key(self, request: Request) -> Key:
+        space = _PORTS.get(request.motor)
+        if space is None:
+            raise Refused(Status.INVALID_VALUE)
+        return self._known((space, 0, request.type))
+
     def _known(self, key: Key) -> Key:
         if key not in self._rows:
             raise Refused(Status.WRONG_TYPE)
@@ -235,6 +252,8 @@ class ListedModule(PlainEmulatorBase):
         row = self._rows[key]
         if not row.access.writable:
             raise Refused(Status.NOT_AVAILABLE)
+        if not row.minimum <= value <= row.maximum:
+            raise Refused(Status.INVALID_VALUE)
         role, axis = self._roles[key], self._axes[key[1]]
         if role in ("max_speed", "max_acceleration") and value < 0:
             raise Refused(Status.INVALID_VALUE)

@@ -2,7 +2,7 @@
 
 The package tells names and numbers. What it does not tell is unknown, and rows say so: the width is that of a TMCL
 value, the value after power-on is None, and whether a parameter can be written the module alone knows. By TMCL's
-standard meaning a few names tell more (`STANDARD`).
+standard meaning a few names tell more (`STANDARD`), and so do the kinds of inputs and outputs (`PORTS`).
 """
 
 from __future__ import annotations
@@ -25,6 +25,14 @@ NUMBER_MAX = (1 << 12) - 1
 UNKNOWN = "the package tells its name alone: range, unit, access and value after power-on are not known"
 _BANK = re.compile(r"^GP(\d?)$")
 _SPACES = {0: Space.GLOBAL_0, 2: Space.GLOBAL_2, 3: Space.GLOBAL_3}
+_PORT_CLASSES = {"DI": Space.DIGITAL_IN, "AIN": Space.ANALOG_IN, "DO": Space.OUTPUT}
+_MIXED_PORTS = "IO"
+"""A class of ports of all kinds: of which kind each is its own name tells."""
+_PORT_NAMES = {
+    Space.DIGITAL_IN: re.compile(r"^(IN|GPI)_?\d+$"),
+    Space.ANALOG_IN: re.compile(r"^((AIN|ADIN)_?\d+|VIN|Voltage|Temperature)$"),
+    Space.OUTPUT: re.compile(r"^(OUT|GPO)_?\d+$"),
+}
 _CLEARING = re.compile(r"flags", re.IGNORECASE)
 """Names of parameters of which manuals say for some modules, and the package for none, that reading clears them."""
 
@@ -57,6 +65,14 @@ STANDARD: Mapping[str, Meaning] = {
     ),
 }
 """By the name in small letters. FM-PD42-1241 and FM-TMCM-1161 mean the same by them."""
+PORTS: Mapping[Space, Meaning] = {
+    Space.DIGITAL_IN: Meaning("a digital input (GIO, bank 0)", access=Access.R, volatile=True),
+    Space.ANALOG_IN: Meaning(
+        "an analog input (GIO, bank 1); what it counts in is not known", access=Access.R, volatile=True
+    ),
+    Space.OUTPUT: Meaning("a digital output (SIO and GIO, bank 2)"),
+}
+"""What TMCL means by a port of each kind (FM-PD42-1241 3.6.12, 3.6.13)."""
 NEEDED: tuple[Role, ...] = ("target_position", "position", "target_speed", "speed", "max_speed", "max_acceleration")
 """Without these nobody could tell where an axis is, or send it anywhere."""
 
@@ -106,6 +122,20 @@ def _rows_of(made: Any, source: str) -> Iterator[Register]:
         space = _SPACES.get(int(bank[1] or 0)) if bank is not None else None
         if space is not None and inspect.isclass(kind):
             yield from _rows(numbers_of(kind), space, None, source, {})
+    for space, ports in ports_of(type(made)).items():
+        yield from _rows(ports, space, None, source, {})
+
+
+def ports_of(kind: type) -> dict[Space, dict[str, int]]:
+    """Inputs and outputs that a module's class names, by kind. One whose kind nothing tells is left out."""
+    found: dict[Space, dict[str, int]] = {space: {} for space in PORTS}
+    for name, space in _PORT_CLASSES.items():
+        found[space].update(numbers_of(vars(kind).get(name)))
+    for name, number in numbers_of(vars(kind).get(_MIXED_PORTS)).items():
+        for space, pattern in _PORT_NAMES.items():
+            if pattern.match(name):
+                found[space][name] = number
+    return found
 
 
 def numbers_of(constants: object) -> dict[str, int]:
@@ -126,27 +156,33 @@ def _rows(
     for name, number in sorted(numbers.items(), key=lambda item: item[1]):
         if not 0 <= number <= (NUMBER_MAX if space is Space.AXIS else 255):
             raise ValueError(f"{name} has the number {number}, which no command can bear")
-        standard = STANDARD.get(name.casefold(), Meaning(UNKNOWN)) if space is Space.AXIS else Meaning(UNKNOWN)
+        standard = _meaning(name, space)
         clears = space is Space.AXIS and (number == EXTENDED_ERRORS or bool(_CLEARING.search(name)))
         yield Register(
             name,
             BITS,
             f"{standard.help}; reading it may clear it" if clears else standard.help,
             signed=True,
+            range=(0, 1) if space is Space.OUTPUT else None,
             values=choices_of(name, choices),
             when=f"another name of {first[number]}" if number in first else "",
             address=number,
             axis=axis,
             access=standard.access,
             reset=None,
-            group="global" if axis is None else f"axis {axis}",
-            stored="unknown",
+            group=f"axis {axis}" if axis is not None else "inputs/outputs" if space in PORTS else "global",
+            stored="" if space in PORTS else "unknown",
             source=source,
             volatile=standard.volatile,
             space=space,
             read_clears=clears,
         )
         first.setdefault(number, name)
+
+
+def _meaning(name: str, space: Space) -> Meaning:
+    known = STANDARD.get(name.casefold()) if space is Space.AXIS else PORTS.get(space)
+    return known or Meaning(UNKNOWN)
 
 
 def choices_of(parameter: str, choices: Mapping[str, int]) -> dict[int, str]:
