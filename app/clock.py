@@ -1,7 +1,7 @@
 """Time as an argument: what the program asks for `now()`, and what a test may own instead.
 
 Emulators never sleep and never look at a wall clock. They catch up to `Clock.now()` in whole chip
-ticks when somebody talks to them, so the same emulator serves a live bench, a test that runs ten
+ticks when they are talked to, so the same emulator serves a live bench, a test that runs ten
 minutes of motion in a second, and a search that tries ten thousand settings.
 """
 
@@ -201,7 +201,7 @@ class BackgroundClock:
         self._base = base
         self._urgent = 0
         self._turn_began_s: float | None = None
-        """When somebody came in this turn of the loop; None where nobody has."""
+        """When the first client came in this turn of the loop; None where none has."""
         self._waiting: deque[asyncio.Future[None]] = deque()
         self._overdue = 0
         """How many of those have waited so long that they come, whatever is urgent."""

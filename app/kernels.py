@@ -139,7 +139,7 @@ def kept_in() -> Path | None:
 
 
 def all_compiled() -> bool:
-    """Whether somebody compiled, on this machine and of these sources, all that was imported until now."""
+    """Whether all was compiled, on this machine and of these sources, that was imported until now."""
     mark = _mark()
     return mark is not None and mark.exists()
 

@@ -216,7 +216,7 @@ def create_app(
             try:
                 # Not waited for: hardware that is off must not keep the page from coming up.
                 await manager.add(config, wait=False)
-            except Exception as error:  # neither must a link of another version, or what somebody wrote into the file
+            except Exception as error:  # neither must a link of another version, or a file edited by hand
                 store.keep_back(config)
                 left_out = f"{store.path}: {config.name!r} is left out, and stays in the file: {error}"
                 log.warning("%s", left_out)
@@ -292,7 +292,7 @@ def emulator_port(
 ) -> FramePort:
     """`{"kind": "emulator", ...}`: a chip of its own behind a port of its own.
 
-    `pace` bounds what it works where others wait for it; None where `clock` is somebody's who waits.
+    `pace` bounds what it works where others wait for it; None where a caller advances `clock` and waits.
 
     A module may have `"eeprom"`, the name of a file in `data_dir` that keeps its memory; without either the memory
     ends with the port. Raises UsageError.
@@ -312,7 +312,7 @@ def emulator_port(
 
 
 def is_emulated(link: Link) -> bool:
-    """Whether the far end of the link is an emulator in this process."""
+    """Whether the device behind the link is an emulator in this process."""
     return link.get("kind") == "emulator"
 
 

@@ -91,7 +91,7 @@ class Preparation:
         await asyncio.gather(*self._workers, return_exceptions=True)
 
     async def _load(self) -> None:
-        """Take from disk what is there, first what somebody waits for: the first move would wait for it else."""
+        """Take from disk what is there, first what a request waits for: the first move would wait for it else."""
         while self._pending:
             name = self._pending.pop(0)
             try:

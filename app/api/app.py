@@ -1,4 +1,4 @@
-"""The HTTP and WebSocket edge as one application, over a bench that somebody else has put together."""
+"""The HTTP and WebSocket edge as one application, over a bench that its caller has put together."""
 
 from __future__ import annotations
 

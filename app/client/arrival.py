@@ -43,4 +43,4 @@ class Arrival:
 
     def _why(self, state: AxisState) -> str:
         pressed = [name for name, active in state.switches.items() if active]
-        return f"stands; active switches: {', '.join(pressed)}" if pressed else "stands: somebody has stopped it"
+        return f"stands; active switches: {', '.join(pressed)}" if pressed else "stands: it was stopped"

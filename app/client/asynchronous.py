@@ -113,7 +113,7 @@ class AsyncBench:
     def lease(self, name: str, *, wait_s: float = 0.0, on_vanish: OnVanish | None = None) -> AsyncLease:
         """Have the bench alone: `async with bench.lease("tuning"):`. Without, each call borrows it while it is free.
 
-        Raises BenchTaken at the `with` when somebody has it; with `wait_s` only after asking them for so long [s].
+        Raises BenchTaken at the `with` when another session has it; with `wait_s` only after asking for so long [s].
         Signs that the script lives go out in the background. `on_vanish` sets what happens to moving motors when they
         stay away: "nothing", "stop" or "hold". The end of the `with` leaves motors alone.
         """

@@ -31,7 +31,7 @@ class Refused(ClientError):
 
 
 class BenchTaken(Refused):
-    """Somebody else has the bench; `stop` and reading work all the same."""
+    """Another session has the bench; `stop` and reading work all the same."""
 
     exit_code = 6
 

@@ -2,7 +2,7 @@
 
 Each is one call of `app.client` and a way to print its answer: a table for people, `--json` for programs. What went
 wrong is one line on the terminal; exit codes are 1 refused, 2 wrong usage, 3 no server, 4 no answer, 5 not arrived,
-6 somebody else has the bench.
+6 another session has the bench.
 
 A file a subject; what they share is in `shared`.
 """

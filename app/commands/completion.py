@@ -50,7 +50,7 @@ def complete_profile(ctx: typer.Context, incomplete: str) -> list[str]:
 def _found(ctx: typer.Context, incomplete: str, ask: Callable[[Bench], Iterable[str]]) -> Iterator[str]:
     from ..client import Bench, ClientError
 
-    # Anything else that goes wrong would be a traceback in the middle of somebody's command line.
+    # Anything else that goes wrong would be a traceback in the middle of the user's command line.
     with (
         contextlib.suppress(ClientError, ValueError, KeyError, OSError),
         Bench(ctx.params.get("url"), token=ctx.params.get("token"), timeout_s=WITHIN_S) as bench,

@@ -53,8 +53,8 @@ def run(
 ) -> None:
     """Run a program that has the bench alone: `stepscope lease run -- ./tune.sh`.
 
-    Every stepscope command and Python client in it uses that lease. Ends as the program does, with 6 when somebody
-    else has the bench. Motors are left as the program left them.
+    Every stepscope command and Python client in it uses that lease. Ends as the program does, with 6 when another
+    session has the bench. Motors are left as the program left them.
     """
     from ..client.lease import SESSION_HEADER, SESSION_VARIABLE
 
@@ -100,7 +100,7 @@ def _who() -> str:
     try:
         user = getpass.getuser()
     except (OSError, KeyError):  # a container's user without a name
-        user = "somebody"
+        user = "unknown"
     return f"{user}@{socket.gethostname()}"[:60]
 
 

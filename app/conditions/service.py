@@ -37,14 +37,14 @@ OWN_SHARE = 0.05
 REST_PERIOD_MAX_S = 2.0
 """No less often than that [s]."""
 FRESH_S = 0.5
-"""What is known of a device is no older than that when somebody asks for it [s]: else it is looked at first."""
+"""What is known of a device is no older than that when it is asked for [s]: else it is looked at first."""
 ANSWER_WITHIN_S = 0.25
 """How long whoever asks waits for that look [s]; the look itself goes on."""
 LIVELY_S = 2.0
 """How long after a command, a written register or another such event a device counts as moving [s]."""
 
 SETS_POSITION = frozenset({"set_position"})
-"""Commands, as `commanded` names them, by which somebody has said where an axis is."""
+"""Commands, as `commanded` names them, by which a client has said where an axis is."""
 LOST_FULLSTEPS, FOLLOWING_FULLSTEPS = 2, 4
 """Thresholds where the user has set none: a rotor that is pulled no further than one full step comes back."""
 MICROSTEPS = 256
@@ -370,7 +370,7 @@ class ConditionService:
             for known in axes if event.axis is None else (axes[event.axis],):
                 if event.register in _encoder_registers(device):
                     known.forget_places()
-                if not device.family.counts_position:  # only its settings were lost, and somebody sees to them
+                if not device.family.counts_position:  # only its settings were lost, and the user restores them
                     known.reset_s = None
         elif isinstance(event, CounterWritten):
             known = axes[event.axis]

@@ -59,7 +59,7 @@ class LinkTrial:
 class DeviceManager:
     """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing;
     `start_up` sets up an emulator that was just powered, where its connection says so, and raises nothing; `background`
-    is the clock of looks that may wait while somebody stops motors; `prepare` is waited for before a link is made: what
+    is the clock of polls that may wait while motors are stopped; `prepare` is waited for before a link is made: what
     an emulator needs is compiled at a first start."""
 
     def __init__(

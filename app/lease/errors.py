@@ -6,7 +6,7 @@ from ..errors import WrongState
 
 
 class BenchTaken(WrongState):
-    """Somebody else has the bench: who, for how long already, and when it is free unless they keep it [s]."""
+    """Another session has the bench: whose, for how long already, and when it is free unless they keep it [s]."""
 
     def __init__(self, holder: str, since_s: float, expires_in_s: float) -> None:
         super().__init__(

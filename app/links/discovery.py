@@ -122,7 +122,7 @@ async def probe_chips(
 ) -> list[FoundModule]:
     """Ask every node for its chip's version, and then whether a chip without a node is there, at every baud rate.
 
-    Ends with the first rate at which somebody answers: chips answer at any. Otherwise as `probe`.
+    Ends with the first rate at which a device answers: chips answer at any. Otherwise as `probe`.
     """
     url = port_url(port.strip())
     line = uart_line_of(url)
@@ -206,7 +206,7 @@ async def _ask(module: LinePort) -> tuple[int, str, Board | None] | None:
         try:
             reply = await _version(queue, module.address, 1)
         except BadReply:
-            # Somebody is there, and may have half a frame left of what was sent at another baud rate.
+            # A device is there, and may have half a frame left of what was sent at another baud rate.
             reply = await _version(queue, module.address, 1)
         number, version = module_version(Reply.decode(reply).value)
     except (LinkTimeout, BadReply):

@@ -70,7 +70,7 @@ class Downloads:
             self._tell(address)
 
     def begin_all(self, why: str) -> None:
-        """Any module that somebody here talks to may be in download mode."""
+        """Any module that this server talks to may be in download mode."""
         for hold in tuple(self._holds):
             self.begin(hold.address, why)
 

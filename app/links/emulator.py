@@ -99,7 +99,7 @@ class EmulatorPort:
         return reply
 
     def _exchanged(self) -> Callable[[bytes, float], bytes]:
-        """What a frame goes through to the far end."""
+        """What a frame goes through to the emulator."""
         return self._over_uart if self._uart_alone else self.wire.exchange
 
     def _over_uart(self, frame: bytes, at_s: float) -> bytes:

@@ -1,6 +1,6 @@
 """The last frames of a link, for people who want to see what went over the wire.
 
-Written on the hot path and read seldom: a batch of frames is kept as one tuple and taken apart when somebody looks.
+Written on the hot path and read seldom: a batch of frames is kept as one tuple and taken apart when it is read.
 """
 
 from __future__ import annotations

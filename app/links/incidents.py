@@ -13,12 +13,12 @@ IncidentKind = Literal[
     "checksum",  # an answer with a wrong checksum
     "mismatch",  # an answer to another question, or of another module
     "damaged",  # the module could not read what we sent
-    "foreign",  # bytes that nobody asked for: somebody else talks on the line
+    "foreign",  # bytes that nobody asked for: another master talks on the line
     "late",  # an answer that came after we had given it up, thrown away
     "resync",  # line and we are in step again
     "out of step",  # the question that gets us in step was not answered
     "opened",
-    "down",  # gone, refused, taken by somebody else
+    "down",  # gone, refused, taken by another process
 ]
 INCIDENTS_KEPT = 200
 

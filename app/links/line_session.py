@@ -1,7 +1,7 @@
 """What talking over a stream of bytes has in common, whatever the frames: silence, bytes unasked, and their judgement.
 
 A line is one thread's. In step means that whatever comes next is the answer to what is asked next. What was heard while
-nobody asked is judged before the next question goes out: old answers are thrown away, anything else is somebody else.
+nobody asked is judged before the next question goes out: old answers are dropped, anything else is another master's.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ SILENCE_BYTES = 20
 """So many byte times without a byte are silence: two frames, a bit more than any pause inside one."""
 SILENCE_MIN_S = 0.003
 DRAIN_MAX_S = 0.5
-"""A line that does not fall silent for so long has somebody else on it [s]."""
+"""A line that does not fall silent for so long has another master on it [s]."""
 HEARD_MAX = 16 * 1024
 """So many bytes of what nobody asked for are looked at [bytes]; a line that says more is not worth more time."""
-FOREIGN = "somebody else talks on the line"
+FOREIGN = "another master talks on the line"
 
 
 class LineSession(ABC):
@@ -41,7 +41,7 @@ class LineSession(ABC):
         self._foreign = ""
         """What was heard that nobody can have asked for; the next question fails with it."""
         self.wanted: Callable[[], bool] = _never
-        """Whether somebody waits to ask: then nothing more is listened to than is there."""
+        """Whether a caller waits to ask: then nothing more is listened to than is there."""
 
     @abstractmethod
     def ask_all(
@@ -111,7 +111,7 @@ class LineSession(ABC):
         return heard
 
     def _judge(self, heard: bytes) -> None:
-        """Say what unasked bytes are: an old answer, noise on a line that is out of step anyway, or somebody else."""
+        """Say what unasked bytes are: an old answer, noise on a line that is out of step anyway, or another master."""
         if not heard:
             return
         foreign = 0
@@ -132,7 +132,7 @@ class LineSession(ABC):
         return BadReply(self._name, f"{text}; the command was not sent", b"")
 
     def _end_of_asking(self) -> None:
-        """Look once more, right behind the last answer. Raises BadReply where somebody else is on the line."""
+        """Look once more, right behind the last answer. Raises BadReply where another master is on the line."""
         unasked = self._stream.read(0)
         if unasked:
             self._judge(self._listen(unasked))

@@ -63,7 +63,7 @@ class PortTraits:
     """What a port can besides exchanging frames: itself, typed so, or None where it cannot.
 
     chains : the replies of its chip belong to the frame before. batches : many exchanges on a thread of its own.
-    sampling : its far end samples itself on its own time. arbitrates : whoever speaks unasked disturbs nobody (CAN)
+    sampling : its device samples itself on its own time. arbitrates : whoever speaks unasked disturbs nobody (CAN)
     """
 
     chains: ChainPort | None = None
@@ -143,7 +143,7 @@ class BatchPort(FramePort, Protocol):
         ...
 
     def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
-        """Hear of frames that the far end sends unasked (position reached), on the event loop's thread.
+        """Hear of frames that the device sends unasked (position reached), on the event loop's thread.
 
         Returns the function that ends it. A listener must not raise.
         """
@@ -177,7 +177,7 @@ SampleSink = Callable[[float, bytes], None]
 
 
 class SamplingPort(FramePort, Protocol):
-    """A port whose far end can ask itself on a fixed beat, so that samples bear the chip's own time.
+    """A port whose device can sample itself on a fixed beat, so that samples bear the chip's own time.
 
     Emulators can, because they catch up in exact ticks: whoever talks to the chip next first gets
     all samples that fell due before. Hardware cannot; there the sampler asks over the wire.
@@ -185,7 +185,7 @@ class SamplingPort(FramePort, Protocol):
 
     @property
     def time_scale(self) -> float:
-        """How fast the far end's time runs against the server's."""
+        """How fast the device's time runs against the server's."""
         ...
 
     paused: BenchError | None
@@ -198,6 +198,6 @@ class SamplingPort(FramePort, Protocol):
     def run_due_samples(self) -> None:
         """Take every sample that is due by now. Called on a timer by the sampler.
 
-        Raises LinkDown or LinkTimeout where the far end did not answer: samples due then are lost.
+        Raises LinkDown or LinkTimeout where the device did not answer: samples due then are lost.
         """
         ...

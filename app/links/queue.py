@@ -29,7 +29,7 @@ SAMPLES_WAITING_MAX = 8
 
 
 class FrameGate(Protocol):
-    """Somebody who looks at what is about to go out, and may refuse it."""
+    """A check of what is about to go out, which may refuse it."""
 
     def writes(self, frames: Sequence[bytes]) -> bool:
         """Whether the other three want to hear of these frames."""
@@ -49,7 +49,7 @@ class FrameGate(Protocol):
 
 
 class FrameHold(Protocol):
-    """Somebody who knows what the far end must not be sent at present, stops included."""
+    """A check that knows what the device must not be sent at present, stops included."""
 
     def refuse(self, frames: Sequence[bytes], priority: Priority, by_hand: bool) -> None:
         """Raises where one of `frames`, about to go out, must not: then none does. `by_hand`: spelled out by a user."""
@@ -111,7 +111,7 @@ class LinkQueue:
 
     @property
     def busy(self) -> bool:
-        """Whether somebody has the line, this device or another one on it."""
+        """Whether the line is taken, by this device or another one on it."""
         return self.arbiter.busy
 
     @property
@@ -303,7 +303,7 @@ class Turn:
         return replies
 
     def _preempted(self) -> bool:
-        """Whether somebody more urgent waits for the line. The thread of a `BatchPort` asks too."""
+        """Whether a more urgent caller waits for the line. The thread of a `BatchPort` asks too."""
         return self._queue.arbiter.most_urgent < self._priority
 
     def _saw(self, frames: Sequence[bytes], replies: list[bytes]) -> list[bytes]:

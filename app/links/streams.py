@@ -36,7 +36,7 @@ PIECE_BYTES = 64
 
 
 class Closing(ConnectionError):
-    """The line is being closed while somebody waits for an answer."""
+    """The line is being closed while a caller waits for an answer."""
 
 
 class Stream(Protocol):
@@ -246,7 +246,7 @@ def _let_reads_block(fd: int) -> bool:
 
 def _keep_others_out(fd: int, url: str) -> None:
     # pyserial's flock keeps out those who ask for the lock; TIOCEXCL keeps out the rest. Not on a pseudo-terminal:
-    # there the flag outlives us, for the far end keeps the terminal alive, and whoever comes next would be shut out.
+    # there the flag outlives us, for the other side keeps the terminal alive, and whoever comes next would be shut out.
     if sys.platform != "win32" and not os.path.realpath(url).startswith("/dev/pts/"):
         with contextlib.suppress(OSError):
             fcntl.ioctl(fd, termios.TIOCEXCL)
@@ -279,7 +279,7 @@ def _why(url: str, error: Exception) -> str:
     number = getattr(error, "errno", None)
     if number in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in text:
         return "in use by another program; end that first"
-    if "PermissionError(13" in text:  # how Windows says that somebody has it
+    if "PermissionError(13" in text:  # how Windows says that another process has it
         return "in use by another program, or forbidden"
     if number in (errno.EACCES, errno.EPERM):
         return f"permission denied; {_how_to_be_allowed(url)}"

@@ -143,7 +143,7 @@ class _Stream(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         if self._answer is None:
-            self.abort()  # and not only mistrusted: what talks without end would have to be read without end
+            self.abort()  # and not only mistrusted: what talks on and on would have to be read unbounded
             return
         self._received += data
         if len(self._received) >= self._due and not self._answer.done():

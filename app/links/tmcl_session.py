@@ -10,7 +10,7 @@ question. Only then comes the next question. This is called the fence.
 
 A stop does not wait for a fence. It goes out at once, and the answer may be that to an earlier stop.
 
-Bytes that nobody asked for, while all is well, mean that somebody else talks on the line; then no
+Bytes that nobody asked for, while all is well, mean that another master talks on the line; then no
 answer can be trusted to be ours. What was asked fails and says so. Nothing is ever sent twice here.
 """
 
@@ -198,7 +198,7 @@ class TmclSession(LineSession):
         return self._is_old(frame)
 
     def _is_old(self, head: bytes, frame: bytes = b"") -> bool:
-        """Whether `head` is an answer that somebody owed us from before we asked `frame`."""
+        """Whether `head` is an answer that was owed to us from before we asked `frame`."""
         owed = self._owed.get(head[1])
         if not owed or not sound(head):
             return False
@@ -309,7 +309,7 @@ class TmclSession(LineSession):
                 data = data[FRAME_BYTES:]
             if passed and not data:
                 break
-            # Something behind the answer can only be the rest of an event, or somebody else.
+            # Something behind the answer can only be the rest of an event, or another master.
             left_s = until_s - time.monotonic()
             if left_s <= -DRAIN_MAX_S or heard > HEARD_MAX:
                 break
@@ -339,7 +339,7 @@ class TmclSession(LineSession):
             self._incidents.add("resync", f"in step again with module {address}")
 
     def _fill_up(self, sent: bytes) -> None:
-        """Bring a far end that took the end of `sent` for the beginning of a frame to the end of that one.
+        """Bring a module that took the end of `sent` for the beginning of a frame to the end of that one.
 
         Modules forget half a frame by themselves; evaluation boards wait for the rest of it, and would never again
         be in step with us. The padding can make no frame with a right checksum out of any end of `sent`.

@@ -139,13 +139,13 @@ class UartSession(LineSession):
         return reply
 
     def _miscounted(self, frame: bytes, reply: bytes, counted: int) -> BadReply:
-        why = "it was reset, or somebody else writes to it" if counted else "what was sent has not arrived"
+        why = "it was reset, or another master writes to it" if counted else "what was sent has not arrived"
         text = f"the chip counted {counted} writes instead of 1: {why}"
         self._incidents.add("foreign" if counted else "damaged", f"{text} ({frame.hex(' ')})")
         return BadReply(self._name, text, reply)
 
     def _send(self, frame: bytes) -> None:
-        """Raises BadReply where somebody else has said something meanwhile; then nothing was sent."""
+        """Raises BadReply where another master has said something meanwhile; then nothing was sent."""
         unasked = self._stream.read(0)
         if unasked:
             self._judge(self._listen(unasked))

@@ -22,7 +22,7 @@ class Waits:
 
     @contextmanager
     def one(self) -> Iterator[None]:
-        """Somebody waits for as long as the block runs."""
+        """Counts as waiting for as long as the block runs."""
         key = object()
         begun_s = self._begun[key] = self._now()
         try:

@@ -133,7 +133,7 @@ class Mover(Observer):
             self._end("failed", _stands_short(state))
 
     async def give_up(self, why: str) -> None:
-        """End the move for a reason of ours and stop the motor; where somebody else has ended it it is theirs."""
+        """End the move for a reason of ours and stop the motor; where another client has ended it it is theirs."""
         move = self.going
         if move is None:
             return

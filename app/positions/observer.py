@@ -49,7 +49,7 @@ class Observer:
         self.axis = axis
         self.tracker = tracker
         self.lock = asyncio.Lock()
-        """One operation at a time: the service's, or somebody's request."""
+        """One operation at a time: the service's, or a request's."""
         self.due_s = float("inf")
         """When it is served next, server time [s]."""
         self.history = History()
@@ -123,7 +123,7 @@ class Observer:
             self._wake_for_others()
 
     def _wake_for_others(self) -> None:
-        """Somebody else's look has shown something; while we look ourselves that is seen to anyway."""
+        """Another reader has seen something; while we poll ourselves that is seen to anyway."""
         if not self.lock.locked():
             self._wake(self)
 

@@ -2,7 +2,7 @@
 
 The chip always has a target at most a quarter of its counter's range away, and at every look of the service that target
 is moved on, so that it never arrives anywhere but at the end (AN-001 2.1). What ends it early ends it for good: nothing
-is sent again after a stop, a command of somebody else, or a failure of the link.
+is sent again after a stop, a command of another client, or a failure of the link.
 """
 
 from __future__ import annotations

@@ -286,7 +286,7 @@ class ExtendedPositionService:
 
     async def _sleep(self, until_s: float | None) -> None:
         if until_s is None:
-            await asyncio.Event().wait()  # until somebody is scheduled
+            await asyncio.Event().wait()  # until an axis is scheduled
         else:
             await self._clock.sleep(max(until_s - self._clock.now(), 1e-6))
 
@@ -303,7 +303,7 @@ class ExtendedPositionService:
             next_s = 1.0
         period_s = max(PERIOD_MIN_S, self._server_s(watched, next_s))
         due_s = float("inf") if next_s == float("inf") else self._clock.now() + period_s
-        if due_s < watched.due_s:  # unless somebody has woken it meanwhile
+        if due_s < watched.due_s:  # unless it was woken meanwhile
             self._schedule(watched, due_s)
 
 

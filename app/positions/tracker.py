@@ -43,7 +43,7 @@ class Tracker:
         """When that look was asked: the counter cannot have been read before."""
         self.origin = position - count
         self.lost: PositionLost | None = None
-        """Why the position is not trusted; stays until somebody says where it is."""
+        """Why the position is not trusted; stays until a client says where it is."""
         self.away: PositionLost | None = None
         """Why it cannot be looked at now."""
         self._proven = position
@@ -69,7 +69,7 @@ class Tracker:
     def seen(self, count: int, asked_s: float, heard_s: float, speed_limit_pps: float) -> None:
         """The counter showed `count` at some time from `asked_s` to `heard_s` [s], by whoever asked.
 
-        Polls from before the latest one are no news. While the axis is away, or after somebody wrote the counter, only
+        Polls from before the latest one are no news. While the axis is away, or after the counter was written, only
         `returned` counts.
         """
         if self.away is None and not self._rebase:
@@ -94,7 +94,7 @@ class Tracker:
                 self.origin -= way  # no motor did that: the place is the same, and the counter shows another number
                 self.lose(
                     f"the counter went on by {way} microsteps in {elapsed_s:.3g} s, faster than the chip can:"
-                    " somebody else wrote it, or the chip was reset"
+                    " another client wrote it, or the chip was reset"
                 )
         self.count, self.asked_s = count, asked_s
         self._check_range()
@@ -119,11 +119,11 @@ class Tracker:
         self.away = PositionLost(reason, way_out)
 
     def counter_written(self, what: str) -> None:
-        """Somebody writes the counter: where the axis was just before is not known to the microstep."""
-        self.lose(f"somebody wrote the position counter ({what})")
+        """The counter is being written: where the axis was just before is not known to the microstep."""
+        self.lose(f"the position counter was written ({what})")
         self._rebase = True
 
-    # --- by somebody who knows ------------------------------------------------------------------
+    # --- set by a client ------------------------------------------------------------------------
 
     def set_actual(self, position: int) -> None:
         """The axis is at `position` right now: at the latest look. Raises ValueError beyond 64 bits."""

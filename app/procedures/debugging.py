@@ -53,7 +53,7 @@ IDLE = DebugState("idle", "run", (), None, 0, None, "")
 
 
 class Debugging(Procedure):
-    """Steps from where the program is until a breakpoint, its end, or somebody's word.
+    """Steps from where the program is until a breakpoint, its end, or a command.
 
     "over" steps once, and through the whole subroutine where the command calls one; "out" steps until the subroutine
     that it is in has returned.

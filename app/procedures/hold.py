@@ -1,4 +1,4 @@
-"""Motion for as long as somebody is there: a rotation that ends by itself unless it is kept up.
+"""Motion for as long as a client keeps it up: a rotation that ends by itself unless it is kept up.
 
 A jog button tells when it is let go, but not when its browser, network or machine goes away.
 """

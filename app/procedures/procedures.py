@@ -145,7 +145,7 @@ class Procedures:
         check_hold(hold_s)
         before = self._find(device, axis, Hold)
         if before is not None and before.running:
-            before.keep(hold_s)  # somebody is there: it must not end, and stop the motor, while this is on its way
+            before.keep(hold_s)  # the client is there: it must not end, and stop the motor, while this is on its way
         rotating = await device.motion.rotate(axis, velocity, unit)
         for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
             await ended.wait()

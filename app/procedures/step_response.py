@@ -214,7 +214,7 @@ class StepResponse(Response):
 
 
 class Disturbance(Response):
-    """Puts a load on the axis for `load_s` [s] (None: half of `seconds`); without a load somebody has to push."""
+    """Puts a load on the axis for `load_s` [s] (None: half of `seconds`); without a load the user has to push."""
 
     kind = "disturbance"
 

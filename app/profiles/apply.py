@@ -119,7 +119,7 @@ class Transaction:
 
     def _heard(self, event: DeviceEvent) -> None:
         if isinstance(event, MotionCommanded) and event.by is not self:
-            self._disturbed = f"axis {event.axis} was commanded by somebody else ({event.what})"
+            self._disturbed = f"axis {event.axis} was commanded by another client ({event.what})"
 
     # --- the way there ----------------------------------------------------------------------------
 
@@ -174,7 +174,7 @@ class Transaction:
         row = step.register
         raise WrongState(
             f"{step.place} holds {row.decode(now)} and held {row.decode(step.was)} a moment ago",
-            "somebody else writes here, or the line flips bits",
+            "another client writes here, or the line flips bits",
         )
 
     async def _check(self, held: Held, steps: Sequence[Step]) -> None:

@@ -3,7 +3,7 @@
 One file a device in the data directory. Its first line says everything and is on the disk before the first register is
 written; each further line is the number of the step that is about to be written. A transaction that ends well, or takes
 itself back, removes it; one that leaves something keeps it with what is left. What is found at the next start was cut
-off, by a crash or a power failure, and nothing is done about it until somebody asks: the device may have been switched
+off, by a crash or a power failure, and nothing is done about it until asked: the device may have been switched
 off too, or set up anew by other means.
 """
 

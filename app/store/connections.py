@@ -18,7 +18,7 @@ FORMAT = "stepscope-connections"
 VERSION = 1
 
 NOT_ONE = (BenchError, TypeError, ValueError, KeyError, ArithmeticError, AttributeError)
-"""What an entry raises that is no connection, whatever somebody wrote into it."""
+"""What an entry raises that is no connection, whatever was written into it."""
 _axes = TypeAdapter(list[AxisSettings])
 
 
@@ -75,7 +75,7 @@ class ConnectionStore:
             found, _ = self._entries.read_or(self._entries.document.set_aside)
             theirs = _keyed(_whole(entry) for entry in found if writable(entry))
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
-            # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
+            # What we never had is another server's; what we had and removed goes, unless another server changed it.
             kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
             self._entries.write(list(kept.values()))
             self._base = ours

@@ -1,6 +1,6 @@
 """The one SQLite file of the data directory: opening it, bringing it up to date, and working on it off the loop.
 
-Two servers may share it: WAL lets readers read while somebody writes, and writers wait for each other. What cannot be
+Two servers may share it: WAL lets readers read while another writes, and writers wait for each other. What cannot be
 opened turns only what is kept in it off, and says so; motors run without it.
 """
 

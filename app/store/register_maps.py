@@ -1,6 +1,6 @@
 """Register maps of this server: files in the folder `register-maps` of its data directory, put there by hand or by us.
 
-What the folder holds is looked at when somebody asks: a map that was dropped in is there then, one that was changed is
+What the folder holds is scanned on demand: a map that was dropped in is there then, one that was changed is
 read again, one that is gone is forgotten. But a map that a connected device was made of stays as it was until that is
 disconnected, whatever happens to its file.
 """

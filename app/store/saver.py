@@ -65,10 +65,10 @@ class Saver:
         self._wanted += 1
         if self._task is None or self._task.done():
             name = f"save {self._path.name}"
-            # In a context of its own: else it would keep what belongs to somebody's request as long as it is kept.
+            # In a context of its own: else it would keep what belongs to a request as long as it is kept.
             self._task = asyncio.get_running_loop().create_task(self._save(), name=name, context=Context())
         elif self.problem is not None:
-            self._go_on()  # the disk may have room by now, and somebody wants to know
+            self._go_on()  # the disk may have room by now, and the user wants to know
 
     async def settled(self, within_s: float = SETTLED_WITHIN_S) -> str:
         """Wait until what was requested so far is on disk; why it is not, or not yet, else ""."""

@@ -292,7 +292,7 @@ class Feed:
         device = self.device
         spread_s = 0.0 if self._live is None else self._live.spread_s
         sampled_per_s = 0.0
-        if device.session.chip_timed:  # samples that the far end takes by itself do not pass the queue
+        if device.session.chip_timed:  # samples that the emulator takes by itself do not pass the queue
             both = (self._live, self._history_sampling)
             sampled_per_s = sum(sampling.rate_hz * sampling.questions for sampling in both if sampling is not None)
         return WireUse(

@@ -1,4 +1,4 @@
-"""The twin in the server: starts the drawing process when somebody wants to look, feeds it, and ends it again.
+"""The twin in the server: starts the drawing process when a client opens the view, feeds it, and ends it again.
 
 Off it costs nothing: no process, no task, no reader of telemetry, and nothing of viser is imported here. On, it hands
 the latest sample on at most 30 times a second, and no faster than the drawing process takes it; samples in between
@@ -52,7 +52,7 @@ State = Literal["off", "starting", "on", "failed"]
 class TwinInfo:
     """How the twin is.
 
-    following : "telemetry", or "recording" while somebody scrubs
+    following : "telemetry", or "recording" while a client scrubs
     updates_per_s : what the drawing process has shown in the last second; 0 where nothing changes
     look : the numbers that are shown; None before the first
     problem : why it failed, or why there are no samples now

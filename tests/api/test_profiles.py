@@ -142,19 +142,19 @@ async def test_what_is_left_is_in_the_problem_and_can_be_brought_back(
         await client.put("devices/bench/registers/v_max", params={"axis": axis}, json={"value": 700})
     port = bench_of(app).manager.get("bench").session.port
     assert isinstance(port, EmulatorPort)
-    far_end = port.wire
+    emulator = port.wire
 
     class Unplugging:
         """Gone before the third write."""
 
-        model, clock = far_end.model, far_end.clock
+        model, clock = emulator.model, emulator.clock
         writes = 0
 
         def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
             self.writes += frame[0] & 1 == 0
             if self.writes >= 3:
                 raise ConnectionError("unplugged")
-            return far_end.exchange(frame, at_s)
+            return emulator.exchange(frame, at_s)
 
     port.wire = Unplugging()
     answer = await client.put("devices/bench/profile", json=document)
@@ -167,7 +167,7 @@ async def test_what_is_left_is_in_the_problem_and_can_be_brought_back(
     audited = (await client.get("audit", params={"action": "apply profile"})).json()["entries"]
     assert ["refused" in entry["outcome"] or "not proven" in entry["outcome"] for entry in audited] == [True]
 
-    port.wire = far_end
+    port.wire = emulator
     await clock.advance(5.0)
     back = await client.post("devices/bench/profile/apply/way-back")
     assert back.status_code == 200, back.text

@@ -1,4 +1,4 @@
-"""Peers that talk without end, or never: calls that reach them end all the same, and so does stop-all."""
+"""Peers that talk without pause, or never: calls that reach them end all the same, and so does stop-all."""
 
 from __future__ import annotations
 

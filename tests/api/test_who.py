@@ -55,7 +55,7 @@ async def who(headers: dict[str, str], names: dict[str, str] | None = None, iden
     [
         ({"user-agent": "curl/8.5.0"}, Actor("curl@10.0.0.7", "client", None, "10.0.0.7")),
         ({"user-agent": CHROME}, Actor("browser@10.0.0.7", "browser", None, "10.0.0.7")),
-        ({"user-agent": ""}, Actor("somebody@10.0.0.7", "client", None, "10.0.0.7")),
+        ({"user-agent": ""}, Actor("unknown@10.0.0.7", "client", None, "10.0.0.7")),
         (
             {"user-agent": CHROME, "stepscope-session": SESSION, "stepscope-name": "Zo%C3%AB%20at%20bench%202"},
             Actor("Zoë at bench 2", "browser", SESSION, "10.0.0.7"),

@@ -1,7 +1,7 @@
 """Applying a profile with a fault at every step: `python -m tests.bench --only profiles`.
 
 Every model, every fault (`tests.profiles.faults`) at every step that writes, at the write itself and at the
-frames behind it. Demanded: always applied, taken back whole, or told exactly what is left, as the far end's own
+frames behind it. Demanded: always applied, taken back whole, or told exactly what is left, as the emulator's own
 registers have it. Registers that cannot be read are spared only what no link can show: a chip that does not take what
 has arrived.
 """

@@ -103,7 +103,7 @@ FRAMES = {
 
 
 def talkative(url: str, count: int, kind: str) -> None:
-    """WebSockets of conditions and telemetry whose clients say that without end, and take what they get."""
+    """WebSockets of conditions and telemetry whose clients say that without pause, and take what they get."""
     frames = FRAMES[kind] * max(1, PIECE_BYTES // len(FRAMES[kind]))
     numbers = iter(range(count))
 
@@ -157,7 +157,7 @@ async def _read(url: str, count: int, rate_step_hz: float, batch_hz: float) -> N
 
 
 def talk(url: str, count: int) -> None:
-    """Modules that talk without end, at 2 MB/s each."""
+    """Modules that talk without pause, at 2 MB/s each."""
     with contextlib.ExitStack() as stack:
         for number in range(count):
             link = {"kind": "tcp", "host": "127.0.0.1", "port": stack.enter_context(talker())}

@@ -56,7 +56,7 @@ def measure(quick: bool) -> Sequence[Row]:
 
 
 def reach(seconds: float, rounds: int) -> float:
-    """How many times as fast as PyTrinamic the raw loop is where the far end answers without any work."""
+    """How many times as fast as PyTrinamic the raw loop is where the peer answers without any work."""
     near, far = os.openpty()
     tty.setraw(far)
     path = Path(os.ttyname(far))
@@ -102,7 +102,7 @@ def _reads(*, echo: bool, quick: bool, bound: float) -> list[Row]:
     where = "one wire with an echo" if echo else "two wires"
     notes = (
         f"one awaited reading at a time: {median(alone):,.0f}/s",
-        f"the raw loop is at {raw_to_peer:.2f} of PyTrinamic, at {bound:.2f} before a far end that does no work",
+        f"the raw loop is at {raw_to_peer:.2f} of PyTrinamic, at {bound:.2f} before a peer that does no work",
     )
     return [
         Row(

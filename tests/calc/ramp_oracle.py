@@ -20,7 +20,7 @@ class Instant(NamedTuple):
 
 
 def ticks(parameters: RampParameters, distance: int, start: RampStart) -> Iterator[Instant]:
-    """Every clock at which a ramp or pulse tick falls, without end; `at_rest` once stopped at the target."""
+    """Every clock at which a ramp or pulse tick falls, unbounded; `at_rest` once stopped at the target."""
     ramp_period, pulse_period = 32 * 2**parameters.ramp_div, 32 * 2**parameters.pulse_div
     next_ramp = start.clocks_to_ramp_tick or ramp_period
     next_pulse = start.clocks_to_pulse_tick or pulse_period

@@ -124,7 +124,7 @@ def test_a_name_is_needed_and_asked_for(page: Page) -> None:
     expect(page.get_by_role("alert").filter(has_text="Not saved yet")).to_be_visible()
 
 
-def test_a_chip_at_the_far_end_of_a_socket(
+def test_a_chip_behind_a_socket(
     page: Page, api: httpx.Client, errors: Errors, far_chip: tuple[int, subprocess.Popen[bytes]]
 ) -> None:
     errors.expect("status of 404")  # a reading that is under way when the device goes

@@ -156,7 +156,7 @@ def test_what_somebody_else_looks_at_is_not_taken_away(
     other.goto("/connections")
     other.evaluate("localStorage.setItem('stepscope.selection', JSON.stringify({device: 'slider', axis: 0}))")
     other.goto("/twin")
-    expect(other.get_by_text("Somebody looks at bench, X")).to_be_visible(timeout=STARTS_MS)
+    expect(other.get_by_text("Another session looks at bench, X")).to_be_visible(timeout=STARTS_MS)
     assert twin(api)["device"] == "bench"
     other.get_by_role("button", name="Show slider, slider").click()
     expect(other.locator("iframe")).to_be_visible(timeout=STARTS_MS)

@@ -405,7 +405,7 @@ class Oracle:
     # --- driver chain --------------------------------------------------------------------------------------
 
     def _chain(self) -> list[tuple[int, int]] | None:
-        """(motor, signal code) for every bit, or None without end."""
+        """(motor, signal code) for every bit, or None for an unbounded datagram."""
         if not any(word & 0x20 for word in self.ram[:64]):
             return None
         bits, motor, cell = [], 0, 0

@@ -122,7 +122,7 @@ def test_what_is_skipped_is_time_and_not_motion() -> None:
 
 
 def test_emulators_share_what_they_may_work() -> None:
-    """Asked without end at the fastest time scale, they leave half of the time to others."""
+    """Asked without pause at the fastest time scale, they leave half of the time to others."""
     clock = VirtualClock()
     pace = Pace(clock.now)
     chips = [build_emulator("tmc5160", clock, options_of("tmc5160").model_validate(STIFF)) for _ in range(3)]

@@ -72,7 +72,7 @@ async def fill(queue: LinkQueue, address: int) -> list[int]:
 
 
 async def once_in_step(queue: LinkQueue, frames: list[bytes]) -> list[bytes]:
-    """The answers, as soon as nothing late fails them any more: how much is late is the far end's to say."""
+    """The answers, as soon as nothing late fails them any more: how much is late is the emulator's to say."""
     for _ in range(20):
         with contextlib.suppress(BadReply, LinkTimeout):
             return await queue.exchange_many(frames)

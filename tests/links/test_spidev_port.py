@@ -36,7 +36,7 @@ def port(**options: object) -> SpidevPort:
 
 
 class Spi:
-    """What spidev offers, with its far end bent back to its near end."""
+    """What spidev offers, with its output bent back to its input."""
 
     def __init__(self, refuse: int = 0) -> None:
         self.max_speed_hz = 0
@@ -113,7 +113,7 @@ def test_a_chip_of_32_bit_datagrams_is_asked_no_faster_than_it_answers(model: st
 async def test_a_chip_of_32_bit_datagrams_at_the_bus_is_driven_like_any_other(
     model: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The driver over the real port; only `spidev.SpiDev` is not the kernel's: its far end is an emulated chip."""
+    """The driver over the real port; only `spidev.SpiDev` is not the kernel's: its peer is an emulated chip."""
     clock = VirtualClock()
     chip = cast("EmulatedDevice", build_emulator(model, clock, EmulatorOptions()))
     spi = Spi()

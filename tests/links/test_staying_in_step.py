@@ -154,7 +154,7 @@ async def test_a_module_that_stays_silent_is_asked_anew_each_time() -> None:
         for _ in range(8):
             with pytest.raises(LinkTimeout):
                 await value(port, 1, SHORT_S)
-        await until(lambda: len(module.seen) >= 10)  # the far end is a thread, and the time limits are short
+        await until(lambda: len(module.seen) >= 10)  # the peer is a thread, and the time limits are short
         fences = [frame[1] for frame in module.seen[3:]]  # in step at first; then a question
         assert len(fences) == 7
         assert len(set(fences)) > 3
@@ -170,9 +170,9 @@ async def test_a_module_that_stays_silent_is_asked_anew_each_time() -> None:
         (lambda reply: reply[:8] + bytes([reply[8] ^ 1]), "checksum", "checksum"),
         (lambda reply: b"\x00" + reply, "checksum", "checksum"),
         (lambda reply: answer(Request(1, Opcode.SAP, 4, 0, 5).encode()), "mismatch", "command 5 instead of 6"),
-        (lambda reply: answer(gap(1, 2)), "foreign", "somebody else talks on the line: module 2 answered"),
-        (lambda reply: reply + b"\x55", "foreign", "somebody else talks on the line: 1 bytes more"),
-        (lambda reply: reply + reply, "foreign", "somebody else talks on the line"),
+        (lambda reply: answer(gap(1, 2)), "foreign", "another master talks on the line: module 2 answered"),
+        (lambda reply: reply + b"\x55", "foreign", "another master talks on the line: 1 bytes more"),
+        (lambda reply: reply + reply, "foreign", "another master talks on the line"),
         (lambda reply: gap(1), "mismatch", "switch off the echo"),
     ],
 )
@@ -293,7 +293,7 @@ async def test_a_foreign_answer_that_fits_is_found_out_by_the_one_too_many() -> 
     async with line() as (module, port):
         other = Reply(2, 1, 100, Opcode.GAP, 4711).encode()
         module.behave = but_version(lambda module, frame: other + answer(frame))
-        with pytest.raises(BadReply, match="somebody else"):
+        with pytest.raises(BadReply, match="another master"):
             await value(port, 1)
 
 

@@ -142,7 +142,7 @@ async def test_a_chip_that_was_switched_off_and_on_is_told_at_the_next_write(tmp
     async with wire(tmp_path) as far:
         await far.write((XTARGET, 1), (XTARGET, 2))
         far.chip.patch(Tmc5xxxPatch(power_cycle=True))
-        with pytest.raises(LinkError, match="it was reset, or somebody else writes to it"):
+        with pytest.raises(LinkError, match="it was reset, or another master writes to it"):
             await far.write((XTARGET, 3))
         await far.write((XTARGET, 4))
         assert await far.read(XTARGET) == [4]

@@ -1,6 +1,6 @@
 """Our end of the single wire: registers, writes that were counted, the echo, and staying in step.
 
-The far end is a thread that answers by a script; `test_uart_emulated` has the emulated chips.
+The peer is a thread that answers by a script; `test_uart_emulated` has the emulated chips.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ async def test_a_chip_that_was_reset_or_has_another_master_is_told() -> None:
     async with line() as (chip, port):
         await write(port, (AMAX, 1), (AMAX, 2), (AMAX, 3))
         chip.words[0, IFCNT] = 0
-        with pytest.raises(BadReply, match="it was reset, or somebody else writes to it"):
+        with pytest.raises(BadReply, match="it was reset, or another master writes to it"):
             await write(port, (AMAX, 4))
         await write(port, (AMAX, 5))
         assert kinds(port) == ["opened", "foreign"]
@@ -249,7 +249,7 @@ async def test_fences_are_registers_that_nobody_owes() -> None:
         for _ in range(4):
             with pytest.raises(LinkTimeout):
                 await word(port, IFCNT, SHORT_S)
-        await until(lambda: len(chip.seen) >= 4)  # the far end is a thread, and the time limits are short
+        await until(lambda: len(chip.seen) >= 4)  # the peer is a thread, and the time limits are short
         asked = [NODE.register_of(frame) for frame in chip.seen]
         assert len(set(asked)) == len(asked) == 4
         assert READ not in chip.seen
@@ -284,7 +284,7 @@ async def test_bytes_that_nobody_asked_for_mean_another_master() -> None:
     async with line() as (chip, port):
         chip.say(NODE.read(VMAX) + NODE.reply(VMAX, 1))
         await until(lambda: kinds(port)[-1] == "foreign")
-        with pytest.raises(BadReply, match="somebody else talks on the line"):
+        with pytest.raises(BadReply, match="another master talks on the line"):
             await word(port, XACTUAL)
         assert await word(port, XACTUAL) == word_of(XACTUAL, 0)
 

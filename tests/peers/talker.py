@@ -1,4 +1,4 @@
-"""A peer that talks without end, whatever it is asked."""
+"""A peer that talks without pause, whatever it is asked."""
 
 from __future__ import annotations
 

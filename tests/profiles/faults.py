@@ -45,8 +45,8 @@ FAULTS: tuple[Fault, ...] = (
     "stuck register",
     "refused, then unplugged",
 )
-"""Once: a frame that does not arrive, one whose answer is lost, one bit of an answer. For good: a far end that obeys
-and says nothing, one that hears nothing, no far end; a register that keeps what it held, one with a bit that is stuck;
+"""Once: a frame that does not arrive, one whose answer is lost, one bit of an answer. For good: a device that obeys
+and says nothing, one that hears nothing, no device; a register that keeps what it held, one with a bit that is stuck;
 and a refused write whose rollback ends in the middle."""
 NEEDS_READING: tuple[Fault, ...] = ("refused write", "stuck register", "refused, then unplugged")
 """What nobody can see in a register that cannot be read: the link shows that the write arrived, and that is all."""
@@ -159,7 +159,7 @@ class Injector:
         if write is None:
             return answer(frame)
         if write[0] != key:
-            # Behind the failed step only the rollback writes: its second write finds no far end.
+            # Behind the failed step only the rollback writes: its second write finds no device.
             self._writes += self.happened
             if self.fault == "refused, then unplugged" and self._writes > 1:
                 raise ConnectionError("unplugged")
@@ -253,10 +253,10 @@ def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) ->
     mode = (Space.AXIS, 255, 0)
     if b.device.model not in MODULES or before[mode] == after[mode]:
         return after
-    far_end = b.wire.far_end
-    far_end.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, before[mode]).encode())
+    emulator = b.wire.emulator
+    emulator.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, before[mode]).encode())
     again = b.truth()
-    far_end.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, after[mode]).encode())
+    emulator.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, after[mode]).encode())
     return again | {mode: after[mode]}
 
 

@@ -42,26 +42,26 @@ Spoil = Callable[[bytes, Callable[[bytes], bytes]], bytes]
 
 
 class TappedWire:
-    """The far end's wire, with a hand on it. Raises what `spoil` raises."""
+    """The emulator's wire, with a hand on it. Raises what `spoil` raises."""
 
-    def __init__(self, far_end: Wire) -> None:
-        self.far_end = far_end
+    def __init__(self, emulator: Wire) -> None:
+        self.emulator = emulator
         self.spoil: Spoil | None = None
         self.frames = 0
 
     @property
     def model(self) -> str:
-        return self.far_end.model
+        return self.emulator.model
 
     @property
     def clock(self) -> ScaledClock:
-        return self.far_end.clock
+        return self.emulator.clock
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         self.frames += 1
         if self.spoil is None:
-            return self.far_end.exchange(frame, at_s)
-        return self.spoil(frame, lambda sent: self.far_end.exchange(sent, at_s))
+            return self.emulator.exchange(frame, at_s)
+        return self.spoil(frame, lambda sent: self.emulator.exchange(sent, at_s))
 
 
 @dataclass
@@ -77,22 +77,22 @@ class Bench:
         return cast("TappedWire", cast("EmulatorPort", self.device.session.port).wire)
 
     def truth(self) -> dict[Key, int]:
-        """What the far end holds of its configuration, past wire and driver."""
+        """What the emulator holds of its configuration, past wire and driver."""
         return {item.key: self._held(item) & item.mask for item in items_of(self.device.model)}
 
     def _held(self, item: Item) -> int:
-        far_end = self.wire.far_end
-        if isinstance(far_end, EmulatedTmc5xxx | EmulatedDriver):
-            return far_end._chip.held(item.row.address)
-        if isinstance(far_end, EmulatedTmc4361):
-            return int(far_end._chip.r[item.row.address])
+        emulator = self.wire.emulator
+        if isinstance(emulator, EmulatedTmc5xxx | EmulatedDriver):
+            return emulator._chip.held(item.row.address)
+        if isinstance(emulator, EmulatedTmc4361):
+            return int(emulator._chip.r[item.row.address])
         at_s = self.clock.now()
         if self.device.model in MODULES:
             read = {Space.AXIS: 6, Space.GLOBAL_0: 10, Space.GLOBAL_2: 10, Space.GLOBAL_3: 10, Space.COORDINATE: 31}
             motor = {Space.GLOBAL_2: 2, Space.GLOBAL_3: 3}.get(item.row.space, 0)
             frame = tmcl.Request(1, read[item.row.space], item.row.address, motor).encode()
-            return to_raw(tmcl.Reply.decode(far_end.exchange(frame, at_s)).value, 32)
-        return int.from_bytes(far_end.exchange(datagram32.read(item.row.address), at_s)[1:], "big")
+            return to_raw(tmcl.Reply.decode(emulator.exchange(frame, at_s)).value, 32)
+        return int.from_bytes(emulator.exchange(datagram32.read(item.row.address), at_s)[1:], "big")
 
 
 def _tapped(model: str, link: Link, clock: Clock) -> FramePort:

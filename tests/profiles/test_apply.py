@@ -146,9 +146,9 @@ async def test_a_stop_in_the_middle_ends_it_and_takes_it_back() -> None:
 
             def reached(self, index: int) -> None:
                 if index == self.at:
-                    Context().run(b.device.session.commanded, 0, "stop")  # as one of somebody else is heard of
+                    Context().run(b.device.session.commanded, 0, "stop")  # as one of another client is heard of
 
-        with pytest.raises(ProfileTakenBack, match="commanded by somebody else"):
+        with pytest.raises(ProfileTakenBack, match="commanded by another client"):
             await Transaction(b.device, document, journal=Stopping(b, "silent", 4)).run()
         assert by_place(b.truth(), "tmc428") == by_place(before, "tmc428")
 

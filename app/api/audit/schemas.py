@@ -13,7 +13,7 @@ Outcome = Literal["done", "not proven", "refused"]
 
 
 class AuditEntry(Answer):
-    """One thing that somebody did, or was refused."""
+    """One action of a client, done or refused."""
 
     id: int = Field(description="grows with time")
     time: datetime

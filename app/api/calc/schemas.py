@@ -39,7 +39,7 @@ class PmulPdivCandidate(Answer):
     quality: float
     overshoot_steps: int | None = Field(description="farthest beyond the target, in the exact ramp [microsteps]")
     settling_s: float | None = Field(
-        description="from the first arrival at the target to rest [s]; null where it oscillates without end"
+        description="from the first arrival at the target to rest [s]; null where the oscillation is unbounded"
     )
     move_s: float | None = Field(default=None, description="the whole reference move [s], to compare pairs by")
 

@@ -52,7 +52,7 @@ def stranger_of(scope: Scope) -> Actor:
 
 def _stranger(scope: Scope, agent: str) -> Actor:
     kind: ActorKind = "browser" if agent.startswith("Mozilla/") else "client"
-    program = "browser" if kind == "browser" else plain_name(agent.partition(" ")[0].partition("/")[0]) or "somebody"
+    program = "browser" if kind == "browser" else plain_name(agent.partition(" ")[0].partition("/")[0]) or "unknown"
     address = (scope.get("client") or ("",))[0]
     return Actor(f"{program}@{address}" if address else program, kind, None, address)
 

@@ -1,6 +1,6 @@
 """Where the lease is enforced: the one place that every request which may change something passes.
 
-Whatever is not known to be free needs the bench, also addresses that somebody adds later: forgetting one cannot open
+Whatever is not known to be free needs the bench, also addresses that are added later: forgetting one cannot open
 it. Routes declare what is free (`policy`): what stops a motor, what only calculates or looks although it is asked by
 POST, what keeps or shows data and moves nothing, and the lease itself.
 """

@@ -68,7 +68,7 @@ KINDS: dict[type[Exception], Kind] = {
     UnknownThing: Kind(404, "/problems/unknown-thing", "There is no such thing"),
     WriteRefused: Kind(409, "/problems/write-refused", "The chip did not take the write"),
     ScriptFailed: Kind(409, "/problems/script-failed", "The script did not pass its trial"),
-    BenchTaken: Kind(409, "/problems/bench-taken", "Somebody else has the bench"),
+    BenchTaken: Kind(409, "/problems/bench-taken", "Another session has the bench"),
     BenchNotTaken: Kind(409, "/problems/bench-not-taken", "This session has not taken the bench"),
     DownloadMode: Kind(409, "/problems/download-mode", "Download mode: polling paused"),
     OtherModel: Kind(409, "/problems/other-model", "This is another model"),

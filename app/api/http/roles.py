@@ -2,7 +2,7 @@
 
 look: whatever changes nothing: GET, the sockets of telemetry and conditions, calculators and comparisons; and stops.
 drive: everything but tokens. administer: all. Routes declare which they need (`policy`); what nobody has thought of
-needs `drive`, also addresses that somebody adds later: forgetting one cannot open it. Stopping needs nothing but to be
+needs `drive`, also addresses that are added later: forgetting one cannot open it. Stopping needs nothing but to be
 in.
 """
 

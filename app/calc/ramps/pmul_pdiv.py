@@ -63,8 +63,8 @@ class Candidate:
     pmul 0..127, p_mul 128..255, pdiv 0..13, p = p_mul / 2^(3 + pdiv)
     quality : q = p / p_ideal; above 1 overshoots (DS-TMC428 8.11)
     overshoot_steps : farthest beyond the target [microsteps]
-    settling_s : from the first arrival at the target to rest [s]; None where it oscillates without end
-    move_s : the whole reference move [s], to compare pairs by; None where it oscillates without end
+    settling_s : from the first arrival at the target to rest [s]; None where the oscillation is unbounded
+    move_s : the whole reference move [s], to compare pairs by; None where the oscillation is unbounded
     The last three are None where `design` was asked not to evaluate, or where v_max or a_max is 0.
     """
 

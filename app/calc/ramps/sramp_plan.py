@@ -82,7 +82,7 @@ class RampWarning(NamedTuple):
 
     code : stable, for programs, for example "vmax_not_reached"
     values : the numbers of `text`, in pps, pps^2 and microsteps
-    template : what `text` makes of them, when somebody reads it
+    template : what `text` makes of them, when it is read
     """
 
     code: str

@@ -52,7 +52,7 @@ class Identity(Protocol):
         ...
 
     async def refresh(self) -> None:
-        """Read again what the driver remembers of the chip (dividers): somebody else may have changed it."""
+        """Read again what the driver remembers of the chip (dividers): another master may have changed it."""
         ...
 
     def only_reads(self, frame: bytes) -> bool:
@@ -410,7 +410,7 @@ class VelocityStream(Protocol):
 
 
 class LatchedFlags(Protocol):
-    """Keeps flags until somebody has taken notice of them."""
+    """Keeps flags until they are acknowledged."""
 
     async def clear_flags(self, axis: int, /) -> None: ...
 

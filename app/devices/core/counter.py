@@ -15,7 +15,7 @@ class CounterReading:
     """When the question went out, device time [s]: the counter was read no earlier, and before the answer was there."""
     reset_seen: bool | None
     """Whether the chip was reset since the look before; at the first look of a connection whether it says that it was
-    since somebody last took notice of that. None where the chip cannot tell. Asked after the counter, so that no count
+    since that was last acknowledged. None where the chip cannot tell. Asked after the counter, so that no count
     from after a reset goes without it."""
 
 
@@ -37,7 +37,7 @@ class PositionSeen:
 
 @dataclass(frozen=True, slots=True)
 class CounterWritten:
-    """Somebody wrote the position counter, or set off what will: it shows another number for the same place."""
+    """The position counter was written, or will be: it shows another number for the same place."""
 
     axis: int
     what: str

@@ -48,7 +48,7 @@ class FoundMoving:
 
     def _hear(self, device: Device, event: DeviceEvent) -> None:
         if isinstance(event, MotionCommanded):
-            self._clear(device, event.axis)  # what it does from now on somebody here has told it
+            self._clear(device, event.axis)  # what it does from now on this server has told it
         elif isinstance(event, StateChanged):
             self._forget(device)
             if event.state == "connected":

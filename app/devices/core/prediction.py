@@ -1,7 +1,7 @@
 """The ramp that the calculators expect for a motion under way, on device time.
 
 A prediction begins with every command that changes a motion, and ends with the next. Making one
-costs nothing until somebody looks: the curve is computed at the first look (telemetry or API), away
+costs nothing until it is read: the curve is computed at the first read (telemetry or API), away
 from the command that began it. What a family's ramps look like is its own: `ticked_prediction`, `pd42`.
 """
 

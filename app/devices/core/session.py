@@ -67,7 +67,7 @@ class Session:
         self.clock = clock
         """The server's, for what a driver does on its own."""
         self.background = clock
-        """The same for what may wait while somebody stops motors: polling, not what keeps a motor in its limits."""
+        """The same for what may wait while motors are being stopped: polling, not what keeps a motor in its limits."""
         self.queue = LinkQueue(port, on_result=self._link_result) if queue is None else queue
         self.axes = tuple(Axis(index, settings) for index, settings in enumerate(config.axes))
         self.limiter: LimitGuard | None = None
@@ -120,7 +120,7 @@ class Session:
 
     @property
     def sampling_port(self) -> SamplingPort | None:
-        """The port, where its far end samples itself on its own time."""
+        """The port, where its device samples itself on its own time."""
         return self.port.traits.sampling
 
     @property

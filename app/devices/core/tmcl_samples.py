@@ -101,5 +101,5 @@ class TmclSampler:
         return Taken(((begin_s + end_s) / 2).tolist(), replies, float((end_s - begin_s).mean()))
 
     def row_spread_s(self) -> float:
-        """From the first to the last question of a row [s]: none where the far end samples itself."""
+        """From the first to the last question of a row [s]: none where the device samples itself."""
         return 0.0 if self._session.chip_timed else self._row_spread_latest_s

@@ -14,7 +14,7 @@ LOOK_IN_S = 1.5
 """How often a working device is looked in on: a cable pulled while nobody asks anything is seen within 2 s, with the
 wait for an answer, also where the port does not notice it by itself."""
 GLANCES = 3
-"""How many times in between it is seen whether somebody else found out."""
+"""How many times in between it is seen whether another caller found out."""
 RETRIES_S = (0.25, 0.5, 1.0)
 """Waits before the next attempts; the last one repeats. A cable that is plugged in again is found within 3 s, with the
 time that an attempt takes."""

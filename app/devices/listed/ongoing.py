@@ -73,7 +73,7 @@ class ListedMotions:
             axis.drives(axis.driven or "unknown", time_s, None)
 
     def on_seen(self, register: Register, value: int) -> None:
-        """`ListedState.saw_hooks`: a motion that somebody else began."""
+        """`ListedState.saw_hooks`: a motion that another master began."""
         if register.axis is None or register is not self._state.axes[register.axis].speed or not value:
             return
         watch = self.axes[register.axis].watch

@@ -12,7 +12,7 @@ from ..core.prediction import FloatArray, Prediction, PredictionBook
 from .tick_phase import TickPhase
 
 POSITION_BITS = 24
-ENDLESS_S = 20.0
+UNBOUNDED_S = 20.0
 """How much is drawn of a motion that does not end by itself, an oscillation say [s]."""
 
 
@@ -59,7 +59,7 @@ class TickedPrediction(Prediction):
         try:
             return exact_ramp(origin.parameters, origin.distance, samples, start)
         except ValueError:  # it never ends; what happens until then is worth seeing all the more
-            return exact_ramp(origin.parameters, origin.distance, samples, start, duration_s=ENDLESS_S)
+            return exact_ramp(origin.parameters, origin.distance, samples, start, duration_s=UNBOUNDED_S)
 
 
 class TickedBook(PredictionBook[TickedPrediction]):

@@ -6,7 +6,7 @@ nothing, and with all but some it clears those. After each the register holds ag
 
 What holds the motor (a stop, a freeze, a stall) is never cleared by looking: an axis that is going to a target would
 set off again as soon as the switch is released. Neither is what the user keeps (EVENT_CLEAR_CONF) or what makes an
-interrupt (INTR_CONF): somebody else may wait for it.
+interrupt (INTR_CONF): other hardware may wait for it.
 """
 
 from __future__ import annotations

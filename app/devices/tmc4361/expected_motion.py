@@ -23,7 +23,7 @@ class ExpectedMotion:
         self.book: PredictionBook[PlannedMotion] = PredictionBook()
         self.watch = MotionWatch(roles.AXIS, self._ended, self._began)
         self.begun_hooks: list[Callable[[], None]] = []
-        """Parts that see to it that somebody looks until the motion under way has ended."""
+        """Parts that see to it that the axis is polled until the motion under way has ended."""
         self._session = session
         session.state_hooks.append(self._state_set)
 

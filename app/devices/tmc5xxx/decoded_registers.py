@@ -35,8 +35,8 @@ class DecodedRegisters:
     # --- encoders and switches ------------------------------------------------------------------
 
     def counts_encoder(self, axis: int) -> bool:
-        """Whether X_ENC counts what somebody wants it to: there is one, GCONF leaves it its pins, and ENC_CONST is not
-        as after a reset."""
+        """Whether X_ENC counts as configured: there is one, GCONF leaves it its pins, and ENC_CONST is not as after a
+        reset."""
         row = self._memory.rows(axis).enc_const
         if row is None or self._memory.word(row) in (0, row.reset):
             return False

@@ -59,7 +59,7 @@ class ChipMemory:
         """The chip was seen to hold `word`."""
         if register.address in self._kept:
             word &= register.mask
-            if word != self._unread.get(register.address):  # somebody else's
+            if word != self._unread.get(register.address):  # another master's
                 self._overwritten.pop(register.address, None)
             self._unread[register.address] = word
             if self._session.limiter is not None:

@@ -150,7 +150,7 @@ class SixPointMotion(Motion):
         rows = self.memory.rows(before.axis)
         speed = [
             Write(row, wanted) for row in (rows.amax, rows.vmax) if (wanted := self.memory.wanted(row)) is not None
-        ]  # nothing is known to write where somebody else has set it, and it is still that
+        ]  # nothing is known to write where another master has set it, and it is still that
         to_mode, to_target = Write(rows.rampmode, r.POSITION), _put(rows.xtarget, target)
         if before.stands:
             # From here to the last datagram the target is where the axis stands, and nothing moves.

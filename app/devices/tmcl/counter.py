@@ -1,7 +1,7 @@
 """The position counter of a TMCL module, and its tick timer, which tells of a reset.
 
 The timer (GP 132) counts milliseconds from power-on. Where it has gone on by less than the time since the look before,
-the module was reset in between, or somebody has set the timer: either is a reason to ask where the axis is.
+the module was reset in between, or the timer was set: either is a reason to ask where the axis is.
 """
 
 from __future__ import annotations

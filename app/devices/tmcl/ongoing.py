@@ -70,7 +70,7 @@ class OngoingMotion:
             self.latched = 0
 
     def on_seen(self, register: Register, value: int) -> None:
-        """`ModuleState.saw_hooks`: flags that a read clears, and a motion that somebody else began."""
+        """`ModuleState.saw_hooks`: flags that a read clears, and a motion that another master began."""
         roles = self._state.roles
         if register is roles.extended_error_flags:
             self.latched |= value

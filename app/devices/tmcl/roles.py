@@ -94,7 +94,7 @@ class RegisterRoles:
         )
         """What decides the shape of a ramp."""
         self.always_fresh = (*self.counting, self.microsteps, self.actual_speed)
-        """What the driver looks at each time that it looks in: how numbers count, and motions that somebody else
+        """What the driver looks at each time that it looks in: how numbers count, and motions that another master
         began."""
         self.remembered = self.present(
             self.full_steps,

@@ -100,7 +100,7 @@ def _write(row: Register, value: float) -> WriteItem:
 
 
 async def _currents(device: Device, rows: RegisterRoles, one: Wanted) -> Sequence[WriteItem]:
-    """Run and standby current and the chopper's off time, which is 0 where somebody has switched the driver off."""
+    """Run and standby current and the chopper's off time, which is 0 where the driver was switched off."""
     shares = one.share_of_full_scale()
     if shares is None:
         run, hold, off = [

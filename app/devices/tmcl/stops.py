@@ -63,7 +63,7 @@ class Stops:
         problem = await self._stop_motor(calls, mode)
         if not isinstance(problem, DownloadMode):
             return problem
-        # The module said that it has stored the stop, so it came into download mode by somebody else's hand.
+        # The module said that it has stored the stop, so it came into download mode by another master's command.
         await self._leave_download(calls)
         return await self._stop_motor(calls, mode)
 

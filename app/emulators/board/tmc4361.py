@@ -21,7 +21,7 @@ POSITION_MODE = 1 << 2
 RAMP_TYPE, S_RAMP, TRAPEZOID = 3, 2, 1
 VELOCITY_MAX_PPS = 8_000_000
 POSITIONING_PPS = 51_200
-"""Velocity of positioning until somebody sets parameter 4 [pps]."""
+"""Velocity of positioning until parameter 4 is set [pps]."""
 ACCELERATION_BITS = 0x3F_FFFF
 PRESETS = {
     0x10: 0x0004_0001,  # STP_LENGTH_ADD 1, DIR_SETUP_TIME 4

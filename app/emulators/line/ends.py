@@ -14,7 +14,7 @@ READ_BYTES = 4096
 
 
 class Client(Protocol):
-    """Somebody on the line."""
+    """A participant on the line."""
 
     def send(self, data: bytes) -> None:
         """Hand over `data`; what cannot be taken at once is lost, as in a UART that nobody empties."""

@@ -22,7 +22,7 @@ from .module import LineModule
 BITS_A_BYTE = 10
 """8N1: start bit, eight data bits, stop bit."""
 EVENT_POLL_S = 0.002
-"""How often modules are asked for events while somebody has asked for one [s]."""
+"""How often modules are asked for events while one has been asked for [s]."""
 
 SEED = 485
 """Of the noise on a line that is told none."""

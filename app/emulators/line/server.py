@@ -32,7 +32,7 @@ _PR_SET_TIMERSLACK = 29
 
 
 class LineServer:
-    """`with LineServer(line, [PtyEnd(path)]) as server: server.run()` serves until somebody calls `stop`.
+    """`with LineServer(line, [PtyEnd(path)]) as server: server.run()` serves until `stop` is called.
 
     Entering plugs the ends in and raises OSError where that is not possible; leaving removes them.
     """

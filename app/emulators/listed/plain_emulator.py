@@ -17,7 +17,7 @@ from .options import ListedAxisState, ListedOptions, ListedPatch, ListedState
 SPEED, ACCELERATION = 2000, 2000
 """After power-on [counts/s, counts/s^2]: no package tells any, and with 0 nothing would move."""
 FULL_STEP = 256
-"""Counts that are called a full step where somebody asks how it really is."""
+"""Counts that are called a full step in the ground truth."""
 
 
 @dataclass(slots=True)

@@ -82,7 +82,7 @@ def walk(ram: Sequence[int], lsmd: int) -> tuple[Place, ...] | None:
 def duration_clocks(places: tuple[Place, ...] | None, clk2_div: int) -> int:
     """Clocks that a datagram takes: 1 + bits + 1 SPI clocks and 1 for each NxM (1.5 if clk2_div > 7).
 
-    DS-TMC428 9.7. An SPI clock is 2 * (clk2_div + 1) clocks. `kernel.NEVER` for a datagram without end.
+    DS-TMC428 9.7. An SPI clock is 2 * (clk2_div + 1) clocks. `kernel.NEVER` for an unbounded datagram.
     """
     if places is None:
         return kernel.NEVER
@@ -113,8 +113,8 @@ def compose(
 ) -> Datagram:
     """The datagram that `motors` make: RAM places filled with signals, then covered.
 
-    `cover` is (first bit, length, bits) or None; bit length-1 of the cover comes first (DS-TMC428 9.2). A
-    datagram without end is shown as empty.
+    `cover` is (first bit, length, bits) or None; bit length-1 of the cover comes first (DS-TMC428 9.2). An
+    unbounded datagram is shown as empty.
     """
     idle = Signals(0, 1, 0, 0, 0)
     driven = [*motors, idle]

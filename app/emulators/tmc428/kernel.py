@@ -262,7 +262,7 @@ def _evaluate(axes: Cells, chip: Cells, i: int, tick: int, landed: bool) -> None
     """Conditions of axis `i` at its present position and switches: flags, stops, next guarded position.
 
     `landed`: a step has just brought it here, so a slow motor stops dead at its target. One that finds
-    itself there because somebody wrote a register waits for its ramp tick.
+    itself there because a register was written waits for its ramp tick.
     """
     a = axes[i]
     x = a[X]

@@ -127,7 +127,7 @@ class Tmc428(Chip):
         duration = chain.duration_clocks(self._places, word >> 8 & 0xFF)
         self.chip[k.DURATION] = duration
         if self.chip[k.BUSY] and self.chip[k.BUSY_UNTIL] >= k.NEVER > duration:
-            # A datagram without end meets an NxM bit at last.
+            # An unbounded datagram meets an NxM bit at last.
             self.chip[k.BUSY_UNTIL] = self.chip[k.CLOCK] + duration
 
     def _compose(self, snapshot: int) -> Datagram:
@@ -145,7 +145,7 @@ class Tmc428(Chip):
         """Compose what was sent so far, before something that it is made of changes; take in its reply.
 
         The kernel keeps only the signals of the last datagram and of the captured one: bits are made
-        when somebody wants them.
+        when they are read.
         """
         if self.chip[k.SENT_COUNT] != self._last_count:
             self._last_count = int(self.chip[k.SENT_COUNT])

@@ -338,7 +338,7 @@ class Axis:
             self._watch()
 
     def _watch(self) -> None:
-        """Be woken only for what somebody waits for: an event ends a stretch of compiled time."""
+        """Be woken only for what is waited for: an event ends a stretch of compiled time."""
         watch = _ALWAYS_WATCHED | self._also_watched
         if self.event_due:
             watch |= EventKind.POSITION_REACHED

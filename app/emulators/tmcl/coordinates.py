@@ -9,7 +9,7 @@ from .refused import invalid_value, wrong_type
 
 
 class Coordinates:
-    """In RAM; in the EEPROM where somebody asks for it, or always (global parameter 84). Number 0 is RAM alone."""
+    """In RAM; in the EEPROM where a command asks for it, or always (global parameter 84). Number 0 is RAM alone."""
 
     def __init__(self, eeprom: Eeprom, parameters: GlobalParameters) -> None:
         self._eeprom = eeprom

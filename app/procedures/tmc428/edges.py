@@ -163,7 +163,7 @@ class EdgeFinder:
         self._borrowed[part.name] = (before, value)
 
     async def give_back(self) -> None:
-        """Put borrowed fields back; what is not as we left it somebody else has set meanwhile, and stays."""
+        """Put borrowed fields back; what is not as we left it another client has set meanwhile, and stays."""
         if not self._borrowed:
             return
         register = self._rows.reference.name

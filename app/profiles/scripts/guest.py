@@ -1,6 +1,6 @@
 """A server of our own in a process of its own, which a script may try itself on: it ends when whoever began it does.
 
-Run as a module with `serve ...`, it is `stepscope serve ...`, as long as somebody holds its standard
+Run as a module with `serve ...`, it is `stepscope serve ...`, as long as its parent holds its standard
 input open. A parent that was killed holds nothing open: so no server is left behind.
 """
 

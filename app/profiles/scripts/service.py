@@ -78,7 +78,7 @@ class Scripts:
             self._asked += 1
             try:
                 async with self._trying:
-                    if key not in self._kept:  # somebody else may have asked for it meanwhile
+                    if key not in self._kept:  # another request may have asked for it meanwhile
                         self._kept[key] = await self._tried(plan, document, language, text)
             finally:
                 self._asked -= 1

@@ -1,1 +1,1 @@
-"""Modules that the maker's Python package lists: their parameters, read from it when somebody asks for them."""
+"""Modules that the maker's Python package lists: their parameters, read from it on demand."""

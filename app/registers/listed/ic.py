@@ -47,7 +47,7 @@ def read(listing: Listing) -> RegisterTable:
         kind = getattr(importlib.import_module(listing.module), listing.class_name)
         rows = tuple(_distinct(_rows_of(kind, listing)))
         table = table_of(listing.name, rows)
-    except Exception as error:  # whatever somebody else's code may raise, of the version that happens to be installed
+    except Exception as error:  # whatever foreign code may raise, of the version that happens to be installed
         raise unreadable(listing, f"reading it fails ({type(error).__name__}: {error})") from error
     if not rows:
         raise unreadable(listing, "its class names no register")

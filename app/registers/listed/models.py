@@ -98,7 +98,7 @@ def model(name: str) -> Model:
 
 
 def why_not(name: str) -> str:
-    """Why one that is listed cannot be used, as its files tell or where somebody tried; empty where it can."""
+    """Why one that is listed cannot be used, as its files tell or where loading was tried; empty where it can."""
     found, listing = _read.get(name), listings().get(name)
     if listing is not None and listing.kind == "chip" and listing.slot is None:
         return str(_without_registers(listing))

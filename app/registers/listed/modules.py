@@ -102,7 +102,7 @@ def read(listing: Listing) -> RegisterTable:
         made = getattr(importlib.import_module(listing.module), listing.class_name)(_Unconnected())
         axes, rows = len(made.motors), list(_rows_of(made, f"PyTrinamic {listing.class_name}"))
         table = RegisterTable(listing.name, tuple(_named_once(rows)))
-    except Exception as error:  # whatever somebody else's code may raise, of the version that happens to be installed
+    except Exception as error:  # whatever foreign code may raise, of the version that happens to be installed
         raise _unreadable(listing, f"reading it fails ({type(error).__name__}: {error})") from error
     if axes != listing.axes or not axes:
         raise _unreadable(listing, f"its file tells of {listing.axes} axes, and its class of {axes}")

@@ -37,7 +37,7 @@ MODE_STEP_DIR = "driver by step and direction (SD_MODE high)"
 def clearing(
     group: str, address: int, name: str, width: int, help_: str, write_clears: bool, what: str = "it"
 ) -> Register:
-    """Flags that stay until somebody clears them (`what` of them), by writing 1 or else by reading."""
+    """Flags that stay until they are cleared (`what` of them), by writing 1 or else by reading."""
     how = "writing 1" if write_clears else "reading"
     row = Rows(group, VENDOR).reading(address, name, width, f"{help_}; {how} clears {what}")
     return replace(row, access=Access.R_W1C) if write_clears else replace(row, read_clears=True)

@@ -127,7 +127,7 @@ async def test_suppressed_answers_are_refused_and_another_address_is_told() -> N
             await made.device.registers.write(suppress.name, None, 1)
         address = next(row for row in table if row.alias == "gp0_66")
         written = await made.device.registers.write(address.name, None, 9)
-        assert written.verified is None  # a plain far end keeps its address
+        assert written.verified is None  # a plain emulator keeps its address
         assert written.note
 
 

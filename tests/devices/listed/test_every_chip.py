@@ -1,4 +1,4 @@
-"""Every chip that the package lists, at its far end: connected over each of its wires, all of its registers written."""
+"""Every chip that the package lists, emulated: connected over each of its wires, all of its registers written."""
 
 from __future__ import annotations
 
@@ -126,13 +126,13 @@ async def moves(made: Bench, axis: int) -> None:
 
 @pytest.mark.parametrize(("name", "wire"), WIRES)
 async def test_over_every_wire(name: str, wire: str, tmp_path: Path) -> None:
-    async with far_end(name, wire, tmp_path) as device:
+    async with peer(name, wire, tmp_path) as device:
         assert device.state == "connected", device.problem
         await write_all(device, [row for row in writable(device) if not row.read_clears][:3])
 
 
 @asynccontextmanager
-async def far_end(name: str, wire: str, folder: Path) -> AsyncIterator[Device]:
+async def peer(name: str, wire: str, folder: Path) -> AsyncIterator[Device]:
     """A chip on that wire, and the device that speaks to it."""
     clock = WallClock()
     chip = cast("PlainChip", build_emulator(name, clock))

@@ -1,4 +1,4 @@
-"""Every module that the package lists, at its far end: connected, all of its parameters written, and moved."""
+"""Every module that the package lists, emulated: connected, all of its parameters written, and moved."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def served(line: Line, path: Path) -> Iterator[str]:
 
 
 @contextmanager
-def far_end(kind: str, model: str, path: Path) -> Iterator[dict[str, object]]:
+def peer(kind: str, model: str, path: Path) -> Iterator[dict[str, object]]:
     """What a link of that kind to an emulated chip is made of, besides TCP, which an event loop serves."""
     link: dict[str, object] = {"kind": kind}
     clock = WallClock()
@@ -105,7 +105,7 @@ def far_end(kind: str, model: str, path: Path) -> Iterator[dict[str, object]]:
 async def device(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Device]:
     kind, model = cast("tuple[str, str]", request.param)
     server: asyncio.Server | None = None
-    with far_end(kind, model, tmp_path / "tty") as link:
+    with peer(kind, model, tmp_path / "tty") as link:
         if kind == "tcp":
             server = await serve_tcp(chip(model, WallClock()), "127.0.0.1", 0)
             link |= {"host": "127.0.0.1", "port": server.sockets[0].getsockname()[1], "timeout_s": WITHIN_S}

@@ -128,7 +128,7 @@ async def test_a_stop_leaves_download_mode_and_stops(mode: Any) -> None:
         device = made.device
         await device.motion.rotate(0, 20_000)
         await made.clock.advance(0.5)
-        made.module.receive(Request(1, Opcode.ENTER_DOWNLOAD).encode())  # somebody else's hand
+        made.module.receive(Request(1, Opcode.ENTER_DOWNLOAD).encode())  # another master's hand
         outcome = (await device.stop_axes([0], mode))[0]
         assert outcome.problem is None
         assert not downloading(made)

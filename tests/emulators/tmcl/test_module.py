@@ -223,7 +223,7 @@ def test_what_does_and_does_not_count_as_heartbeat() -> None:
     bench = Bench()
     bench.sgp(68, 100)
     bench.do(Opcode.RFS, 0)
-    bench.module.receive(Request(2, Opcode.GAP, 1).encode(), 0.05)  # somebody else's
+    bench.module.receive(Request(2, Opcode.GAP, 1).encode(), 0.05)  # another master's
     bench.module.receive(POSITION[:8] + b"\x00", 0.06)  # broken
     bench.run(0.11)
     assert bench.do(Opcode.RFS, 2) == 0

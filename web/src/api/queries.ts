@@ -29,7 +29,7 @@ export function useDevices() {
     queryKey: ["devices"],
     queryFn: async () => {
       const [devices, models] = await Promise.all([api.GET("/api/v1/devices"), queries.ensureQueryData(CATALOG)]);
-      // one of a register map that somebody else has just brought along
+      // one of a register map that another client has just brought along
       if (devices.some(({ model }) => !models.some(({ name }) => name === model)))
         void queries.invalidateQueries(CATALOG);
       return devices.flatMap((device): Device[] => {

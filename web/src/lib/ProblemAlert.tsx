@@ -17,7 +17,7 @@ interface Props {
 export function ProblemAlert({ error, doing, retry, onClose }: Props) {
   if (error === null || error === undefined) return null;
   const problem = problemOf(error);
-  // somebody has said no to the question for the bench: no fault, and no red
+  // the user has said no to the question for the bench: no fault, and no red
   const wanted = problem.type === ONLY_LOOKING;
   return (
     <Alert

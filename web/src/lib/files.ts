@@ -1,4 +1,4 @@
-/** Gives somebody a file without asking the server again. */
+/** Gives the user a file without asking the server again. */
 export function saveText(name: string, text: string, type = "text/plain"): void {
   const address = URL.createObjectURL(new Blob([text], { type: `${type};charset=utf-8` }));
   const link = document.createElement("a");
@@ -9,7 +9,7 @@ export function saveText(name: string, text: string, type = "text/plain"): void 
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-/** A file name of what somebody called a thing: no path, nothing that a file system minds. */
+/** A file name of what the user called a thing: no path, nothing that a file system minds. */
 export function fileName(name: string, ending: string): string {
   const plain = name
     .normalize("NFKD")

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Schemas } from "../api/client";
 import { TelemetrySource, telemetryUrl } from "./TelemetrySource";
 
-/** The far end of a socket, in the test's hands. */
+/** The server's side of a socket, in the test's hands. */
 class FakeSocket {
   binaryType = "";
   onmessage: ((event: { data: ArrayBuffer | string }) => void) | null = null;

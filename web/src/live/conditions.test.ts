@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Schemas } from "../api/client";
 import { type AxisStanding, ConditionSource, type Kind } from "./conditions";
 
-/** The far end of a socket, in the test's hands. */
+/** The server's side of a socket, in the test's hands. */
 class FakeSocket {
   onmessage: ((event: { data: string }) => void) | null = null;
   onclose: (() => void) | null = null;

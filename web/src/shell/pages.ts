@@ -60,12 +60,12 @@ export function pagesFor(abilities: Abilities | null): PageEntry[] {
   return PAGES.filter((entry) => (abilities === null ? entry.alone : isFor(entry, abilities)));
 }
 
-/** Whether somebody is on the page of that path: on it, or on one below it. */
+/** Whether the user is on the page of that path: on it, or on one below it. */
 export function isAt(path: string, location: string): boolean {
   return location === path || (path !== "/" && location.startsWith(`${path}/`));
 }
 
-/** Where somebody goes whose device a page is not for: to one of the same topic, else to the device's settings. */
+/** Where the user goes whose device a page is not for: to one of the same topic, else to the device's settings. */
 export function insteadOf(entry: PageEntry, abilities: Abilities): PageEntry | undefined {
   const open = pagesFor(abilities);
   const about = (topic: string) => open.find((candidate) => topic !== "" && candidate.topic === topic);

@@ -17,7 +17,7 @@ DEPTH = (
 )
 REGISTERS_ONLY = "its table names no ramp generator: it has registers here, and no axis that could be moved"
 PROBED = 2
-"""How many registers are read to see that somebody answers."""
+"""How many registers are read to see that a chip answers."""
 
 
 class ListedChipIdentity(Identity):

@@ -55,7 +55,7 @@ class ChipState:
         self._unproven.discard(address)
         hides = self._reads_as.get(address)
         if hides is not None and word != hides:
-            del self._reads_as[address]  # somebody else's, or it can be read after all
+            del self._reads_as[address]  # another master's, or it can be read after all
             hides = None
         if hides is None:
             if word == self._by_hand.pop(address, None):

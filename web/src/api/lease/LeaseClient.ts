@@ -20,15 +20,15 @@ export interface LeasePorts {
 }
 
 /**
- * Why somebody is asked: after something that waits for the bench, or after something held down, which is not done
+ * Why the user is asked: after something that waits for the bench, or after something held down, which is not done
  * later by itself, when nobody holds it any more.
  */
 export type Cause = "held" | "change";
 
-/** What somebody is to be asked who has tried to change the bench without having it. */
+/** What a user is asked who has tried to change the bench without having it. */
 export interface Question {
   cause: Cause;
-  /** it was somebody else's and has become ours: that may be minutes later, so it is asked whether to go on */
+  /** it was another session's and has become ours: that may be minutes later, so it is asked whether to go on */
   handed: boolean;
 }
 
@@ -170,7 +170,7 @@ export class LeaseClient {
 
   /** What is answered to the question. To go on takes the bench, where it is not ours yet. */
   async answer(go: boolean): Promise<void> {
-    if (go && !this.mine && !(await this.take())) return; // somebody was quicker: the question says so
+    if (go && !this.mine && !(await this.take())) return; // another session was quicker: the question says so
     const waiting = this.waiting;
     this.waiting = [];
     if (!go) this.stopAsking();

@@ -7,7 +7,7 @@ import { sayGone, sayHere, sessionHeaders, userName } from "./session";
 
 const URL = "/api/v1/lease";
 const LOOK_EVERY_MS = 1000;
-/** Somebody has told all motors to stop, here on this page. */
+/** The user has told all motors to stop, here on this page. */
 export const STOP_EVENT = "stepscope:stop";
 
 async function call(method: string, path = "", body?: unknown): Promise<Lease> {

@@ -5,7 +5,7 @@ export type Fetch = (request: Request) => Promise<Response>;
 
 /** The server's refusals for want of the lease. */
 const REFUSALS: readonly unknown[] = ["/problems/bench-taken", "/problems/bench-not-taken"];
-/** Ours: nothing was sent, because somebody who only looks did not want the bench after all. */
+/** Ours: nothing was sent, because a user who only looks did not want the bench after all. */
 export const ONLY_LOOKING = "/problems/only-looking";
 
 /** What stands for the answer to a request that was not sent. */

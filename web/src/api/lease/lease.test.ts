@@ -117,7 +117,7 @@ describe("a page that has not got the bench", () => {
     expect(server.sent).toEqual([]);
   });
 
-  it("asks when somebody was quicker", async () => {
+  it("asks when another session was quicker", async () => {
     await server.client.refresh();
     server.lease = ANNS;
     const answer = server.gate.fetch(post());
@@ -166,7 +166,7 @@ describe("a page that has not got the bench", () => {
   });
 });
 
-describe("a bench that somebody else has", () => {
+describe("a bench that another session has", () => {
   beforeEach(async () => {
     server.lease = ANNS;
     await server.client.refresh();
@@ -199,7 +199,7 @@ describe("a bench that somebody else has", () => {
     expect(server.calls.at(-1)).toBe("look");
   });
 
-  it("stays a question when somebody was quicker", async () => {
+  it("stays a question when another session was quicker", async () => {
     const answer = server.gate.fetch(post());
     await settle();
     server.lease = FREE;

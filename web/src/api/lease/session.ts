@@ -50,7 +50,7 @@ const SYSTEMS: readonly (readonly [RegExp, string])[] = [
   [/Linux/, "Linux"],
 ];
 
-/** What somebody is called who has not said it: "Firefox on Linux". */
+/** What a user is called who has not given a name: "Firefox on Linux". */
 export function nameOfBrowser(agent: string): string {
   const find = (table: typeof BROWSERS) => table.find(([pattern]) => pattern.test(agent))?.[1];
   const browser = find(BROWSERS) ?? "Browser";

@@ -11,7 +11,7 @@ export function useRowsView() {
   const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
   const [folded, setFolded] = useState<Readonly<Record<string, boolean>>>({});
   const fold = (key: string, fold: boolean) => setFolded((now) => ({ ...now, [key]: fold }));
-  /** whether a group is folded; `first` until somebody has folded or opened it. A search opens all. */
+  /** whether a group is folded; `first` until the user has folded or opened it. A search opens all. */
   const isFolded = (key: string, first: boolean) => (query === "" ? (folded[key] ?? first) : false);
   return { paused, setPaused, query, setQuery, fold, isFolded };
 }

@@ -1,6 +1,6 @@
 import { Shared } from "../shared";
 
-/** The start-up that somebody has asked for: its dialog outlives the button, which may go with what it has cured. */
+/** The start-up that the user has asked for: its dialog outlives the button, which may go with what it has cured. */
 export interface StartUpWanted {
   device: string;
   /** null for all axes */

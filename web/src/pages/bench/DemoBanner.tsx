@@ -21,7 +21,7 @@ const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/connections", "Connections", ""],
 ];
 
-/** For somebody who sees stepscope for the first time: one click to motion, then where to go. */
+/** For a user who sees stepscope for the first time: one click to motion, then where to go. */
 export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   const demo = devices.filter((device) => device.demo && device.state === "connected");
   const [hidden, setHidden] = useLocalStorage({ key: "stepscope.demo-hidden", defaultValue: false });

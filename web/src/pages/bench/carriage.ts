@@ -32,7 +32,7 @@ export function geometryOf(places: StagePlaces, margin = 0.06): StageGeometry {
 }
 
 /**
- * Mechanical position [full steps] minus the chip's count in full steps: it changes when somebody sets the counter,
+ * Mechanical position [full steps] minus the chip's count in full steps: it changes when the counter is set,
  * not when the motor moves. The emulator's answer bears its chip time, so that it is compared with the sample of then.
  */
 export function countOffset(

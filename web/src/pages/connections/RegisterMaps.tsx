@@ -20,7 +20,7 @@ export function RegisterMaps({ onAdd }: Props) {
   const [failed, setFailed] = useState<unknown>(null);
   const again = useRef<() => void>(null);
   const take = async (files: readonly File[]) => {
-    again.current?.(); // the same file may be chosen again, after somebody has mended it
+    again.current?.(); // the same file may be chosen again, after the user has mended it
     keep.reset();
     for (const file of files) {
       try {

@@ -11,7 +11,7 @@ interface Props {
   /** what was tried is still what the form says */
   current: boolean;
   emulated: boolean;
-  /** the command that serves an emulated device at the far end; null where there is none */
+  /** the command that serves an emulated device as the peer; null where there is none */
   emulate: string | null;
 }
 

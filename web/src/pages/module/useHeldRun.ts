@@ -3,7 +3,7 @@ import type { AxisAddress } from "../../api/motion";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import { runOf } from "./heldRuns";
 
-/** Of these the module tells when somebody wanted the motor to stop. */
+/** Of these the module tells when the motor was told to stop. */
 const WANTED = ["stop_command", "target_reached", "unknown"];
 
 /**

@@ -12,7 +12,7 @@ interface Words {
   text: string;
   /** at a mark in a plot */
   short: string;
-  /** it was a fault, not what somebody wanted */
+  /** it was a fault, not a command */
   fault: boolean;
 }
 

@@ -40,7 +40,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
     });
   const load = async (file: File | null) => {
     if (file === null) return;
-    again.current?.(); // the same file may be chosen again, after somebody has mended it
+    again.current?.(); // the same file may be chosen again, after the user has mended it
     save.reset();
     setUnreadable(null);
     try {

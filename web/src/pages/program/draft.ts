@@ -7,7 +7,7 @@ export interface Stored {
   labels: Record<string, number>;
 }
 
-/** The text that somebody writes for a device; it outlives a reload. */
+/** The text that the user writes for a device; it outlives a reload. */
 export interface Draft {
   name: string;
   text: string;

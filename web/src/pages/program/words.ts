@@ -112,7 +112,7 @@ interface Place {
   word: string;
 }
 
-/** Where in a line somebody is; null in a comment, and where nothing can be proposed. */
+/** Where in a line the cursor is; null in a comment, and where nothing can be proposed. */
 export function placeIn(line: string, column: number, words: Words): Place | null {
   const before = line.slice(0, column);
   if (COMMENT.test(before)) return null;
@@ -135,7 +135,7 @@ export function placeIn(line: string, column: number, words: Words): Place | nul
   return { command, operand, given, from, word };
 }
 
-/** What could stand where somebody is; null where nothing is to be proposed. */
+/** What could stand where the cursor is; null where nothing is to be proposed. */
 export function proposalsAt(
   text: string,
   line: string,

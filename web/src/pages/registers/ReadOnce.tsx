@@ -8,7 +8,7 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type RegisterRow, summary } from "../../lib/rows/bits";
 import { timeOf } from "../../lib/time";
 
-/** Of a register that a read clears: one look, for somebody who has asked for it and was told what it costs. */
+/** Of a register that a read clears: one read, for a user who has asked for it and was told what it costs. */
 export function ReadOnce({ device, row }: { device: Device | undefined; row: RegisterRow }) {
   const look = useMutation({
     mutationFn: async () => {

@@ -5,7 +5,7 @@ import { follow, type Turn } from "./turn";
 export type Answer = Schemas["ExtendedPosition"];
 export type Change = Schemas["ExtendedPositionChange"];
 
-/** What the server says of a position without end, as numbers that lose nothing. */
+/** What the server says of an extended position, as numbers that lose nothing. */
 export interface Extended {
   answer: Answer;
   actual: bigint | null;

@@ -36,7 +36,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
   const wanted = `${device.id}/${axis.index}/${scheme}`;
   const asked = useRef("");
   const known = state !== undefined;
-  // Somebody else may look at another axis: what is theirs is not taken away because this page was opened.
+  // Another session may look at another axis: what is theirs is not taken away because this page was opened.
   const others = state !== undefined && othersAxis(state, device.id, axis.index) && asked.current === "";
   const wants = known && !others && sessionStorage.getItem(OFF) === null;
 
@@ -137,7 +137,7 @@ export function Updates({ state }: { state: TwinState }) {
 
 function Theirs({ state, label, onShow }: { state: TwinState; label: string; onShow: () => void }) {
   return (
-    <Alert p="sm" role="status" title={`Somebody looks at ${state.device}, ${state.name}`}>
+    <Alert p="sm" role="status" title={`Another session looks at ${state.device}, ${state.name}`}>
       <Group gap="sm">
         <Text size="sm">There is one 3D view for everybody. Showing another axis shows it to them, too.</Text>
         <Button size="compact-sm" onClick={onShow}>

@@ -6,7 +6,7 @@ import { useLease } from "./useLease";
 
 const toastOf = (asker: string) => `lease-ask-${asker}`;
 
-/** Says what happens to the bench without this page's doing: somebody asks for it, it came, it went. */
+/** Says what happens to the bench without this page's doing: another session asks for it, it came, it went. */
 export function LeaseNews() {
   const { lease, news } = useLease();
   const shown = useRef(new Set<string>());

@@ -1,6 +1,6 @@
 import type { Lease, OnVanish } from "../../api/lease/LeaseClient";
 
-/** "12 s", "3 min", "2 h": how long somebody has had the bench, or will have it. */
+/** "12 s", "3 min", "2 h": how long a session has had the bench, or will have it. */
 export function lasting(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "";
   const whole = Math.max(0, Math.round(seconds));

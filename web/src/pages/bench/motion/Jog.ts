@@ -19,7 +19,7 @@ export class Jog {
     private readonly halt: () => Promise<unknown>,
     private readonly onError: (error: unknown) => void,
     private readonly onChange: (direction: Direction | null) => void = () => undefined,
-    /** an error that says that the start was not even sent: a stop would be somebody else's motor's */
+    /** an error that says that the start was not even sent: a stop would be another session's motor's */
     private readonly notSent: (error: unknown) => boolean = () => false,
   ) {}
 

@@ -14,7 +14,7 @@ function keyDirection(key: string, own: Direction): Direction | null {
 
 const notSent = (error: unknown) => problemOf(error).type === ONLY_LOOKING;
 
-/** The handlers of a pair of jog buttons. Letting go stops, and so does all that may hide that somebody let go. */
+/** The handlers of a pair of jog buttons. Letting go stops, and so does all that may hide that the user let go. */
 export function useJog(at: AxisAddress, velocityPps: number, onError: (error: unknown) => void) {
   const [direction, setDirection] = useState<Direction | null>(null);
   const speed = useRef(velocityPps);

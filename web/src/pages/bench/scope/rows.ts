@@ -149,7 +149,7 @@ export function furtherOf(device: Device | undefined, axis: number): string[] {
   return own.map(({ quantity }) => quantity);
 }
 
-/** The plot of those that somebody chose. */
+/** The plot of those that the user chose. */
 export function moreRow(chosen: readonly string[]): Row {
   const channels = chosen.map((quantity) => ({ quantity, label: quantity, measured: true, thin: false }));
   return { id: "more", title: "Registers and parameters", motion: null, grow: 2, channels };
