@@ -16,6 +16,7 @@ from ..calc.tmcl.instructions import Command
 from ..clock import Clock
 from ..devices.core.capabilities import ProgramMemory
 from ..devices.core.device import Device
+from ..devices.core.results import ProgramEvent
 from ..errors import OutOfRange, UsageError
 from .procedure import POLL_S, Ended, Procedure, State
 
@@ -75,6 +76,7 @@ class Debugging(Procedure):
         self.steps = 0
         self.trace: deque[int] = deque(maxlen=TRACE_MAX)
         """Addresses of the commands that were done, the latest last."""
+        self._at: int | None = None
         self._pausing = False
         self._began_s = clock.now()
         self._took_s = 0.0
@@ -110,7 +112,9 @@ class Debugging(Procedure):
         words = _WORDS[self.mode]
         where = f" until {', '.join(map(str, sorted(self.breakpoints)))}" if self.breakpoints else ""
         steps = self._program.stepping(f"debug program: {words}{where}")
-        at = await steps.counter()
+        at = self._at = await steps.counter()
+        if self.mode == "run":
+            self._mark(f"program by single steps from {at}")
         depth, back = 0, None
         while True:
             command = await self._command(at)
@@ -131,7 +135,7 @@ class Debugging(Procedure):
             if after == at and flow in (Flow.ENDS, Flow.GOES_ON):
                 await self._ended(flow, at)
                 return
-            at = after
+            at = self._at = after
             if (self.mode == "over" and depth <= 0 and (back is None or at == back)) or (
                 self.mode == "out" and depth < 0
             ):
@@ -164,6 +168,13 @@ class Debugging(Procedure):
         self._how = how
         self._took_s = self.clock.now() - self._began_s
         self.message = self.message or how
+        if self._at is not None:
+            self._mark(f"program {self.message.removeprefix('the program ')}")
+
+    def _mark(self, text: str) -> None:
+        """A mark on the time axis of the scope and of recordings."""
+        session = self.device.session
+        session.tell(ProgramEvent(self.axis, session.port.last_exchange_s, self._at, text))
 
     async def _give_back(self) -> None:
         """It borrows nothing."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ from ..clock import Clock
 from ..devices.core.changes import RegisterChanged
 from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded, MotionStarted, StateChanged
-from ..devices.core.results import ChipEvents, MotionEnd
+from ..devices.core.results import ChipEvents, MotionEnd, ProgramEvent
 from ..errors import BenchError, OutOfRange, WrongState
 from .group import PUMP_S, FloatArray, Group, Subscription, WireUse
 from .history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
@@ -38,6 +39,8 @@ LATE_S = 0.25
 """A pump that wakes later than this [s] finds a machine with more to do than it can: the history then rests for
 `CROWDED_S` [s], so that requests and readers have what there is."""
 CROWDED_S = 5.0
+PROGRAM_EVENTS_KEPT = 32
+"""Marks of a program that a reader gets with the past: fewer than its queue holds."""
 RATE_LIMITS_HZ = (1.0, 1000.0)
 BATCH_LIMITS_HZ = (1.0, 60.0)
 
@@ -97,6 +100,7 @@ class Feed:
         self._wanted_hz = 0.0
         """What the readers want of it; it may be less."""
         self._ended: list[Sampling] = []
+        self._program: deque[ProgramEvent] = deque(maxlen=PROGRAM_EVENTS_KEPT)
         self._in_gap = True
         self._rows_dropped = 0
         self._seen_s = clock.now()
@@ -155,6 +159,9 @@ class Feed:
         self._replan()
         self._restart_pump()
         device_s = device.device_time_s()
+        for event in self._program:
+            if device_s - event.time_s < history_s:
+                reader.tell(event)
         past_s, past = self._history.since(device_s - history_s if history_s > 0 else float("inf"), channels)
         return Joined(
             reader, plan.units, granted_hz, device.session.chip_timed, self._unix_s() - device_s, past_s, past
@@ -270,7 +277,9 @@ class Feed:
         if isinstance(event, MotionStarted):
             for group in self._groups.values():
                 group.tell(MoveSeen(event.axis, event.started_at_s))
-        elif isinstance(event, MotionEnd | ChipEvents):
+        elif isinstance(event, MotionEnd | ChipEvents | ProgramEvent):
+            if isinstance(event, ProgramEvent):
+                self._program.append(event)
             for group in self._groups.values():
                 group.tell(event)
 

@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ..devices.core.results import ChipEvents, MotionEnd
+from ..devices.core.results import ChipEvents, MotionEnd, ProgramEvent
 from .frames import FloatArray, encode_body, encode_header
 
 QUEUED_S = 2.0
@@ -82,7 +82,7 @@ class MoveSeen:
     started_at_s: float
 
 
-Event = Status | Gap | MoveSeen | MotionEnd | ChipEvents
+Event = Status | Gap | MoveSeen | MotionEnd | ChipEvents | ProgramEvent
 
 
 @dataclass(slots=True, eq=False)

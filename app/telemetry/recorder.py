@@ -21,7 +21,7 @@ from ..devices.core.changes import RegisterChanged
 from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded
 from ..devices.core.marks import MarkKind
-from ..devices.core.results import ChipEvents, MotionEnd
+from ..devices.core.results import ChipEvents, MotionEnd, ProgramEvent
 from ..errors import OutOfRange, UnknownThing
 from .feed import Joined
 from .frames import FloatArray
@@ -161,6 +161,8 @@ class Recorder:
                     self.mark(event.detail or event.reason, "stopped", event.axis, event.time_s)
                 elif isinstance(event, ChipEvents):
                     self.mark(", ".join(event.names), "event", event.axis, event.time_s)
+                elif isinstance(event, ProgramEvent):
+                    self.mark(event.text, "program", event.axis, event.time_s)
                 elif isinstance(event, Gap):
                     self.mark(event.reason, "gap")
             while self.state in ("waiting", "recording"):

@@ -98,6 +98,36 @@ async def test_single_steps_are_told_one_by_one(server: str, api: httpx.AsyncCli
         assert message["counter"] == 3
 
 
+async def test_runs_and_halts_are_marks_of_scope_and_recordings(server: str, api: httpx.AsyncClient) -> None:
+    assert (await api.put("devices/motor/program", json={"text": COUNTS})).status_code == 200
+    body = {"device": "motor", "channels": ["position.0"], "rate_hz": 50}
+    recording = (await api.post("recordings", json=body)).json()["id"]
+    await api.post("devices/motor/program/debug", json={"breakpoints": [5], "from_start": True})
+    async with watch(server) as connection:
+        while (await said(connection, until="state"))["debug"]["halted_at"] is None:
+            pass
+    await api.post("devices/motor/program/run", json={"address": 0})
+    await api.post("devices/motor/program/stop")
+    wanted = [
+        "program by single steps from 0",
+        "program halted at 5, a breakpoint",
+        "program begins at 0",
+        "program stopped",
+    ]
+    await api.post(f"recordings/{recording}/stop")
+    marks = (await api.get(f"recordings/{recording}")).json()["marks"]
+    assert [mark["text"] for mark in marks if mark["kind"] == "program"] == wanted
+    # a scope that is opened later has them with its past
+    address = f"{server.replace('http', 'ws', 1)}/api/v1/devices/motor/telemetry?channels=position.0&history_s=60"
+    told = []
+    async with connect(address, subprotocols=["stepscope.telemetry.v1"]) as scope, asyncio.timeout(10):  # type: ignore[list-item]
+        while len(told) < len(wanted):
+            text = await scope.recv()
+            if isinstance(text, str) and (message := json.loads(text))["type"] == "program":
+                told.append(message["text"])
+    assert told == wanted
+
+
 async def test_nothing_is_asked_in_download_mode(server: str, api: httpx.AsyncClient) -> None:
     async with watch(server) as connection:
         await said(connection, until="state")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from ...devices.core.results import ChipEvents, MotionEnd
+from ...devices.core.results import ChipEvents, MotionEnd, ProgramEvent
 from ...errors import BenchError, OutOfRange, UsageError
 from ...telemetry.feed import Joined
 from ...telemetry.frames import encode_body
@@ -23,6 +23,7 @@ from .schemas import (
     TelemetryGap,
     TelemetryMove,
     TelemetryProblem,
+    TelemetryProgram,
     TelemetryStart,
     TelemetryStatus,
     TelemetryStopped,
@@ -148,6 +149,8 @@ def _text(event: Event) -> TelemetryText:
         )
     if isinstance(event, ChipEvents):
         return TelemetryEvent(axis=event.axis, seq=event.seq, time_s=event.time_s, names=list(event.names))
+    if isinstance(event, ProgramEvent):
+        return TelemetryProgram(axis=event.axis, time_s=event.time_s, address=event.address, text=event.text)
     return TelemetryGap(reason=event.reason)
 
 

@@ -79,6 +79,16 @@ class TelemetryEvent(Answer):
     names: list[str]
 
 
+class TelemetryProgram(Answer):
+    """The program of a module began, halted or ended; the latest come with the past, too."""
+
+    type: Literal["program"] = "program"
+    axis: int
+    time_s: float = Field(description="device time at which it was commanded or seen [s]")
+    address: int | None = Field(description="of the command that is done next; null where nobody has read it")
+    text: str
+
+
 class TelemetryProblem(Answer):
     """Why there is no stream, or no more of it; the socket closes with 4000 + the problem's status."""
 
@@ -93,6 +103,7 @@ TelemetryText = (
     | TelemetryMove
     | TelemetryStopped
     | TelemetryEvent
+    | TelemetryProgram
     | TelemetryProblem
 )
 

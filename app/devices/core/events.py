@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from ...errors import BenchError
 from .changes import RegisterChanged
 from .counter import CounterWritten, PositionSeen
-from .results import ChipEvents, DeviceState, MotionEnd
+from .results import ChipEvents, DeviceState, MotionEnd, ProgramEvent
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,7 @@ DeviceEvent = (
     | MotionCommanded
     | MotionEnd
     | ChipEvents
+    | ProgramEvent
     | PositionSeen
     | CounterWritten
     | RegisterChanged

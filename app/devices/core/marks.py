@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from typing import Literal
 
-MarkKind = Literal["note", "move", "stopped", "event", "gap", "command", "write", "trigger"]
+MarkKind = Literal["note", "move", "stopped", "event", "program", "gap", "command", "write", "trigger"]

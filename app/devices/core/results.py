@@ -191,6 +191,19 @@ class ChipEvents:
 
 
 @dataclass(frozen=True, slots=True)
+class ProgramEvent:
+    """A device's program began, halted or ended: a mark on the time axis of the scope and of recordings."""
+
+    axis: int
+    time_s: float
+    """Device time at which it was commanded or seen [s]."""
+    address: int | None
+    """Of the command that is done next; None where nobody has read it."""
+    text: str
+    """For people: `program halted at 4, a breakpoint`."""
+
+
+@dataclass(frozen=True, slots=True)
 class EventPage:
     """A stretch of the timeline, oldest first."""
 

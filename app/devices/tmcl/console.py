@@ -81,9 +81,17 @@ class ModuleSender(Sender):
             self._state.program_started = True
         elif request.opcode in ENDING_PROGRAMS and reply:
             self._state.program_started = False
+        if not stored and reply and request.address == self._link.address and self._obeyed(frame, reply):
+            self._state.program.commanded(request)
         if moves and self._download.problem is None:
             await self._moving.commanded_by_hand(request)
         return reply, took_ms
+
+    def _obeyed(self, frame: bytes, reply: bytes) -> bool:
+        try:
+            return check_reply(self._session.port.name, frame, reply).status == Status.OK
+        except BadReply:
+            return False
 
     def _require_harmless(self, request: Request) -> None:
         """Raises WrongState for a command after which the module could not be driven, or its motor not be seen."""

@@ -61,6 +61,10 @@ class ModuleMonitor(AxisMonitor):
             speed = calls.need(self._state.roles.actual_speed, values[5])
             searching = (await calls.do(Request(self._link.address, Opcode.RFS, STATUS))).value != 0
             time_s = calls.time_s
+            if self._state.program.runs:  # whose end nobody else would see without the page of programs
+                status, counter = await calls.ask_many(self._state.roles.program)
+                if status is not None:
+                    self._state.program.saw(status, counter)
         first, between = (position if value is None else value for value in (values[0], values[2]))
         encoder, external = values[1], values[3]
         target, target_speed, told_reached, left, right, home, driver, step_direction = values[6:]

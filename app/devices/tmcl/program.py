@@ -268,6 +268,8 @@ class ProgramStore(ProgramMemory):
         needed = [row for row in (status, counter, downloading) if row is not None]
         async with self._link.calls(priority=priority) as calls:
             found = await calls.get_many([*needed, *rows])
+            if status is not None and counter is not None:
+                self._state.program.saw(found[0], found[1])
             last = (await calls.ask_many((error,)))[0] if error is not None else None
             accumulator, x = [
                 (await calls.do(Request(self._link.address, Opcode.GET_STATUS, what))).value

@@ -74,6 +74,8 @@ class RegisterRoles:
         self.step_direction = row("step_direction_mode")
         self.unit_mode = row("unit_mode")
         self.ticks = row("tmcl_tick_timer")
+        self.program = (row("tmcl_application_status"), row("tmcl_program_counter"))
+        """What tells whether a program runs, and where it is."""
 
         self.absent = tuple(self._absent)
         """Rows that this module does not have."""

@@ -15,6 +15,7 @@ from ..core.lookup import Lookup
 from ..core.results import DeviceState
 from ..core.session import Session
 from ..core.tmcl_calls import Lacking
+from .program_events import ProgramEvents
 from .roles import RegisterRoles
 from .units import SCALINGS
 
@@ -38,6 +39,7 @@ class ModuleState:
         """Rows that this module does not have; what its firmware has answered is forgotten when the link fails."""
         self.program_started = False
         """Whether a program was started from here and not stopped since: it may start the motor again."""
+        self.program = ProgramEvents(session)
         self.saw_hooks: list[Callable[[Register, int], None]] = []
         """Parts that act on a value, each time that one was seen."""
         self._known: dict[int, int] = {}

@@ -76,8 +76,11 @@ class Stops:
         problem: BenchError | None = None
         if self._state.program_started:
             # A program could start the motor again. Whether it ends or not, the motor is stopped next.
-            ended = await self._send_stop(calls, Request(self._link.address, Opcode.STOP_APPLICATION))
+            stop = Request(self._link.address, Opcode.STOP_APPLICATION)
+            ended = await self._send_stop(calls, stop)
             self._state.program_started = ended is not None
+            if ended is None and self._state.program.runs:
+                self._state.program.commanded(stop)
         if searching:
             # A search goes on by itself after MST, so it has to end first.
             problem = await self._send_stop(calls, Request(self._link.address, Opcode.RFS, STOP))

@@ -8,6 +8,7 @@ import pytest
 
 from app.calc.tmcl.instructions import Command
 from app.devices.core.capabilities import ProgramMemory, TmclCommands
+from app.devices.core.results import ProgramEvent
 from app.errors import BadReply, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.tmcl import Request
 from app.registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
@@ -80,6 +81,35 @@ async def test_a_stop_of_the_axis_ends_the_program_that_would_move_it_again() ->
         here = await made.at_rest()
         await made.clock.advance(3.0)
         assert (await made.device.monitor.axis_state(0)).position == here
+
+
+async def test_what_a_program_does_is_told_as_marks_with_device_time() -> None:
+    async with bench() as made:
+        program = _program(made)
+        told: list[ProgramEvent] = []
+        made.device.listen(lambda event: told.append(event) if isinstance(event, ProgramEvent) else None)
+        await program.download(_commands(made, "WAIT TICKS, 0, 10\nSTOP"))
+        await program.run_program(0)
+        await program.stop_program()
+        await program.step_program()
+        await program.reset_program()
+        await program.run_program()
+        await made.device.monitor.axis_state(0)
+        assert [event.text for event in told] == [
+            "program begins at 0",
+            "program stopped",
+            "program: one command",
+            "program reset",
+            "program goes on",
+        ]
+        await made.clock.advance(0.2)  # it has ended by itself, and only a look at the axis tells
+        state = await made.device.monitor.axis_state(0)
+        assert (told[-1].text, told[-1].address) == ("program ended at 1", 1)
+        assert told[-1].time_s == pytest.approx(state.time_s, abs=0.01)
+        assert told[0].time_s < told[-1].time_s - 0.1
+        asked = made.tap.count(Opcode.GGP)
+        await made.device.monitor.axis_state(0)
+        assert made.tap.count(Opcode.GGP) == asked, "no question more while no program runs"
 
 
 async def test_stopping_the_program_leaves_the_motor_alone() -> None:

@@ -2463,7 +2463,7 @@ export interface components {
         };
         /**
          * AuditEntry
-         * @description One action of a client, done or refused.
+         * @description One thing that somebody did, or was refused.
          */
         AuditEntry: {
             /**
@@ -5562,7 +5562,7 @@ export interface components {
         };
         /**
          * GroundTruth
-         * @description Emulated axes alone: the emulator's ground truth, not what the driver reads.
+         * @description Emulated axes alone: what is really so, from the emulator's own world and not from the driver.
          */
         GroundTruth: {
             /** Summary */
@@ -6454,7 +6454,7 @@ export interface components {
         };
         /**
          * LoadOptions
-         * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
+         * @description What hangs on the shaft from the start; `World` changes torque and friction while it runs.
          */
         LoadOptions: {
             /**
@@ -6800,18 +6800,6 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
-            /**
-             * Can Receive Id
-             * @description CAN identifier that it listens to at delivery (global parameter 71)
-             * @default 1
-             */
-            can_receive_id?: number;
-            /**
-             * Can Send Id
-             * @description CAN identifier of its answers at delivery (global parameter 70)
-             * @default 2
-             */
-            can_send_id?: number;
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoders */
@@ -7734,7 +7722,7 @@ export interface components {
             overshoot_steps: number | null;
             /**
              * Settling S
-             * @description from the first arrival at the target to rest [s]; null where the oscillation is unbounded
+             * @description from the first arrival at the target to rest [s]; null where it oscillates without end
              */
             settling_s: number | null;
             /**
@@ -12858,6 +12846,31 @@ export interface components {
             problem: components["schemas"]["Problem"];
         };
         /**
+         * TelemetryProgram
+         * @description The program of a module began, halted or ended; the latest come with the past, too.
+         */
+        TelemetryProgram: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "program";
+            /** Axis */
+            axis: number;
+            /**
+             * Time S
+             * @description device time at which it was commanded or seen [s]
+             */
+            time_s: number;
+            /**
+             * Address
+             * @description of the command that is done next; null where nobody has read it
+             */
+            address: number | null;
+            /** Text */
+            text: string;
+        };
+        /**
          * TelemetryStart
          * @description The first message: what the columns of every binary frame are.
          */
@@ -12971,7 +12984,7 @@ export interface components {
          * TelemetryMessage
          * @description Any text message of the socket.
          */
-        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryEvent"] | components["schemas"]["TelemetryProblem"];
+        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryEvent"] | components["schemas"]["TelemetryProgram"] | components["schemas"]["TelemetryProblem"];
         /**
          * Alive
          * @description Nothing has changed for a second, and the server goes on looking.
@@ -13384,7 +13397,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13570,7 +13583,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13661,7 +13674,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13743,7 +13756,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13833,7 +13846,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14013,7 +14026,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14101,7 +14114,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14180,7 +14193,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14270,7 +14283,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14371,7 +14384,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14472,7 +14485,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14916,7 +14929,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14988,7 +15001,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15223,7 +15236,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15321,7 +15334,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15390,7 +15403,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15506,7 +15519,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15578,7 +15591,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15646,7 +15659,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15705,7 +15718,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15831,7 +15844,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15919,7 +15932,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16206,7 +16219,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16393,7 +16406,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16580,7 +16593,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16938,7 +16951,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17125,7 +17138,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17312,7 +17325,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17445,7 +17458,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17555,7 +17568,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17768,7 +17781,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18323,7 +18336,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18420,7 +18433,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18579,7 +18592,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18654,7 +18667,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18901,7 +18914,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19077,7 +19090,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19259,7 +19272,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19435,7 +19448,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19616,7 +19629,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19711,7 +19724,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19836,7 +19849,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19895,7 +19908,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -20291,7 +20304,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -20589,7 +20602,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21446,7 +21459,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21521,7 +21534,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21648,7 +21661,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21704,7 +21717,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -22021,7 +22034,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;

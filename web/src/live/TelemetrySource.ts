@@ -51,6 +51,7 @@ const FIRST_RETRY_S = 0.25;
 const LAST_RETRY_S = 5;
 /** More would be 100 MB of columns in the page; a recording is the place for longer runs. */
 const MOST_ROWS = 150_000;
+const PROGRAM_MARKS = 200;
 
 function initialState(request: TelemetryRequest): LinkState {
   return {
@@ -88,6 +89,8 @@ export function telemetryUrl(request: TelemetryRequest, origin: string): string 
 export class TelemetrySource {
   readonly request: TelemetryRequest;
   readonly buffer: TraceBuffer;
+  /** what the device's program did, the latest last; a new array where it is another */
+  program: readonly Of<"program">[] = [];
   private socket: WebSocket | null = null;
   private state: LinkState;
   private retryS = FIRST_RETRY_S;
@@ -174,6 +177,7 @@ export class TelemetrySource {
       case "start":
         // The history that follows is complete: what was kept before the break is part of it.
         this.buffer.clear();
+        this.program = [];
         this.retryS = FIRST_RETRY_S;
         this.update({
           phase: "live",
@@ -205,6 +209,9 @@ export class TelemetrySource {
         break;
       case "stopped":
         for (const listener of this.told.stopped) listener(message);
+        break;
+      case "program":
+        this.program = [...this.program, message].slice(-PROGRAM_MARKS);
         break;
       case "event":
         for (const listener of this.told.event) listener(message);

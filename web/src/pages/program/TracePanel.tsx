@@ -1,4 +1,5 @@
 import { Text } from "@mantine/core";
+import { Link } from "wouter";
 import { Card } from "../../lib/Card";
 import { placeName } from "./lines";
 import css from "./program.module.css";
@@ -29,7 +30,14 @@ export function TracePanel({ watch, labels }: { watch: WatchState; labels: Reado
           </ol>
         )}
       </Card>
-      <Card title="Run log" note="device time, as on the scope">
+      <Card
+        title="Run log"
+        note={
+          <>
+            device time: starts, halts and ends are marks on the <Link to="/">scope</Link>, too
+          </>
+        }
+      >
         {log.length === 0 ? (
           <Text className="hint">Nothing has happened since this page was opened.</Text>
         ) : (

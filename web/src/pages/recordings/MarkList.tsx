@@ -9,7 +9,12 @@ import classes from "./recordings.module.css";
 import type { Window } from "./ZoomData";
 
 const SHOWN = 200;
-const WORDS: Record<string, string> = { write: "writes", command: "commands", event: "chip events" };
+const WORDS: Record<string, string> = {
+  write: "writes",
+  command: "commands",
+  event: "chip events",
+  program: "program",
+};
 
 /** What happened, in order; each leads to its place in the plots. */
 export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (window: Window) => void }) {

@@ -13,6 +13,7 @@ const APART = 0.11;
 const COLORS: Record<string, readonly [light: string, dark: string]> = {
   trigger: ["#1c6dd0", "#4d94e8"],
   note: ["#6b4fbb", "#8b74e0"],
+  program: ["#0b7285", "#2a8fa3"],
   gap: ["#8a5700", "#a87414"],
   fault: ["#c92a2a", "#d64545"],
   other: ["#6b7280", "#6b7280"],
@@ -20,13 +21,15 @@ const COLORS: Record<string, readonly [light: string, dark: string]> = {
 /** How a motor came to rest that nobody had asked to. */
 const FAULTS = /stall|switch|lost|limit|fault|deviat/i;
 
-export function colorOfMark({ kind, text }: Mark, scheme: "light" | "dark"): string {
+type Flagged = Pick<Mark, "time_s" | "kind" | "text">;
+
+export function colorOfMark({ kind, text }: Flagged, scheme: "light" | "dark"): string {
   const name = kind === "stopped" && FAULTS.test(text) ? "fault" : kind in COLORS ? kind : "other";
   return (COLORS[name] ?? COLORS.other)?.[scheme === "light" ? 0 : 1] ?? "#6b7280";
 }
 
 /** The marks of a recording as flags of its plots: those in view, with their words where there are few. */
-export function flagsOf(marks: readonly Mark[], zero: number, scheme: "light" | "dark") {
+export function flagsOf(marks: readonly Flagged[], zero: number, scheme: "light" | "dark") {
   const all = marks.map((mark, index) => ({
     id: `mark-${index}`,
     x: mark.time_s - zero,

@@ -6,6 +6,7 @@ import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { EmptyState } from "../../../lib/EmptyState";
 import { symbolOf } from "../../../lib/units";
+import { LiveText } from "../../../live/LiveText";
 import { Plot } from "../../../plots/Plot";
 import type { PlotScale } from "../../../plots/types";
 import { ChannelPanel, CursorReadout } from "./ChannelPanel";
@@ -109,6 +110,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
               )
             );
           })}
+          <LiveText className="num hint" data-testid="program-mark" read={scope.programNow} />
         </div>
       </div>
       {cursors && <CursorReadout scope={scope} />}
@@ -119,7 +121,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
         </EmptyState>
       )}
       <div ref={box} className={`${classes.rows} stack gap-2`}>
-        {rows.map((scopeRow) => {
+        {rows.map((scopeRow, index) => {
           const { row, unit, traces } = scopeRow;
           const px = leastHeight(scopeRow, cursors);
           return (
@@ -138,7 +140,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
                 legend={false}
                 handle={(plot) => scope.setPlot(row.id, plot)}
                 overlays={() => scope.overlays(row.id)}
-                marks={scope.marks}
+                marks={scope.marks(index === 0)}
                 onMark={scope.moveMark}
                 onWindow={scope.changeWindow}
                 onCursor={(at) => scope.setHover(at?.x ?? null)}

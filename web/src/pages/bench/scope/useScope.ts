@@ -6,6 +6,7 @@ import { useLinks, useTelemetries } from "../../../live/useTelemetry";
 import { cut, type Trace } from "../../../live/window";
 import { type PlotData, resampled } from "../../../plots/series";
 import type { Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
+import { flagsOf } from "../../recordings/flags";
 import { type AxisRef, buildRows, requestsFor, type ScopeRow, type ScopeTrace } from "./model";
 import { PredictionKeeper } from "./predictions";
 import type { RowId } from "./rows";
@@ -102,7 +103,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     }
     const predicted = predictedOverlays(rows, buffer.lastTime, buffer.last(`predicted_position.${main.axis}`), nowMs);
     const revision = sources.map((each) => view.bufferOf(each).revision).join();
-    const state = `${window.join()} ${revision} ${view.revision} ${shape.length} ${predicted} ${cursors}`;
+    const state = `${window.join()} ${revision} ${view.revision} ${shape.length} ${predicted} ${cursors} ${source.program.at(-1)?.time_s}`;
     if (drawn.current === state && !fresh.current) return;
     drawn.current = state;
     fresh.current = false;
@@ -165,13 +166,26 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     return ramp.startedAtS + from;
   }
 
-  const marks = (): readonly Mark[] => {
+  /** What the program did, in the window on show; `named`: in words, too. */
+  const programMarks = (named: boolean): readonly Mark[] => {
+    const done = source?.program ?? [];
+    if (done.length === 0) return [];
+    const [from, to] = view.current();
+    const flags = flagsOf(
+      done.map(({ time_s, text }) => ({ time_s, text, kind: "program" })),
+      0,
+      scheme,
+    );
+    return flags([from, to], named);
+  };
+  const marks = (named: boolean) => (): readonly Mark[] => {
     const colors = MARK_COLORS[scheme];
     const at = view.triggerTime;
     const trigger: Mark[] = at === null ? [] : [{ id: "t", x: at, color: "#7a828c", label: "T", fixed: true }];
-    if (!cursors) return trigger;
+    const fixed = [...programMarks(named), ...trigger];
+    if (!cursors) return fixed;
     const { a, b } = view.cursors();
-    return [...trigger, { id: "a", x: a, color: colors.a, label: "A" }, { id: "b", x: b, color: colors.b, label: "B" }];
+    return [...fixed, { id: "a", x: a, color: colors.a, label: "A" }, { id: "b", x: b, color: colors.b, label: "B" }];
   };
 
   return {
@@ -186,6 +200,11 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     marks,
     markColors: MARK_COLORS[scheme],
     overlays: (row: RowId): readonly Overlay[] => now.current.overlays.get(row) ?? [],
+    /** the latest thing that the program did, as its mark says it */
+    programNow: (): string => {
+      const latest = source?.program.at(-1);
+      return latest ? `${latest.text} (${latest.time_s.toFixed(3)} s)` : "";
+    },
     hover: () => hover.current,
     setHover: (time: number | null) => {
       hover.current = time;
