@@ -109,6 +109,7 @@ async def test_runs_and_halts_are_marks_of_scope_and_recordings(server: str, api
     await api.post("devices/motor/program/run", json={"address": 0})
     await api.post("devices/motor/program/stop")
     wanted = [
+        "program reset",
         "program by single steps from 0",
         "program halted at 5, a breakpoint",
         "program begins at 0",

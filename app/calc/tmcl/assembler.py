@@ -101,6 +101,8 @@ class _Assembler:
         self._lines: list[_Line] = []
         self._read = 0
         self._included: set[str] = set()
+        self._suggested: dict[str, str] = {}
+        """For names that stand for nothing: one that stands in a thousand lines is looked up once."""
 
     def run(self, text: str, name: str) -> Assembly:
         self._file(text, name, (name,))
@@ -239,8 +241,11 @@ class _Assembler:
             return f"expected {what}, found nothing"
         if name is None:
             return f"expected {what}, found {text!r}: decimal, hexadecimal behind 0x or $, binary behind %"
-        close = get_close_matches(name[2].upper(), self._names, 1)
-        return f"nothing is called {name[2]}: expected {what}{f', such as {close[0]}' if close else ''}"
+        key = name[2].upper()
+        if key not in self._suggested:
+            close = get_close_matches(key, self._names, 1) if len(self._suggested) < PROBLEMS_MAX else ()
+            self._suggested[key] = f", such as {close[0]}" if close else ""
+        return f"nothing is called {name[2]}: expected {what}{self._suggested[key]}"
 
     # --- commands --------------------------------------------------------------------------------
 

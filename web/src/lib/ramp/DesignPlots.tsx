@@ -4,6 +4,7 @@ import type { Overlay } from "../../plots/types";
 import { optionsOf } from "../choices";
 import { withUnit } from "../format";
 import { colorOf } from "../palette";
+import type { Following } from "../useFollow";
 import { usePhone } from "../usePhone";
 import { useScheme } from "../useScheme";
 import type { Answer, Kind } from "./answer";
@@ -15,7 +16,6 @@ import { RampView, type TrackOf } from "./RampView";
 import { factor, time } from "./scales";
 import { NO_SCALE, TORQUE_SCALE, torqueLines, UNSEEN_SCALE } from "./torque";
 import type { AnyDesigner } from "./useDesigner";
-import type { Following } from "./useFollow";
 
 export type Mode = "position" | "velocity";
 

@@ -7,6 +7,7 @@ import { withUnit } from "../format";
 import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
 import type { AxisScale } from "../units";
+import type { Following } from "../useFollow";
 import { useScheme } from "../useScheme";
 import type { Answer, Kind } from "./answer";
 import type { Reach } from "./HandleLayer";
@@ -14,7 +15,6 @@ import type { Handle } from "./handles";
 import { type Hues, hueOf, phaseBands, type Stretch } from "./phases";
 import { factor, time, type Units, unitChoices } from "./scales";
 import { Track } from "./Track";
-import type { Following } from "./useFollow";
 
 export type PlotHandles = Partial<Record<Kind, RefObject<PlotHandle | null>>>;
 /** What is drawn over the ramp from outside: the motion of the chip, by plot. */

@@ -18,7 +18,7 @@ import {
   lineNumbers,
 } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
-import { type Ref, useEffect, useImperativeHandle, useRef } from "react";
+import { type Ref, useEffect, useImperativeHandle, useLayoutEffect, useRef } from "react";
 import css from "./program.module.css";
 import { type Help, helpAt, type Kind, type Problem, proposalsAt, type Token, tokensOf, type Words } from "./words";
 
@@ -264,8 +264,10 @@ export function Editor(props: Props) {
             if (
               update.docChanged ||
               update.transactions.some(({ effects }) => effects.some((each) => each.is(toggled)))
-            )
-              latest.current.onBreakpoints(linesOf(update.state));
+            ) {
+              const lines = linesOf(update.state);
+              if (lines.join() !== latest.current.breakpoints.join()) latest.current.onBreakpoints(lines);
+            }
             if (update.docChanged || update.selectionSet)
               latest.current.onHelp(help(update.state, update.state.selection.main.head));
           }),
@@ -290,7 +292,7 @@ export function Editor(props: Props) {
   useEffect(() => {
     view.current?.dispatch({ effects: parts.current.reading.reconfigure(EditorState.readOnly.of(readOnly)) });
   }, [readOnly]);
-  useEffect(() => {
+  useLayoutEffect(() => {
     const { current: editor } = view;
     if (editor) editor.dispatch(setDiagnostics(editor.state, diagnosticsOf(editor.state, problems)));
   }, [problems]);

@@ -1,7 +1,7 @@
 import { Button, Tabs, Text, Tooltip } from "@mantine/core";
 import { IconCode, IconDownload } from "@tabler/icons-react";
-import { type KeyboardEvent, useMemo, useRef, useState } from "react";
-import { api } from "../../api/client";
+import { type KeyboardEvent, useDeferredValue, useMemo, useRef, useState } from "react";
+import { api, problemOf } from "../../api/client";
 import { can, type Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
@@ -23,7 +23,7 @@ import { TracePanel } from "./TracePanel";
 import { TrialPanel } from "./TrialPanel";
 import { bodyOf, useCheck, useWatch, useWords } from "./usePrograms";
 import { useRun } from "./useRun";
-import type { Help } from "./words";
+import type { Help, Problem } from "./words";
 
 /** The program of a module: written, checked while it is written, stored, run and debugged. */
 export default function ProgramPage() {
@@ -39,14 +39,15 @@ export default function ProgramPage() {
   );
 }
 
-const NO_LABELS = {};
+const NO_PROBLEMS: readonly Problem[] = [];
 
 function Workbench({ device }: { device: Device }) {
   const phone = usePhone();
   const connected = device.state === "connected";
   const [draft, change] = useDraft(device.id);
   const { words, error: wordsError, retry } = useWords(device);
-  const { checked, failure: checkFailure } = useCheck(device.id, draft.name, draft.text);
+  const [tab, setTab] = useState<string | null>("problems");
+  const check = useCheck(device.id, draft.name, draft.text, tab === "listing");
   const watch = useWatch(device.id, draft.variables);
   const { run, doing } = useRun(device.id);
   const [help, setHelp] = useState<Help | null>(null);
@@ -56,13 +57,15 @@ function Workbench({ device }: { device: Device }) {
   const [done, setDone] = useState("");
   const editor = useRef<EditorHandle>(null);
 
-  const fresh = checked !== null && checked.text === draft.text;
-  const problems = checked?.result.problems ?? [];
+  const { result: checked } = check;
+  const fresh = checked !== undefined && !check.stale;
+  const problems = checked?.problems ?? NO_PROBLEMS;
+  const listed = useDeferredValue(problems); // after the marks in the text, which are waited for
   const { stored } = draft;
   const isStored = stored !== null && stored.text === draft.text;
   // What the module has is what was stored; of a text that was changed since, nothing is said.
-  const lines = isStored ? stored.lines : (fresh && checked.result.lines) || [];
-  const labels = isStored ? stored.labels : (checked?.result.labels ?? NO_LABELS);
+  const lines = isStored ? stored.lines : (fresh && checked.lines) || [];
+  const labels = isStored ? stored.labels : check.labels;
   const stepping = watch.seen?.debug.state === "running";
   const currentLine =
     isStored && watch.seen !== null && watch.lost === "" ? stored.lines[watch.seen.counter] || null : null;
@@ -126,13 +129,13 @@ function Workbench({ device }: { device: Device }) {
     if (always || (connected && !stepping && !busy && !phone)) obey(command);
   }
 
-  const verdict = checkFailure
-    ? `not checked: ${checkFailure}`
+  const verdict = check.error
+    ? `not checked: ${problemOf(check.error).detail}`
     : !fresh
       ? "…"
       : problems.length > 0
         ? `${problems.length} ${problems.length === 1 ? "problem" : "problems"}`
-        : `${checked.result.commands} of 2048 commands`;
+        : `${checked.commands} of 2048 commands`;
   const told = isStored ? "as it was downloaded" : stored ? "changed since the download" : "not downloaded from here";
 
   return (
@@ -169,7 +172,7 @@ function Workbench({ device }: { device: Device }) {
                     leftSection={<IconDownload size={16} aria-hidden />}
                     aria-keyshortcuts={KEYS.download}
                     loading={busy}
-                    disabled={!connected || !fresh || problems.length > 0 || checked.result.commands === 0}
+                    disabled={!connected || !fresh || problems.length > 0 || checked.commands === 0}
                     onClick={download}
                   >
                     Download
@@ -204,7 +207,7 @@ function Workbench({ device }: { device: Device }) {
               ref={editor}
               text={draft.text}
               words={words}
-              problems={fresh ? problems : []}
+              problems={problems}
               breakpoints={draft.breakpoints}
               currentLine={currentLine}
               readOnly={phone}
@@ -233,18 +236,18 @@ function Workbench({ device }: { device: Device }) {
           </div>
         </Card>
         <Card className="pad">
-          <Tabs defaultValue="problems" keepMounted={false}>
+          <Tabs value={tab} onChange={setTab} keepMounted={false}>
             <Tabs.List>
               <Tabs.Tab value="problems">{`Problems (${problems.length})`}</Tabs.Tab>
               <Tabs.Tab value="listing">Listing</Tabs.Tab>
               <Tabs.Tab value="trial">Trial</Tabs.Tab>
             </Tabs.List>
             <Tabs.Panel value="problems" pt="xs">
-              {problems.length === 0 ? (
+              {listed.length === 0 ? (
                 <Text className="hint">Nothing is wrong as far as an assembler can tell.</Text>
               ) : (
                 <ul className={`${css.scrolled} list text-13`} aria-label="Problems">
-                  {problems.map((problem) => (
+                  {listed.map((problem) => (
                     <li key={`${problem.file}:${problem.line}:${problem.column}:${problem.message}`}>
                       <button
                         type="button"
@@ -263,18 +266,15 @@ function Workbench({ device }: { device: Device }) {
               )}
             </Tabs.Panel>
             <Tabs.Panel value="listing" pt="xs">
-              <Listing
-                text={fresh ? checked.result.listing : ""}
-                counter={isStored ? (watch.seen?.counter ?? null) : null}
-              />
+              <Listing text={fresh ? checked.listing : ""} counter={isStored ? (watch.seen?.counter ?? null) : null} />
             </Tabs.Panel>
             <Tabs.Panel value="trial" pt="xs">
               <TrialPanel
                 device={device.id}
                 name={draft.name}
                 text={draft.text}
-                labels={checked?.result.labels ?? NO_LABELS}
-                ready={connected && fresh && problems.length === 0 && checked.result.commands > 0}
+                labels={check.labels}
+                ready={connected && fresh && problems.length === 0 && checked.commands > 0}
               />
             </Tabs.Panel>
           </Tabs>

@@ -10,6 +10,7 @@ import {
   type IconPlus,
   IconTextWrapDisabled,
 } from "@tabler/icons-react";
+import { memo } from "react";
 import type { Command } from "./commands";
 import { KEYS } from "./commands";
 
@@ -35,13 +36,6 @@ const BUTTONS: readonly [command: Command, label: string, icon: typeof IconPlus]
 
 /** What runs, steps and stops the program. */
 export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, onCommand }: Props) {
-  const starts = [
-    { value: "", label: "from where it is" },
-    { value: "0", label: "from the start" },
-    ...Object.entries(labels)
-      .filter(([, address]) => address !== 0)
-      .map(([label, address]) => ({ value: String(address), label: `from ${label} (${address})` })),
-  ];
   return (
     <Group gap={6} role="toolbar" aria-label="Run the program">
       <Tooltip label={cannotRun || `Run (${KEYS.run})`}>
@@ -54,13 +48,7 @@ export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, o
           Run
         </Button>
       </Tooltip>
-      <NativeSelect
-        w={170}
-        aria-label="Where the run begins"
-        data={starts}
-        value={from}
-        onChange={({ currentTarget }) => onFrom(currentTarget.value)}
-      />
+      <Start labels={labels} from={from} onFrom={onFrom} />
       <Tooltip label={stepping ? `Pause (${KEYS.pause})` : `Stop the program (${KEYS.stop})`}>
         <Button
           variant="default"
@@ -89,3 +77,23 @@ export function Toolbar({ labels, from, onFrom, stepping, disabled, cannotRun, o
     </Group>
   );
 }
+
+/** Where the run begins. Not drawn anew for a key in the text: a program may have hundreds of labels. */
+const Start = memo(function Start({ labels, from, onFrom }: Pick<Props, "labels" | "from" | "onFrom">) {
+  const starts = [
+    { value: "", label: "from where it is" },
+    { value: "0", label: "from the start" },
+    ...Object.entries(labels)
+      .filter(([, address]) => address !== 0)
+      .map(([label, address]) => ({ value: String(address), label: `from ${label} (${address})` })),
+  ];
+  return (
+    <NativeSelect
+      w={170}
+      aria-label="Where the run begins"
+      data={starts}
+      value={from}
+      onChange={({ currentTarget }) => onFrom(currentTarget.value)}
+    />
+  );
+});

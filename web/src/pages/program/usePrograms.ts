@@ -1,12 +1,10 @@
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
-import { api, problemOf, type Schemas } from "../../api/client";
+import { useEffect, useMemo, useRef, useSyncExternalStore } from "react";
+import { api, type Schemas } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
+import { useFollow } from "../../lib/useFollow";
 import { WatchSource, type WatchState } from "./WatchSource";
 import { constantsOf, type Words } from "./words";
-
-/** After the last key; the answer is to be there within a tenth of a second. */
-const PAUSE_MS = 40;
 
 export type Assembled = Schemas["AssembledProgram"];
 
@@ -41,39 +39,30 @@ export function useWords(device: Device): { words: Words | null; error: unknown;
   };
 }
 
-export interface Checked {
-  /** of which text it is said */
-  text: string;
-  result: Assembled;
-}
-
 export const bodyOf = (name: string, text: string) => ({ name: name || "program.tmc", text, files: {} });
 
-/** What the assembler says of a text, soon after each key. */
-export function useCheck(device: string, name: string, text: string): { checked: Checked | null; failure: string } {
-  const [checked, setChecked] = useState<Checked | null>(null);
-  const [failure, setFailure] = useState("");
-  useEffect(() => {
-    const ending = new AbortController();
-    const timer = setTimeout(async () => {
-      try {
-        const result = await api.POST("/api/v1/devices/{device}/program/assemble", {
-          path: { device },
-          body: { ...bodyOf(name, text), listing: true, binary: false },
-          signal: ending.signal,
-        });
-        setChecked({ text, result });
-        setFailure("");
-      } catch (error) {
-        if (!ending.signal.aborted) setFailure(problemOf(error).detail);
-      }
-    }, PAUSE_MS);
-    return () => {
-      clearTimeout(timer);
-      ending.abort();
-    };
-  }, [device, name, text]);
-  return { checked, failure };
+export interface Check {
+  /** of the text before while `stale`; undefined before the first answer */
+  result: Assembled | undefined;
+  stale: boolean;
+  error: unknown;
+  /** as of the latest text without problems: they stay while a line is being typed */
+  labels: Readonly<Record<string, number>>;
+}
+
+const NO_LABELS: Check["labels"] = {};
+
+/** What the assembler says of a text: asked at each key, or as soon as it has answered the key before. */
+export function useCheck(device: string, name: string, text: string, listing: boolean): Check {
+  const { result, stale, error } = useFollow<Schemas["ProgramToAssemble"], Assembled>(
+    { ...bodyOf(name, text), listing, binary: false },
+    (body, signal) => api.POST("/api/v1/devices/{device}/program/assemble", { path: { device }, body, signal }),
+  );
+  const kept = useRef(NO_LABELS);
+  // the same object as long as it says the same: a list of hundreds is not drawn anew for each key
+  if (result?.problems.length === 0 && JSON.stringify(result.labels) !== JSON.stringify(kept.current))
+    kept.current = result.labels;
+  return { result, stale, error, labels: kept.current };
 }
 
 /** What the device's program does, for as long as the page is open. */

@@ -8,8 +8,8 @@ import { DesignPlots, type Ghost, type PlotOf } from "../../../lib/ramp/DesignPl
 import { motorBody } from "../../../lib/ramp/motor";
 import type { Preset } from "../../../lib/ramp/RampRegisters";
 import { type RampRules, useDesigner } from "../../../lib/ramp/useDesigner";
-import { useFollow } from "../../../lib/ramp/useFollow";
 import { useHold } from "../../../lib/ramp/useSketch";
+import { useFollow } from "../../../lib/useFollow";
 import { useSelection } from "../../../live/selection";
 import { compared, designOf } from "./chip";
 import {
