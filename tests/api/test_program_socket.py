@@ -120,7 +120,7 @@ async def test_runs_and_halts_are_marks_of_scope_and_recordings(server: str, api
     assert [mark["text"] for mark in marks if mark["kind"] == "program"] == wanted
     # a scope that is opened later has them with its past
     address = f"{server.replace('http', 'ws', 1)}/api/v1/devices/motor/telemetry?channels=position.0&history_s=60"
-    told = []
+    told: list[str] = []
     async with connect(address, subprotocols=["stepscope.telemetry.v1"]) as scope, asyncio.timeout(10):  # type: ignore[list-item]
         while len(told) < len(wanted):
             text = await scope.recv()

@@ -2463,7 +2463,7 @@ export interface components {
         };
         /**
          * AuditEntry
-         * @description One thing that somebody did, or was refused.
+         * @description One action of a client, done or refused.
          */
         AuditEntry: {
             /**
@@ -5562,7 +5562,7 @@ export interface components {
         };
         /**
          * GroundTruth
-         * @description Emulated axes alone: what is really so, from the emulator's own world and not from the driver.
+         * @description Emulated axes alone: the emulator's ground truth, not what the driver reads.
          */
         GroundTruth: {
             /** Summary */
@@ -6454,7 +6454,7 @@ export interface components {
         };
         /**
          * LoadOptions
-         * @description What hangs on the shaft from the start; `World` changes torque and friction while it runs.
+         * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
          */
         LoadOptions: {
             /**
@@ -6800,6 +6800,18 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
+            /**
+             * Can Receive Id
+             * @description CAN identifier that it listens to at delivery (global parameter 71)
+             * @default 1
+             */
+            can_receive_id?: number;
+            /**
+             * Can Send Id
+             * @description CAN identifier of its answers at delivery (global parameter 70)
+             * @default 2
+             */
+            can_send_id?: number;
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoders */
@@ -7722,7 +7734,7 @@ export interface components {
             overshoot_steps: number | null;
             /**
              * Settling S
-             * @description from the first arrival at the target to rest [s]; null where it oscillates without end
+             * @description from the first arrival at the target to rest [s]; null where the oscillation is unbounded
              */
             settling_s: number | null;
             /**
@@ -13397,7 +13409,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13583,7 +13595,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13674,7 +13686,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13756,7 +13768,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -13846,7 +13858,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14026,7 +14038,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14114,7 +14126,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14193,7 +14205,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14283,7 +14295,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14384,7 +14396,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14485,7 +14497,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -14929,7 +14941,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15001,7 +15013,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken) */
+            /** @description Another session has the bench (/problems/bench-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15236,7 +15248,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15334,7 +15346,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15403,7 +15415,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15519,7 +15531,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15591,7 +15603,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15659,7 +15671,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15718,7 +15730,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15844,7 +15856,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -15932,7 +15944,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16219,7 +16231,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16406,7 +16418,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16593,7 +16605,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16951,7 +16963,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17138,7 +17150,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17325,7 +17337,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17458,7 +17470,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17568,7 +17580,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -17781,7 +17793,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18336,7 +18348,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18433,7 +18445,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18592,7 +18604,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18667,7 +18679,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -18914,7 +18926,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19090,7 +19102,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19272,7 +19284,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19448,7 +19460,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19629,7 +19641,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19724,7 +19736,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19849,7 +19861,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -19908,7 +19920,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -20304,7 +20316,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -20602,7 +20614,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21459,7 +21471,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21534,7 +21546,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21661,7 +21673,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -21717,7 +21729,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -22034,7 +22046,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
