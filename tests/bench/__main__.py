@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 
 from tests.bench import (
+    any_model,
     audit_kills,
     browser,
     calculators,
@@ -64,6 +65,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "mslut": lambda quick: [mslut.measure(quick=quick)],
     "extended positions": extended_positions.measure,
     "listed": listed.measure,
+    "any model": any_model.measure,
     "recordings": recording_kills.measure,
     "list": recording_list.measure,
     "audit": audit_kills.measure,

@@ -1,6 +1,6 @@
 import { Button, Text, VisuallyHidden } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { IconAdjustmentsAlt, IconPlugConnected, IconTableColumn } from "@tabler/icons-react";
+import { IconAdjustmentsAlt, IconPlugConnected } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
@@ -93,14 +93,15 @@ function Bench({ devices, lost }: BenchProps) {
       <div className={`${classes.stageAndScope} stack shrink gap-8`}>
         <DemoBanner devices={devices} />
         {device && !entry && (
-          <Card className="pad">
-            <EmptyState title={`${device.name} has no axis`} icon={<IconTableColumn size={22} />}>
+          <>
+            <Card className="pad">
               <Text size="sm" className="dim">
-                Nothing of it moves by itself here. What it holds is on the page{" "}
-                <Link href="/registers">Registers</Link>.
+                {device.name} has no axis: nothing of it moves by itself here. What it holds is on the page{" "}
+                <Link href="/registers">Registers</Link>, and any of it on the scope.
               </Text>
-            </EmptyState>
-          </Card>
+            </Card>
+            <ScopeCard devices={devices} main={main} axisName={device.name} />
+          </>
         )}
         {device && entry && (
           <>

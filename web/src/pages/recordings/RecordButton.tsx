@@ -12,10 +12,14 @@ interface Props {
   device: Device;
   axis: number;
   rateHz: number;
+  /** registers or parameters that the plots show too, by name */
+  further?: readonly string[];
 }
 
+const NONE: readonly string[] = [];
+
 /** Keeps what the plots of an axis show, from now on: beside live plots, one press to begin and one to end. */
-export function RecordButton({ device, axis, rateHz }: Props) {
+export function RecordButton({ device, axis, rateHz, further = NONE }: Props) {
   const list = useRecordings();
   const changes = useChanges();
   const [problem, setProblem] = useState<{ doing: string; error: unknown } | null>(null);
@@ -53,15 +57,16 @@ export function RecordButton({ device, axis, rateHz }: Props) {
       </Group>
     );
   }
-  const channels = usualChannels(device, axis);
+  const channels = usualChannels(device, axis, further);
+  const what = device.axes.length === 0 ? "what the scope shows" : "this axis";
   return (
     <ActionIcon
       variant="default"
       size={30}
       loading={busy}
       disabled={device.state !== "connected" || channels.length === 0}
-      aria-label="Record this axis"
-      title="Record this axis from now on"
+      aria-label={`Record ${what}`}
+      title={`Record ${what} from now on`}
       onClick={() =>
         void attempt("Recording", () =>
           changes.start({

@@ -15,9 +15,9 @@ const USUAL = [
 const SPARING_HZ = 500;
 const SPARING = ["position", "velocity", "encoder_position", "deviation"];
 
-/** What is worth recording of an axis: its motion, planned and measured, as far as the device tells it. */
-export function usualChannels(device: Device, axis: number): string[] {
+/** What is worth recording of an axis: its motion, planned and measured, as far as the device tells it; and `further`. */
+export function usualChannels(device: Device, axis: number, further: readonly string[] = []): string[] {
   const offered = new Set(device.channels.map(({ name }) => name));
   const wanted = device.rate_max_hz < SPARING_HZ || can(device, "parameters") ? SPARING : USUAL;
-  return wanted.map((quantity) => `${quantity}.${axis}`).filter((name) => offered.has(name));
+  return [...wanted, ...further].map((quantity) => `${quantity}.${axis}`).filter((name) => offered.has(name));
 }

@@ -1,4 +1,4 @@
-import { NativeSelect, SegmentedControl } from "@mantine/core";
+import { NativeSelect, SegmentedControl, Text } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
 import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
@@ -117,7 +117,9 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
       {phone && scope.rows.length > 1 && <PlotChoice rows={scope.rows} value={phoneRow} onChange={setPhoneRow} />}
       {scope.rows.length === 0 && (
         <EmptyState title="No plot is chosen" icon={<IconActivity size={22} />}>
-          Choose plots with the sliders button above.
+          <Text size="sm" className="dim">
+            The sliders button above has plots, registers and parameters.
+          </Text>
         </EmptyState>
       )}
       <div ref={box} className={`${classes.rows} stack gap-2`}>

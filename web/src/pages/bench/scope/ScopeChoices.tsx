@@ -21,7 +21,7 @@ interface Props {
 export function ScopeChoices({ rows, others, further, more, onMore }: Props) {
   return (
     <Stack gap={6}>
-      <Choices title="Plots" choices={rows} />
+      {rows.length > 0 && <Choices title="Plots" choices={rows} />}
       {further.length > 0 && (
         <MultiSelect
           w={260}

@@ -148,7 +148,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
       </Popover>
       {device && (
         <Box component="span" miw={30}>
-          <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />
+          <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} further={settings.more} />
         </Box>
       )}
       <LiveText

@@ -109,6 +109,20 @@ describe("the scope's model", () => {
     expect(request?.channels).not.toContain("TOFF.0");
   });
 
+  it("shows what was chosen of a device without any axis", () => {
+    const bare: Device = {
+      ...device("c", 0, 1000),
+      channels: [{ name: "GCONF.0", quantity: "GCONF", axis: 0, unit: "" }],
+    };
+    const main = { device: "c", axis: 0 };
+    expect(buildRows([bare], main, { ...SETTINGS, extras: [] }, "light")).toEqual([]);
+    const chosen: ScopeSettings = { ...SETTINGS, extras: [], more: ["GCONF"] };
+    const [row, ...others] = buildRows([bare], main, chosen, "light");
+    expect(row?.traces.map(({ channel }) => channel)).toEqual(["GCONF.0"]);
+    expect(others).toEqual([]);
+    expect(requestsFor([bare], main, chosen).map(({ channels }) => channels)).toEqual([["GCONF.0"]]);
+  });
+
   it("asks a module's wire for nothing that is not on show", () => {
     const module: Device = { ...device("m", 1, 100), model: "pd42-1241", about: about("pd42-1241") };
     const shown: ScopeSettings = { ...SETTINGS, rows: ["position", "load"], extras: [] };

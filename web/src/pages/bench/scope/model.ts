@@ -49,10 +49,12 @@ export interface AxisRef extends ExtraAxis {
   axis: number;
 }
 
+/** Channels of a device without any axis stand under axis 0. */
 function find(devices: readonly Device[], ref: AxisRef): { device: Device; scale: AxisScale; name: string } | null {
   const device = devices.find((candidate) => candidate.id === ref.device);
   const axis = device?.axes.find((candidate) => candidate.index === ref.axis);
-  return device && axis ? { device, scale: scaleOf(axis, device.clock_hz), name: `${device.name} ${axis.name}` } : null;
+  if (!device || (!axis && device.axes.length > 0)) return null;
+  return { device, scale: scaleOf(axis, device.clock_hz), name: axis ? `${device.name} ${axis.name}` : device.name };
 }
 
 interface SeriesLook {

@@ -57,14 +57,16 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   // biome-ignore lint/correctness/useExhaustiveDependencies: the source is what the view looks at
   useEffect(run, [run, source]);
 
+  const moves = devices.find(({ id }) => id === main.device)?.axes.length !== 0;
   useEffect(() => {
+    if (!moves) return;
     void keeper.fetch();
     return source?.on("move", (move) => {
       if (move.axis !== main.axis) return;
       void keeper.fetch();
       view.onMove(move.started_at_s, source.buffer.lastTime);
     });
-  }, [source, keeper, view, main.axis]);
+  }, [moves, source, keeper, view, main.axis]);
 
   const sourceOf = useCallback(
     (trace: ScopeTrace) => sources.find((candidate) => candidate.request.device === trace.device),
