@@ -194,7 +194,7 @@ class ConditionService:
 
     async def freshen(self, device: Device) -> None:
         """Look at a device that works and was not looked at for `FRESH_S`; wait no longer than `ANSWER_WITHIN_S`."""
-        if device not in self._watched or device.state != "connected":
+        if device not in self._watched or device.state != "connected" or not self._watched[device].axes:
             return
         oldest_s = min(axis.polled_s for axis in self._watched[device].axes)
         if self._clock.now() - oldest_s > FRESH_S:

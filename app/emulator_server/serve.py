@@ -23,8 +23,9 @@ from ..emulators.line.line import Line
 from ..emulators.line.raw import RawChip
 from ..emulators.line.server import LineServer
 from ..emulators.line.tcp import TcpEnd
-from ..emulators.server import Served, frame_bytes_of, serve_tcp
+from ..emulators.server import Served, serve_tcp
 from ..links.can_bus import SOCKETCAN, check_bus, require_python_can
+from ..links.spi_datagram import frame_bytes_of
 from ..listening import CannotListen, host_and_port, listen, url_of, why
 from ..registers.catalog import find_model, is_model
 from .line import LineMaker, LineOptions

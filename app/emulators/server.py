@@ -17,8 +17,8 @@ import socket
 from collections.abc import Callable
 from typing import Protocol
 
-from ..links import datagram32, datagram40
 from ..links.port import Wire
+from ..links.spi_datagram import frame_bytes_of, head_bytes_of
 
 HALF_FRAME_S = 0.5
 READ_BYTES = 4096
@@ -37,17 +37,13 @@ class Served(Wire, Protocol):
         ...
 
 
-def frame_bytes_of(model: str) -> int:
-    """The length of a frame of the chip `model`."""
-    return datagram40.FRAME_BYTES if datagram40.speaks(model) else datagram32.FRAME_BYTES
-
-
 async def serve_tcp(chip: Served, host: str, port: int, half_frame_s: float = HALF_FRAME_S) -> asyncio.Server:
     """Serve `chip` on `host`:`port` (0 picks a free one). Closing the server is the caller's.
 
     `half_frame_s` is how long the rest of a frame may take [s]. An unplugged chip hangs up.
     """
-    shared = Shared(chip) if datagram40.speaks(chip.model) else None
+    head_bytes = head_bytes_of(chip.model)
+    shared = Shared(chip, head_bytes) if head_bytes else None
 
     async def client(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         connection: socket.socket = writer.get_extra_info("socket")
@@ -72,8 +68,9 @@ async def serve_tcp(chip: Served, host: str, port: int, half_frame_s: float = HA
 class Shared:
     """A pipelined chip among several clients: the data that one of them is owed are kept while another asks."""
 
-    def __init__(self, chip: Wire) -> None:
+    def __init__(self, chip: Wire, head_bytes: int = 1) -> None:
         self._chip = chip
+        self._head_bytes = head_bytes
         self._last: _Owed | None = None
 
     def client(self) -> Callable[[bytes], bytes]:
@@ -85,8 +82,8 @@ class Shared:
             last, self._last = self._last, owed
             if last is not owed:
                 if last is not None:
-                    last.data = reply[1:]
-                reply = reply[:1] + (owed.data or reply[1:])
+                    last.data = reply[self._head_bytes :]
+                reply = reply[: self._head_bytes] + (owed.data or reply[self._head_bytes :])
             return reply
 
         return exchange

@@ -81,7 +81,10 @@ def write(address: int, data: int) -> bytes:
 
 def speaks(model: str) -> bool:
     """Whether the chip `model` speaks it."""
-    return catalog.is_model(model) and catalog.find_model(model).datagram_bits == 8 * FRAME_BYTES
+    if not catalog.is_model(model):
+        return False
+    known = catalog.find_model(model)
+    return known.datagram_bits == 8 * FRAME_BYTES and known.spi is None
 
 
 FETCH = read(VERSION_ADDRESS)

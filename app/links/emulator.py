@@ -11,9 +11,10 @@ import time
 from collections.abc import Callable, Sequence
 
 from ..errors import BadReply, BenchError, LinkDown, LinkTimeout
-from . import datagram40, datagram_uart
+from . import datagram_uart
 from .datagram_uart import IFCNT, UartForm
 from .port import PortTraits, SampleSink, Wire
+from .spi_datagram import chained
 
 SAMPLES_WITHIN_S = 0.03
 """How long samples that are due may keep everybody else waiting [s of processor time]; the rest are given up."""
@@ -48,7 +49,7 @@ class EmulatorPort:
         self._hurries = hurries
         self.samples_missed = 0
         self.paused: BenchError | None = None
-        self.traits = PortTraits(chains=self if datagram40.speaks(wire.model) else None, sampling=self)
+        self.traits = PortTraits(chains=self if chained(wire.model) else None, sampling=self)
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()

@@ -15,9 +15,11 @@ from ..errors import BadReply
 from ..registers import catalog
 from ..registers.entry import Slot
 from ..registers.evaluation_board import BoardOpcode
+from ..registers.spi_format import TaggedFormat
 from ..registers.wires import BOARD
 from . import datagram40, datagram_uart, tmcl
 from .datagram_uart import IFCNT, UartForm
+from .spi_access import SpiAccess, TaggedAccess
 
 
 class RegisterAccess(Protocol):
@@ -277,6 +279,11 @@ def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
         node = link.get("node", 0)
         assert isinstance(node, int)  # likewise
         return UartAccess(f"{kind} {link.get('port', '')}".rstrip(), datagram_uart.form_of(model, node))
+    known = catalog.find_model(model)
+    if isinstance(known.spi, TaggedFormat):
+        return TaggedAccess(known.spi, str(kind))
+    if known.spi is not None:
+        return SpiAccess(known.spi, str(kind), known.fetch_address)
     if not datagram40.speaks(model):  # emulated here: as through a board, where there is no SPI that we could speak
-        return BoardAccess(str(kind), slot=catalog.find_model(model).slot)
+        return BoardAccess(str(kind), slot=known.slot)
     return Spi40Access(str(kind), datagram40.fetch_of(model))

@@ -9,11 +9,12 @@ from ..clock import Clock
 from ..errors import OutOfRange, UnknownThing, UsageError
 from ..registers import catalog
 from ..registers.wires import BOARD, Wire
-from . import datagram32, datagram40, datagram_uart, evaluation_board, spidev_port, uart_line
+from . import datagram_uart, evaluation_board, spidev_port, uart_line
 from .can_line import can_port
 from .port import FramePort
 from .serial_address import port_url
 from .serial_line import ADDRESS, BAUD, SOCKET, serial_port
+from .spi_datagram import chained, frame_bytes_of
 from .tcp import TIMEOUT_S, TcpPort
 from .uart_session import Echo
 
@@ -50,7 +51,7 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
             timeout_s=_timeout_s(link) or TIMEOUT_S,
             clock=clock,
             frame_bytes=frame_bytes_of(model),
-            pipelined=datagram40.speaks(model),
+            pipelined=chained(model),
         )
     bracketed = f"[{host}]" if ":" in host else host
     return serial_port(
@@ -58,24 +59,20 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
     )
 
 
-def frame_bytes_of(model: str) -> int:
-    """The length of a raw frame of the chip, which its answer has too."""
-    return datagram40.FRAME_BYTES if datagram40.speaks(model) else datagram32.FRAME_BYTES
-
-
 def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "spidev", "bus", "device", "speed_hz"?, "mode"?}`: a chip select of this machine."""
     _only_over("spidev", model)
     _only(link, "bus", "device", "speed_hz", "mode")
-    pipelined = datagram40.speaks(model)
-    fastest_hz = SPEED_HZ_MAX if pipelined else int(catalog.find_model(model).clock_hz_max / CLOCKS_A_BIT_32)
+    known = catalog.find_model(model)
+    slow = known.datagram_bits == 32 and known.spi is None
+    fastest_hz = int(known.clock_hz_max / CLOCKS_A_BIT_32) if slow else SPEED_HZ_MAX
     return spidev_port.SpidevPort(
         _whole(link, "bus", None, 0, 255),
         _whole(link, "device", None, 0, 255),
         frame_bytes=frame_bytes_of(model),
         speed_hz=_whole(link, "speed_hz", spidev_port.SPEED_HZ, 10_000, fastest_hz),
         mode=_whole(link, "mode", spidev_port.MODE, 0, 3),
-        pipelined=pipelined,
+        pipelined=chained(model),
         clock=clock,
     )
 

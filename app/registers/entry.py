@@ -8,6 +8,7 @@ from typing import Literal
 from .capabilities import Capability
 from .evaluation_board import ADDRESS, REGISTER_ADDRESS_BITS
 from .model import RegisterTable
+from .spi_format import Spi
 from .wires import Wire
 
 Tier = Literal["full", "names", "map"]
@@ -56,6 +57,8 @@ class Model:
     datagram_bits: int = 32
     """Length of one datagram on the SPI of a chip; 0 for a module, whose frames TMCL tells, and for a chip whose
     datagrams are not known or that has no SPI."""
+    spi: Spi | None = None
+    """How a datagram of it says a register, where that is told; None for those that its family knows by itself."""
     fetch_address: int = 0
     """What is read to fetch the answer to the datagram before, where answers come one later: reading it clears
     nothing."""

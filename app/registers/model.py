@@ -105,6 +105,8 @@ class Bits:
     """Non-empty: a second meaning of bits that another row or field already names, and when it holds."""
     behaviour: str = ""
     """Non-empty: readable and writable here, but not acted on by the emulator, and why."""
+    role: str = ""
+    """Non-empty: what it is to a ramp generator, where a table says so that is known by no other means."""
 
     def __post_init__(self) -> None:
         lowest, highest = self._width_range()

@@ -348,6 +348,8 @@ class Feed:
         if self.device.telemetry.shares_rows and self._groups:
             self._end_history()
             return
+        if not self._history.channels:  # of a chip where each reading writes something
+            return
         wanted_hz = HISTORY_RATE_HZ if self._lively else REST_RATE_HZ
         if self._history_sampling is not None and self._history_wanted_hz == wanted_hz:
             return

@@ -12,10 +12,18 @@ from app.clock import VirtualClock
 from app.registers import catalog
 from app.registers.listed import package
 from app.registers.listed.modules import role_of
-from app.registers.model import Space
+from app.registers.model import Access, Space
+from app.registers.spi_format import SpiFormat, TaggedFormat
 
 LISTED = catalog.listings()
 MODEL = LISTED[0]
+CHIPS = [
+    catalog.find_model(name)
+    for name in package.listings()
+    if package.listings()[name].spi and name not in catalog.MODELS
+]
+TAGGED = next(model for model in CHIPS if isinstance(model.spi, TaggedFormat))
+FORMED = [model for model in CHIPS if isinstance(model.spi, SpiFormat)]
 SEVERAL = next(model for model in LISTED if model.kind == "module" and model.axes > 1)
 MOST = max((model for model in LISTED if model.kind == "module"), key=lambda model: model.axes)
 """A module with the most axes, and with outputs."""
@@ -165,3 +173,36 @@ async def test_without_the_package_the_cure_is_told(client: httpx.AsyncClient, m
         monkeypatch.undo()
         package.listings.cache_clear()
         package.version.cache_clear()
+
+
+async def test_a_chip_whose_readings_write_has_no_channels_and_leaves_those_of_others_alone(
+    client: httpx.AsyncClient, module: str, clock: VirtualClock, caplog: pytest.LogCaptureFixture
+) -> None:
+    body = {"name": "Tagged", "model": TAGGED.name, "link": {"kind": "emulator"}}
+    assert (await client.post("devices", json=body)).json()["state"] == "connected"
+    await clock.advance(2.0)
+    assert (await client.get("devices/tagged")).json()["channels"] == []
+    assert (await client.get(module)).json()["channels"]
+    assert not [record for record in caplog.records if record.levelname == "ERROR"], caplog.text
+    written, status = (next(row for row in TAGGED.table if row.access is way) for way in (Access.W, Access.R))
+    refused = await client.get(f"devices/tagged/registers/{status.name}")
+    assert (refused.status_code, refused.json()["way_out"]) == (409, "write register 0xf once")
+    selecting = TAGGED.table.at(0xF, write=True)
+    assert selecting is not None
+    done = (await client.put(f"devices/tagged/registers/{selecting.name}", json={"value": 0x40})).json()
+    assert (done["verified"], done["value"]) == (None, 0x40)
+    assert (await client.get(f"devices/tagged/registers/{status.name}")).status_code == 200
+    assert (await client.get(f"devices/tagged/registers/{written.name}")).json()["type"] == "/problems/wrong-state"
+    entry = (await client.get(f"catalog/{TAGGED.name}")).json()
+    assert (entry["tagged"], entry["spi"], entry["datagram_bits"]) == ({"written": 8, "tag_lsb": 17}, None, 20)
+
+
+async def test_the_frame_log_says_datagrams_of_a_told_format(client: httpx.AsyncClient) -> None:
+    for model in FORMED:
+        await client.post("devices", json={"name": model.name, "model": model.name, "link": {"kind": "emulator"}})
+        row = next(row for row in model.table if row.access.writable and row.axis is None and not row.read_clears)
+        await client.put(f"devices/{model.name}/registers/{row.name}", json={"value": 1})
+        told = (await client.get(f"devices/{model.name}/frames")).json()
+        texts = [frame["text"] for frame in told["frames"]]
+        assert any(text.startswith(f"{row.name} := ") for text in texts), texts
+        assert any(text.startswith(f"read {row.name}") for text in texts), texts

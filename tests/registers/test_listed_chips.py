@@ -18,6 +18,7 @@ from app.registers import catalog
 from app.registers.listed import package
 from app.registers.listed.ramp import ramps_of
 from app.registers.model import Access
+from app.registers.spi_format import SpiFormat, TaggedFormat
 from tests.test_house import without_words
 
 ROOT = Path(__file__).parent.parent.parent
@@ -72,7 +73,10 @@ def test_every_register_of_the_package_is_a_row(name: str) -> None:
     for row in model.table:  # nothing is made up
         assert row.reset is None
         assert "reset" in row.untold
-        assert not older or ("access" in row.untold and row.access in (Access.UNKNOWN, Access.R, Access.RW))
+        if isinstance(model.spi, TaggedFormat):  # of such datagrams the format tells what is read and what is written
+            assert row.access is (Access.W if row.address & 8 else Access.R)
+        else:
+            assert not older or ("access" in row.untold and row.access in (Access.UNKNOWN, Access.R, Access.RW))
 
 
 @pytest.mark.parametrize("name", READABLE)
@@ -82,13 +86,16 @@ def test_every_field_of_the_package_is_there(name: str) -> None:
     if not hasattr(kind, "REG"):
         return
     masks = {(row.address, part.mask) for row in model.table for part in (*row.fields,)}
+    widths = {row.address: row.width for row in model.table}
     plain = {(row.address, (1 << row.width) - 1) for row in model.table if not row.fields}
     for inner in [held for holder, held in vars(kind).items() if holder.startswith("FIELD")]:
         for part, told in vars(inner).items():
             if part.startswith("_") or not isinstance(told, tuple) or not isinstance(told[0], int):
                 continue
             address, mask, _ = told
-            if address in {row.address for row in model.table} and re.fullmatch("0*1+0*", f"{mask:b}"):
+            if address in widths and re.fullmatch("0*1+0*", f"{mask:b}"):
+                if isinstance(model.spi, TaggedFormat) and mask >> widths[address]:
+                    continue  # what says which register it is
                 assert (address, mask) in masks | plain, part
 
 
@@ -96,6 +103,16 @@ def test_every_field_of_the_package_is_there(name: str) -> None:
 def test_one_without_registers_says_so(name: str) -> None:
     with pytest.raises(UnreadableModel, match="no registers"):
         catalog.find_model(name)
+
+
+def test_datagrams_are_told_by_what_a_chip_lists() -> None:
+    """As the maker's own C code sends them (TMC-API): bits of data and address, and when the answer comes."""
+    told = {name: catalog.find_model(name).spi for name in READABLE}
+    kinds = {(spi.data_bits, spi.address_bits, spi.answer) for spi in told.values() if isinstance(spi, SpiFormat)}
+    assert kinds == {(32, 7, "same"), (16, 7, "next"), (32, 10, "next")}
+    assert sum(isinstance(spi, TaggedFormat) for spi in told.values()) == 2
+    without = [name for name in READABLE if not {"spidev", "uart"} & catalog.find_model(name).wires]
+    assert len(without) == 3, without  # I2C, none at all, and one whose SPI the maker's code leaves open
 
 
 def test_nothing_is_imported_until_a_chip_is_asked_for() -> None:

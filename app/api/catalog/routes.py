@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from dataclasses import asdict
 from functools import cache
 from typing import Any
 
@@ -14,11 +15,22 @@ from ...registers.capabilities import TITLES
 from ...registers.catalog import MODELS, Model, find_model, listings, maps
 from ...registers.listed.models import why_not
 from ...registers.model import Field, Register, Space
+from ...registers.spi_format import SpiFormat, TaggedFormat
 from ...registers.tmcl.commands import COMMANDS
 from ...registers.wires import WIRES, Wire
 from ..deps import CurrentBench
 from ..http.problems import problems
-from .schemas import CapabilityTitle, CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow, WireRow
+from .schemas import (
+    CapabilityTitle,
+    CatalogEntry,
+    CatalogModel,
+    CommandRow,
+    FieldRow,
+    RegisterRow,
+    SpiFormatRow,
+    TaggedFormatRow,
+    WireRow,
+)
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -84,6 +96,12 @@ def _entry(model: Model, registers: int | None) -> CatalogEntry:
         capabilities=[name for name in TITLES if model.can(name)],
         wires=[_wire(model, kind) for kind in WIRES if kind in model.wires],
         datagram_bits=model.datagram_bits,
+        spi=SpiFormatRow.model_validate(asdict(model.spi)) if isinstance(model.spi, SpiFormat) else None,
+        tagged=(
+            TaggedFormatRow(written=model.spi.written, tag_lsb=model.spi.tag_lsb)
+            if isinstance(model.spi, TaggedFormat)
+            else None
+        ),
         uart=model.uart,
         nodes=model.nodes,
         current_scale=model.current_scale,

@@ -94,6 +94,26 @@ class WireRow(Answer):
     )
 
 
+class SpiFormatRow(Answer):
+    """How a datagram on SPI says a register: whole bytes with the address and the write bit, then the data."""
+
+    data_bits: int
+    address_bits: int
+    write_bit: Literal["high", "low"] = Field(
+        description="the highest bit of the head, or the lowest, below the address"
+    )
+    write_is: int = Field(description="what that bit is in a write")
+    byte_order: Literal["big", "little"] = Field(description="of the data; the head goes highest byte first")
+    answer: Literal["next", "same"] = Field(description="whether the answer comes with the next datagram or the same")
+
+
+class TaggedFormatRow(Answer):
+    """Datagrams whose uppermost bits say which register they write; each is answered by a status."""
+
+    written: int = Field(description="what addresses of registers have that are written; the others are statuses")
+    tag_lsb: int = Field(description="where in a datagram the rest of the address begins")
+
+
 class CatalogEntry(Answer):
     name: str
     kind: Literal["chip", "module"] = Field(default="chip", description="a module speaks TMCL and has parameters")
@@ -116,6 +136,8 @@ class CatalogEntry(Answer):
     capabilities: list[Capability] = Field(description="what it can, by the words of `GET /catalog/capabilities`")
     wires: list[WireRow]
     datagram_bits: int = Field(description="length of a chip's datagram on SPI; 0 for a module, and a chip without SPI")
+    spi: SpiFormatRow | None = Field(default=None, description="of a chip whose datagrams a table tells")
+    tagged: TaggedFormatRow | None = Field(default=None, description="of a chip of which nothing but a status is read")
     uart: Literal["", "plain", "node"] = Field(
         description="of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several"
     )

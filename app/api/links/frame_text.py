@@ -6,16 +6,21 @@ from ...devices.core.tmcl_frames import spelled
 from ...errors import BadReply
 from ...links import datagram32, datagram40, datagram_uart, tmcl
 from ...links.register_access import BoardAccess
+from ...links.spi_datagram import data_of, decode
 from ...registers import catalog
 from ...registers.catalog import MODELS, Model
 from ...registers.model import Register, RegisterTable
+from ...registers.spi_format import Spi, SpiFormat
 from ...registers.tmcl.commands import Opcode, Status
 
 
 def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
     """One transaction with a `model`: the question, and the answer where there is one."""
+    known = catalog.find_model(model)
+    if known.spi is not None and len(tx) == known.spi.frame_bytes and not _is_uart(model, tx):
+        return _told(known.table, known.spi, tx, rx)
     if len(tx) == tmcl.FRAME_BYTES:
-        return _board(catalog.find_model(model), tx, rx) if catalog.find_model(model).kind == "chip" else _tmcl(tx, rx)
+        return _board(known, tx, rx) if known.kind == "chip" else _tmcl(tx, rx)
     if len(tx) == datagram40.FRAME_BYTES:
         return _datagram40(MODELS[model].table, tx, rx)
     if datagram_uart.kind_of(model):
@@ -23,6 +28,31 @@ def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
     if len(tx) == datagram32.FRAME_BYTES:
         return _datagram(MODELS[model].table, tx, rx)
     return f"{len(tx)} bytes"
+
+
+def _is_uart(model: str, tx: bytes) -> bool:
+    """Whether these bytes are a datagram of its UART, by sync and CRC: its SPI may have some as long."""
+    return bool(datagram_uart.kind_of(model)) and tx[0] & 0xF == datagram_uart.SYNC and datagram_uart.is_sound(tx)
+
+
+def _told(table: RegisterTable, form: Spi, tx: bytes, rx: bytes | None) -> str:
+    """A datagram of a told format; of one that answers later, what comes back belongs to the datagram before."""
+    whole = rx is not None and len(rx) == form.frame_bytes
+    if not isinstance(form, SpiFormat):
+        datagram = int.from_bytes(tx, "big")
+        address = form.address_of(datagram)
+        register = table.at(address, write=True)
+        name = f"{address:#04x}" if register is None else register.name
+        return f"{name} := {_shown(register, datagram & (1 << form.width_of(address)) - 1)}"
+    request = decode(form, tx)
+    register = table.at(request.address, write=request.write)
+    name = f"{request.address:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, request.data)}" if request.write else f"read {name}"
+    if rx is None or not whole:
+        return asked
+    if form.answer == "next":
+        return f"{asked} (of the datagram before {data_of(form, rx):#x})"
+    return asked if request.write else f"{asked} -> {_shown(register, data_of(form, rx))}"
 
 
 def _tmcl(tx: bytes, rx: bytes | None) -> str:

@@ -2,7 +2,7 @@
 
 A reply to a 40-bit datagram belongs to the datagram before, so the answer to a read comes with the next one: `_behind`
 says which one may follow, and `decoded` has the answer. Through an evaluation board a register is one TMCL command,
-over a UART one datagram with an answer of its own.
+over a UART one datagram with an answer of its own. Of a told format the answer comes so or so.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from typing import Protocol
 from ...errors import OutOfRange, UsageError
 from ...links import datagram40, tmcl
 from ...links.datagram_uart import UartForm
-from ...links.register_access import BoardAccess, UartAccess
+from ...links.register_access import BoardAccess, Spi40Access, UartAccess
+from ...links.spi_access import SpiAccess, TaggedAccess
+from ...links.spi_datagram import data_of, decode
 from ...registers.model import Register
 from .capabilities import RawFrames
 from .changes import BY_HAND, register_changed
@@ -67,6 +69,10 @@ class RawDatagrams(RawFrames):
         self._session.require_connected()
         if isinstance(access, BoardAccess):
             return await self._board_command(access, frame)
+        if isinstance(access, SpiAccess):
+            return await self._told_datagram(access, frame)
+        if isinstance(access, TaggedAccess):
+            return await self._tagged_datagram(access, frame)
         return await self._datagram(frame)
 
     async def _datagram(self, frame: bytes) -> RawExchange:
@@ -88,6 +94,42 @@ class RawDatagrams(RawFrames):
             "data_of_the_datagram_before": replies[0].data,
         }
         return RawExchange(replies[0].encode(), decoded)
+
+    async def _told_datagram(self, access: SpiAccess, frame: bytes) -> RawExchange:
+        """A datagram of a told format; where answers come one later, a read is answered by the next."""
+        form = access.form
+        request = decode(form, frame)
+        register = self._link.table.at(request.address, write=request.write)
+        behind = None
+        if form.answer == "next" and register is not None and not request.write:
+            behind = self._rules.behind(frame, register)
+        async with self._link.command(self._axis_touched(register) if request.write else None) as turn:
+            replies = await turn.exchange_many([frame] if behind is None else [frame, behind])
+            time_s = turn.last_exchange_s
+        data: int | None = data_of(form, replies[-1])
+        if request.write:
+            data = request.data
+        elif form.answer == "next" and behind is None:
+            data = None
+        if register is not None and data is not None:
+            await self._heed(register, data, write=request.write, time_s=time_s)
+        decoded = self._decoded(request.address, register, data, write=request.write)
+        return RawExchange(replies[0], decoded | {"status": replies[0][0], "flags": {}})
+
+    async def _tagged_datagram(self, access: TaggedAccess, frame: bytes) -> RawExchange:
+        """A datagram whose upper bits say the register that it writes; its answer is a status."""
+        form, datagram = access.form, int.from_bytes(frame, "big")
+        address = form.address_of(datagram)
+        register = self._link.table.at(address, write=True)
+        async with self._link.command(self._axis_touched(register)) as turn:
+            reply = await turn.exchange(frame)
+            time_s = turn.last_exchange_s
+        access.check(frame, reply)
+        data = datagram & (1 << form.width_of(address)) - 1
+        if register is not None:
+            await self._heed(register, data, write=True, time_s=time_s)
+        decoded = self._decoded(address, register, data, write=True)
+        return RawExchange(reply, decoded | {"status": access.status([reply]), "flags": {}})
 
     async def _board_command(self, access: BoardAccess, frame: bytes) -> RawExchange:
         """A TMCL command to the evaluation board; its register access is decoded."""
@@ -157,7 +199,7 @@ class RawDatagrams(RawFrames):
         if (
             await self._rules.moved_by_hand(register)
             and register.access.readable
-            and self._link.access.frame_bytes == datagram40.FRAME_BYTES
+            and isinstance(self._link.access, Spi40Access | SpiAccess)
         ):
             # The next datagram is to be answered by what this one has written.
-            await self._session.queue.exchange(datagram40.read(register.address))
+            await self._session.queue.exchange(self._link.access.read_frames((register.address,))[0])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...links.access32 import Spi32Access
 from ...links.datagram32 import DATA_MASK
 from ...links.register_access import BoardAccess, RegisterAccess, UartAccess
+from ...links.spi_access import SpiAccess
 from ...registers.tmcl.commands import Status
 
 FloatArray = NDArray[np.float64]
@@ -84,7 +85,7 @@ class SamplePlan(ABC):
 
 @dataclass(frozen=True, slots=True)
 class WordsPlan(SamplePlan):
-    """Words of up to 32 bits; `form` takes them out of the replies, `seen` hears of each block before it is decoded."""
+    """Words; `form` takes them out of the replies, `seen` hears of each block before it is decoded."""
 
     columns: tuple[Decoder, ...]
     form: Form
@@ -108,7 +109,25 @@ def form_of(access: RegisterAccess) -> Form:
         return _uart
     if isinstance(access, BoardAccess):
         return _board
+    if isinstance(access, SpiAccess):
+        return _told(access)
     return _spi32 if isinstance(access, Spi32Access) else _spi40
+
+
+def _told(access: SpiAccess) -> Form:
+    """Datagrams of a told format: the first byte of an answer is taken for its status."""
+    head, first = access.form.head_bytes, int(access.form.answer == "next")
+    big = access.form.byte_order == "big"
+
+    def form(raw: NDArray[np.uint8]) -> Block:
+        data = raw[:, first:, head:] if big else raw[:, first:, : head - 1 : -1]
+        # Of 64 bits only as many mean something as a register may have; the others are masked away.
+        words = np.zeros(data.shape[:2], dtype=np.int64)
+        for place in range(data.shape[2]):
+            words = words << 8 | data[:, :, place]
+        return words, raw[:, -1, 0].astype(np.int64), np.ones(len(raw), dtype=np.bool_)
+
+    return form
 
 
 def _words(replies: NDArray[np.uint8]) -> IntArray:

@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...clock import Clock
-from ...links import datagram40
+from ...links import datagram40, spi_datagram
 from ...links.datagram_uart import IFCNT, SYNC, WRITE_BIT, UartForm, crc8
 from ...registers.entry import Model
 from ...registers.listed.ramp import BACKWARD, FORWARD, POSITION, Ramp, ramps_of
 from ...registers.model import Access, Register, to_raw
+from ...registers.spi_format import SpiFormat, TaggedFormat
 from .axis import Axis
 from .board import BoardEnd
 from .options import PLAIN_CHIP, ListedOptions, ListedState
@@ -22,7 +23,7 @@ from .plain_emulator import ACCELERATION, SPEED, PlainEmulatorBase
 
 
 class PlainChip(PlainEmulatorBase):
-    """Registers, and what leads to them: datagrams of 40 bits, a UART, an evaluation board. Safe to use from several
+    """Registers, and what leads to them: datagrams on SPI, a UART, an evaluation board. Safe to use from several
     threads."""
 
     reply_delay_bits = 8
@@ -44,11 +45,20 @@ class PlainChip(PlainEmulatorBase):
     # --- wires -----------------------------------------------------------------------------------
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
-        """Answer one datagram of 40 bits, or a command of an evaluation board where the chip has no such datagrams.
+        """Answer one datagram on SPI, or a command of an evaluation board where none is known of the chip.
 
         Raises ValueError for a frame of another length, ConnectionError while unplugged, and TimeoutError while silent.
         """
         self.faults.require_plugged(self.model)
+        spi = self._model.spi
+        if spi is not None:
+            with self._lock:
+                self._run_until(at_s)
+                if isinstance(spi, SpiFormat):
+                    answered = self._told_datagram(spi, frame)
+                else:
+                    answered = self._tagged_datagram(spi, frame)
+            return self.faults.pass_on(self.model, answered, self._noise)
         if not datagram40.speaks(self.model):
             reply = self._board.receive(frame, at_s)
             if reply is None:
@@ -62,6 +72,26 @@ class PlainChip(PlainEmulatorBase):
                 self._write(request.address, request.data)
             self._data = request.data if request.write else self._read(request.address)
         return self.faults.pass_on(self.model, reply, self._noise)
+
+    def _told_datagram(self, form: SpiFormat, frame: bytes) -> bytes:
+        """The answer to a datagram of a told format: what was read, or what was written."""
+        request = spi_datagram.decode(form, frame)
+        earlier = self._data
+        if request.write:
+            self._write(request.address, request.data)
+        self._data = request.data if request.write else self._read(request.address)
+        return spi_datagram.answer(form, earlier if form.answer == "next" else self._data)
+
+    def _tagged_datagram(self, form: TaggedFormat, frame: bytes) -> bytes:
+        """The answer to a datagram that says by its upper bits what it writes: the status that was selected before."""
+        if len(frame) != form.frame_bytes:
+            raise ValueError(f"a datagram has {form.frame_bytes} bytes, not {len(frame)}")
+        selected = self._held.get(form.selecting, 0) >> form.select_lsb & (1 << form.select_bits) - 1
+        status = self._read(selected)
+        datagram = int.from_bytes(frame, "big") & (1 << form.word_bits) - 1
+        address = form.address_of(datagram)
+        self._write(address, datagram & (1 << form.width_of(address)) - 1)
+        return (status << 8 * form.frame_bytes - form.word_bits).to_bytes(form.frame_bytes, "big")
 
     def uart(self, datagram: bytes, at_s: float | None = None) -> bytes:
         """Answer one datagram of the single-wire UART; b"" where no answer is due: a write, another node, a wrong CRC.
@@ -101,6 +131,11 @@ class PlainChip(PlainEmulatorBase):
         with self._lock:
             self._run_until(at_s)
             self._write(address, data)
+
+    def held(self, address: int) -> int:
+        """The bits at `address`, whether or not a bus may read them."""
+        with self._lock:
+            return self._held.get(address, 0)
 
     # --- registers -------------------------------------------------------------------------------
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ...devices.core.tmcl_frames import writing
+from ...errors import UsageError
 from ...links import datagram32, datagram40, tmcl
 from ...links.datagram_uart import UartForm
 from ...registers.catalog import Model
+from ...registers.spi_format import TaggedFormat
 from .plan import Plan, Write, meaning
 from .text import c_name, c_remark, lines
 
@@ -76,6 +78,8 @@ _FRAMES: Mapping[int, str] = {
     frame[8] = sum;
 """,
 }
+_TOLD = -2
+"""Stands for datagrams whose format a table tells."""
 _FRAME_BYTES = {
     32: datagram32.FRAME_BYTES,
     40: datagram40.FRAME_BYTES,
@@ -125,8 +129,40 @@ def prefix(plan: Plan) -> str:
 
 
 def _form(family: Model) -> int:
-    """The kind of its frames: bits of an SPI datagram, 0 for TMCL, or `_UART`."""
+    """The kind of its frames: bits of an SPI datagram, 0 for TMCL, `_UART` or `_TOLD`. Raises UsageError where none is
+    known that C could send."""
+    if family.spi is not None and family.spi.word_bits <= 32:
+        return _TOLD
+    if family.kind == "chip" and not family.uart_alone and (family.spi is not None or not family.datagram_bits):
+        why = "has words of more than 32 bits" if family.spi is not None else "has no datagrams on SPI that are known"
+        raise UsageError(f"a {family.title} {why}: there is no C of it, but Python and curl")
     return _UART if family.uart_alone else family.datagram_bits
+
+
+def _frame_bytes(family: Model) -> int:
+    return _FRAME_BYTES[_form(family)] if family.spi is None else family.spi.frame_bytes
+
+
+def _frame_of(family: Model) -> str:
+    """The lines that make a frame."""
+    spi = family.spi
+    if spi is None:
+        return _FRAMES[_form(family)]
+    if isinstance(spi, TaggedFormat):
+        tag = f"((uint32_t)write->address & 0x{~spi.written & 0xF:X}u) << {spi.tag_lsb} | write->value"
+        lines = [f"const uint32_t word = {tag};"]
+        lines += [f"frame[{place}] = (uint8_t)(word >> {8 * (spi.frame_bytes - 1 - place)});" for place in range(3)]
+        return "".join(f"    {line}\n" for line in lines)
+    bit = spi.write_is << (0 if spi.write_bit == "low" else 8 * spi.head_bytes - 1)
+    shifted = "(uint32_t)write->address << 1" if spi.write_bit == "low" else "(uint32_t)write->address"
+    lines = [f"const uint32_t head = {shifted} | 0x{bit:X}u;"]
+    for place in range(spi.head_bytes):
+        lines.append(f"frame[{place}] = (uint8_t)(head >> {8 * (spi.head_bytes - 1 - place)});")
+    places = range(spi.data_bits // 8)
+    for place in places:
+        shift = 8 * (place if spi.byte_order == "little" else places[-1] - place)
+        lines.append(f"frame[{spi.head_bytes + place}] = (uint8_t)(write->value >> {shift});")
+    return "".join(f"    {line}\n" for line in lines)
 
 
 def _lines(plan: Plan) -> Iterator[str]:
@@ -144,7 +180,7 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "#include <stdint.h>"
     yield ""
     yield f"#define {macro}_WRITES {plan.count}u"
-    yield f"#define {macro}_FRAME_BYTES {_FRAME_BYTES[_form(family)]}u"
+    yield f"#define {macro}_FRAME_BYTES {_frame_bytes(family)}u"
     if family.uart_alone:
         yield f"#define {macro}_NODE 0u /* address of the chip on its UART */"
     if module:
@@ -187,7 +223,7 @@ def _functions(plan: Plan) -> str:
     return _FUNCTIONS.format(
         name=name,
         macro=macro,
-        frame=_FRAMES[bits].replace("{macro}", macro),
+        frame=_frame_of(plan.family).replace("{macro}", macro),
         parts="".join(counted),
         and_came=" and the module said that it was done" if bits == 0 else "",
     )

@@ -14,8 +14,11 @@ from urllib.parse import unquote
 from ...devices.core.results import WriteItem
 from ...links import datagram32, datagram40, tmcl
 from ...links.datagram_uart import UartForm
+from ...links.spi_access import TaggedAccess
+from ...links.spi_datagram import Request, encode
 from ...links.tmcl_text import Command, parse_line
 from ...registers.catalog import Model
+from ...registers.spi_format import SpiFormat
 from ...registers.tmcl.commands import Opcode
 
 _REMARK = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -45,6 +48,10 @@ def _frame(family: Model, numbers: list[int]) -> bytes:
     address, word = numbers
     if family.uart_alone:
         return UartForm().write(address, word)
+    if isinstance(family.spi, SpiFormat):
+        return encode(family.spi, Request(address, write=True, data=word))
+    if family.spi is not None:
+        return TaggedAccess(family.spi).write_frame(address, word)
     if family.datagram_bits == 32:
         return datagram32.Request(address, False, word).encode()
     return datagram40.write(address, word)

@@ -1,7 +1,7 @@
 """A chip of which a table of registers is known and nothing else, as the catalog has it: whatever the table came from.
 
 What it can, and which links lead to it, its registers tell: a ramp generator by its names (`ramp`), a UART by the
-counter of its writes, 40-bit datagrams by what addresses and words they hold.
+counter of its writes, its datagrams on SPI by what addresses and words they hold.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Literal
 from ..capabilities import Capability
 from ..entry import Model, Slot
 from ..model import Register, RegisterTable, Space
+from ..spi_format import USUAL, WORD_BITS_MAX, Spi, SpiFormat
 from ..wires import BOARD, Wire
 from .ramp import ramps_of, with_meaning
 
@@ -19,7 +20,8 @@ FAMILY = "listed"
 CLOCK_HZ = 16e6
 """Nothing is computed from it [Hz]."""
 ADDRESS_MAX = 0x7F
-"""What a datagram of 40 bits, or one of the UART, can ask for."""
+"""What a datagram of the UART can ask for."""
+UART_BITS = 32
 DESCRIPTION = "a chip whose registers are known by name"
 
 
@@ -35,28 +37,30 @@ def chip(
     summary: str,
     table: RegisterTable,
     *,
-    spi40: bool = True,
+    spi: Spi | None = USUAL,
     uart: Literal["", "plain", "node"] = "",
     board: str = "",
     slot: Slot | None = None,
 ) -> Model:
     """The catalog's entry of a chip with these registers.
 
-    spi40 : whether it speaks datagrams of 40 bits whose answers come one later
+    spi : its datagrams on SPI; None where it has none, or nobody knows them
     board : what the maker's evaluation board calls it; `slot` how that leads to it; "" and None where there is none
 
     Raises ValueError where a datagram cannot hold an address or a word of the table.
     """
-    wide = max((row.address for row in table), default=0) > ADDRESS_MAX
-    if wide and (spi40 or uart):
-        raise ValueError(f"{title}: a datagram holds addresses to {ADDRESS_MAX:#04x}")
-    if any(row.width > 32 or row.space is not Space.REGISTER for row in table):
-        raise ValueError(f"{title}: its registers do not fit words of 32 bits")
+    highest = max((row.address for row in table), default=0)
+    most = spi.address_max if isinstance(spi, SpiFormat) else highest
+    if highest > min(most, ADDRESS_MAX if uart else highest):
+        raise ValueError(f"{title}: a datagram holds addresses to {min(most, ADDRESS_MAX if uart else most):#04x}")
+    bits = word_bits(spi, uart=bool(uart) or slot is not None)
+    if any(row.width > bits or row.space is not Space.REGISTER for row in table):
+        raise ValueError(f"{title}: its registers do not fit words of {bits} bits")
     ramps = ramps_of(table)
     capabilities: set[Capability] = {"registers"}
     capabilities |= {"motion"} if ramps else set()
     wires: set[Wire] = {"emulator"}
-    wires |= {"tcp", "spidev"} if spi40 else set()
+    wires |= {"tcp", "spidev"} if spi is not None else set()
     wires |= {"uart"} if uart else set()
     wires |= {BOARD} if slot is not None else set()
     return Model(
@@ -71,13 +75,21 @@ def chip(
         clock_hz_max=CLOCK_HZ,
         capabilities=frozenset(capabilities),
         wires=frozenset(wires),
-        datagram_bits=40 if spi40 else 0,
+        datagram_bits=0 if spi is None else 8 * spi.frame_bytes if isinstance(spi, SpiFormat) else spi.word_bits,
+        spi=None if spi == USUAL else spi,
         fetch_address=harmless(table),
         uart=uart,
         board=board,
         slot=slot or Slot(),
         tier="names",
     )
+
+
+def word_bits(spi: Spi | None, *, uart: bool) -> int:
+    """How many bits a register can have, by what leads to it; `uart`: also a UART, or a board."""
+    if spi is None:
+        return UART_BITS
+    return min(spi.word_bits, UART_BITS if uart else WORD_BITS_MAX)
 
 
 def harmless(table: RegisterTable) -> int:

@@ -15,11 +15,11 @@ from typing import Any
 
 from ...errors import UnreadableModel
 from ..model import Access, Field, Register, RegisterTable, Untold
-from .chips import table_of
+from ..spi_format import Spi, TaggedFormat
+from .chips import UART_BITS, table_of, word_bits
 from .modules import choices_of, numbers_of
 from .package import PACKAGE, Listing, version
 
-BITS = 32
 NAMES_ALONE = "the package tells its name, address and fields alone"
 COUNTER = "IFCNT"
 """Counts what was written over the UART (TMC5160A data sheet 1.14, 5.1.1)."""
@@ -57,7 +57,7 @@ def read(listing: Listing) -> RegisterTable:
 def _rows_of(kind: type[Any], listing: Listing) -> Iterator[Register]:
     source = f"PyTrinamic {listing.class_name}"
     if hasattr(kind, "REG"):
-        yield from _older(kind, source)
+        yield from _older(kind, listing.spi, source)
     else:
         yield from _newer(kind, listing, source)
 
@@ -65,8 +65,13 @@ def _rows_of(kind: type[Any], listing: Listing) -> Iterator[Register]:
 # --- older classes: names, addresses, masks -------------------------------------------------------
 
 
-def _older(kind: type[Any], source: str) -> Iterator[Register]:
-    """Registers of `REG`, those that are there once a motor with an address for each; fields of every `FIELD` class."""
+def _older(kind: type[Any], spi: Spi | None, source: str) -> Iterator[Register]:
+    """Registers of `REG`, those that are there once a motor with an address for each; fields of every `FIELD` class.
+
+    What a register's datagrams cannot say of it (a read, a write, more bits) it does not have.
+    """
+    tagged = spi if isinstance(spi, TaggedFormat) else None
+    bits = word_bits(spi, uart=True)
     masks: dict[int, dict[str, int]] = {}
     for holder, inner in vars(kind).items():
         if holder.startswith("FIELD") and inspect.isclass(inner):
@@ -79,24 +84,29 @@ def _older(kind: type[Any], source: str) -> Iterator[Register]:
         if name.startswith("_") or not isinstance(place, int | tuple):
             continue
         for axis, address in enumerate(place if isinstance(place, tuple) else (place,)):
-            parts = [_field(part, mask, named) for part, mask in masks.get(address, {}).items() if _contiguous(mask)]
+            width = bits if tagged is None else tagged.width_of(address)
+            found = [(part, mask) for part, mask in masks.get(address, {}).items() if _contiguous(mask, width)]
+            parts = [_field(part, mask, named) for part, mask in found]
+            access = Access.R if name == COUNTER else Access.UNKNOWN
+            if tagged is not None:
+                access = Access.W if tagged.is_written(address) else Access.R
             row = Register(
                 name,
-                BITS,
+                width,
                 NAMES_ALONE,
                 address=address,
                 axis=axis if isinstance(place, tuple) else None,
-                access=Access.R if name == COUNTER else Access.UNKNOWN,
+                access=access,
                 reset=None,
                 group=f"axis {axis}" if isinstance(place, tuple) else "registers",
                 source=source,
-                read_clears=_CLEARING.search(name) is not None,
+                read_clears=_CLEARING.search(name) is not None or (tagged is not None and access is Access.R),
                 volatile=name == COUNTER or _MEASURED.search(name) is not None,
                 values=choices_of(name, named),
-                untold=frozenset({"width", "access", "reset", "clearing"}),
+                untold=frozenset({"width", "access", "reset", "clearing"} if tagged is None else {"reset"}),
                 fields=tuple(_apart(parts)),
             )
-            yield _collapsed(row)
+            yield _collapsed(row if tagged is None else row.completed(row.axis))
 
 
 def _masks(told: Any) -> Iterator[tuple[int, int]]:
@@ -108,9 +118,9 @@ def _masks(told: Any) -> Iterator[tuple[int, int]]:
         yield told[0], told[1]
 
 
-def _contiguous(mask: int) -> bool:
+def _contiguous(mask: int, width: int) -> bool:
     low = mask & -mask
-    return mask > 0 and (mask + low) & mask == 0 and mask < 1 << BITS
+    return mask > 0 and (mask + low) & mask == 0 and mask < 1 << width
 
 
 def _field(name: str, mask: int, named: Mapping[str, int]) -> Field:
@@ -129,7 +139,7 @@ def _newer(kind: type[Any], listing: Listing, source: str) -> Iterator[Register]
         for told in group.registers():
             block = int(group.block or 0) if slot is not None and slot.blocks else 0
             shift = 0 if slot is None else slot.address_bits
-            yield _mapped(told, title, int(group.width or BITS), block << shift | told.address, source)
+            yield _mapped(told, title, int(group.width or UART_BITS), block << shift | told.address, source)
 
 
 def _groups(kind: type[Any]) -> Iterator[tuple[str, Any]]:
@@ -157,7 +167,7 @@ def _mapped(told: Any, group: str, width: int, address: int, source: str) -> Reg
             values=_options(part),
         )
         for part in fields
-        if _contiguous(part.mask)
+        if _contiguous(part.mask, width)
     ]
     untold: set[Untold] = {"reset"}
     row = Register(

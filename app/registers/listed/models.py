@@ -48,7 +48,7 @@ def _chip(listing: Listing, table: RegisterTable) -> Model:
         listing.title,
         listing.summary or f"a chip that PyTrinamic {version()} lists",
         table,
-        spi40=listing.spi40,
+        spi=listing.spi,
         uart=listing.uart,
         board=listing.title if listing.slot is not None else "",
         slot=listing.slot,

@@ -8,6 +8,7 @@ second class tells how an evaluation board leads to it.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata, util
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Literal
 
 from ..entry import Slot
+from ..spi_format import USUAL, Spi, SpiFormat, TaggedFormat
 
 PACKAGE = "pytrinamic"
 EXTRA = f'pip install "stepscope[{PACKAGE}]"'
@@ -31,6 +33,16 @@ _MODULE = re.compile(r"module_id=(\d+)")
 _ADDRESS_BITS = re.compile(r"address_bit_width\s*=\s*(\d+)")
 WITHOUT_SPI = ("PDN_UART", "PDN_DISABLE", "UART_ENABLED")
 """Names of pins or bits of chips that choose between their UART and standing alone: such a chip has no SPI."""
+SIGNATURES: tuple[tuple[frozenset[str], Spi], ...] = (
+    (frozenset({"GCONF", "GSTAT"}), USUAL),
+    (frozenset({"GCR_GCONF", "GCR_GSTAT"}), USUAL),
+    (frozenset({"GLOBAL_CFG", "STATUS_CFG", "DC_H2L"}), SpiFormat(data_bits=16)),
+    (frozenset({"SPI_STATUS_MASK", "FAULTN_INT_MASK", "IO_MATRIX"}), SpiFormat(address_bits=10)),
+    (frozenset({"DRVCTRL", "SMARTEN", "SGCSCONF", "DRVCONF"}), TaggedFormat()),
+)
+"""Registers by whose names a chip has these datagrams, as the maker's own C code sends them (API, `tmc/ic`)."""
+_DECLARED = re.compile(r'^DATAGRAM_FORMAT = ">BI"$', re.MULTILINE)
+"""A class that sends datagrams itself: an address and 32 bits, answered at once."""
 _TITLE = re.compile(r"^([A-Z]+)(\d)")
 
 
@@ -38,7 +50,7 @@ _TITLE = re.compile(r"^([A-Z]+)(\d)")
 class Listing:
     """A module or chip as its file tells it, before its parameters or registers were read.
 
-    spi40, uart, slot : of a chip what leads to it, as far as names in its files tell
+    spi, uart, slot : of a chip what leads to it, as far as names in its files tell
     """
 
     name: str
@@ -48,7 +60,7 @@ class Listing:
     class_name: str
     kind: Literal["module", "chip"] = "module"
     where: str = "modules"
-    spi40: bool = False
+    spi: Spi | None = None
     uart: Literal["", "node"] = ""
     slot: Slot | None = None
 
@@ -118,10 +130,18 @@ def chip_listing_of(path: Path, boards: Path) -> Listing | None:
         title,
         "chip",
         where,
-        spi40=named("GCONF") and named("GSTAT") and not named(*WITHOUT_SPI),
+        spi=None if named(*WITHOUT_SPI) else _spi(named, text),
         uart="node" if named("IFCNT") and named("SLAVECONF", "NODECONF") else "",
         slot=_slot(_text(boards / f"{title}_eval.py")),
     )
+
+
+def _spi(named: Callable[[str], bool], text: str) -> Spi | None:
+    """Its datagrams on SPI, by the names of its registers, or as its class declares them; None where nothing tells."""
+    known = next((spi for names, spi in SIGNATURES if all(named(name) for name in names)), None)
+    if known is None and _DECLARED.search(text) is not None and not named("IFCNT"):
+        return SpiFormat(answer="same")
+    return known
 
 
 def _axes(text: str) -> int:

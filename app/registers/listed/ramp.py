@@ -2,7 +2,8 @@
 
 Several families of chips have one of this kind, and mean the same by the names (DS-TMC5160 14): mode 0 goes to the
 target, 1 and 2 turn forwards and backwards at VMAX, 3 keeps the speed. A mode of another width means something else,
-and then there is no ramp generator that anybody here could drive.
+and then there is no ramp generator that anybody here could drive. A table may also say of a register or field what it
+is (`Bits.role`), whatever it is called.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Literal
 
 from ..model import Field, Register
 
-Role = Literal["mode", "target", "position", "speed", "max_speed", "acceleration", "deceleration"]
+Role = Literal["mode", "target", "position", "speed", "max_speed", "acceleration", "deceleration", "status"]
 NAMES: Mapping[str, Role] = {
     "rampmode": "mode",
     "xtarget": "target",
@@ -25,14 +26,26 @@ NAMES: Mapping[str, Role] = {
     "dmax": "deceleration",
 }
 NEEDED = frozenset(NAMES.values()) - {"deceleration"}
+TOLD: Mapping[str, Role] = {
+    "mode": "mode",
+    "target": "target",
+    "position": "position",
+    "velocity": "speed",
+    "max_velocity": "max_speed",
+    "acceleration": "acceleration",
+    "deceleration": "deceleration",
+    "status": "status",
+}
+"""What a table may say that a register is. A field may be the mode."""
 MEANINGS: Mapping[Role, str] = {
-    "mode": "0 goes to XTARGET, 1 and 2 turn forwards and backwards at VMAX, 3 keeps the speed",
+    "mode": "0 goes to the target, 1 and 2 turn forwards and backwards at the greatest speed, 3 keeps the speed",
     "target": "where a positioning goes",
     "position": "the position counter",
     "speed": "the speed now",
     "max_speed": "the greatest speed of a positioning, and the speed of a rotation",
     "acceleration": "the acceleration",
     "deceleration": "the deceleration",
+    "status": "its single bits are the flags of the axis",
 }
 POSITION, FORWARD, BACKWARD, HOLD = 0, 1, 2, 3
 MODE_BITS = 2
@@ -70,6 +83,8 @@ class Ramp:
     max_speed: Register
     acceleration: Register
     deceleration: Register | None = None
+    status: Register | None = None
+    """Of which the single bits are flags."""
 
     @property
     def moving(self) -> tuple[Register, ...]:
@@ -80,13 +95,20 @@ class Ramp:
 def ramps_of(rows: Iterable[Register]) -> tuple[Ramp, ...]:
     """The ramp generators that these names tell; none where a role is missing, or has two registers."""
     found: dict[int, dict[Role, list[tuple[Register, Field | None]]]] = {}
+    told: set[tuple[int, Role]] = set()
     for row in rows:
         if row.when:
             continue
         for part in (None, *row.fields):
             role, axis = _role(row, part)
-            if role is not None and (part is None or role == "mode"):
-                found.setdefault(axis, {}).setdefault(role, []).append((row, part))
+            if role is None or not (part is None or role == "mode"):
+                continue
+            places, says = found.setdefault(axis, {}), bool((part or row).role)
+            if says and (axis, role) not in told:  # then whatever else is called so is something else
+                places[role] = []
+                told.add((axis, role))
+            if says or (axis, role) not in told:
+                places.setdefault(role, []).append((row, part))
     ramps = [ramp for axis in sorted(found) if (ramp := _ramp(axis, found[axis])) is not None]
     return tuple(ramps) if [ramp.axis for ramp in ramps] == list(range(len(ramps))) else ()
 
@@ -98,6 +120,8 @@ def role_by_name(row: Register) -> Role | None:
 
 
 def _role(row: Register, part: Field | None) -> tuple[Role | None, int]:
+    if (part or row).role:
+        return TOLD[(part or row).role], row.axis or 0
     name = _NAME.match(row.name if part is None else part.name)
     if name is None:
         return None, 0
@@ -119,7 +143,11 @@ def _ramp(axis: int, places: Mapping[Role, list[tuple[Register, Field | None]]])
             if len(rows) != 1:
                 return None
             single[role] = rows[0][0]
-    if len(modes) != 1:
+    read = [single["target"], single["position"], single["speed"]]
+    written = [single["target"], single["max_speed"], single["acceleration"]]
+    if len(modes) != 1 or not all(row.access.readable for row in (modes[0].register, *read)):
+        return None
+    if not all(row.access.writable for row in (modes[0].register, *written)):
         return None
     return Ramp(
         axis,
@@ -130,6 +158,7 @@ def _ramp(axis: int, places: Mapping[Role, list[tuple[Register, Field | None]]])
         single["max_speed"],
         single["acceleration"],
         single.get("deceleration"),
+        single.get("status"),
     )
 
 
@@ -139,7 +168,7 @@ def with_meaning(rows: Iterable[Register]) -> tuple[Register, ...]:
     ramps = ramps_of(rows)
     told: dict[int, Register] = {}
     for ramp in ramps:
-        for role in ("target", "position", "speed", "max_speed", "acceleration", "deceleration"):
+        for role in ("target", "position", "speed", "max_speed", "acceleration", "deceleration", "status"):
             row: Register | None = getattr(ramp, role)
             if row is not None:
                 told[id(row)] = _meant(row, role, ramp.axis)
@@ -155,6 +184,6 @@ def _meant(row: Register, role: Role, axis: int) -> Register:
         axis=axis,
         signed=signed or row.signed,
         range=None if signed else row.range,
-        volatile=row.volatile or role in ("position", "speed"),
+        volatile=row.volatile or role in ("position", "speed", "status"),
         help=MEANINGS[role] if not row.help else row.help,
     )

@@ -30,6 +30,7 @@ COLUMNS = {
     "group": "",
     "volatile": "",
     "read_clears": "",
+    "role": "",
     "help": "",
 }
 """What a head may name, in any order; what it does not is left at its default."""
@@ -37,7 +38,7 @@ ROWS_MAX = 33 * REGISTERS_MAX
 _NUMBERS = frozenset({"address", "axis", "lsb", "width", "reset"})
 _FLAGS = frozenset({"signed", "volatile", "read_clears"})
 _TRUE, _FALSE = frozenset({"1", "true", "yes", "x"}), frozenset({"0", "false", "no"})
-_OF_FIELDS = frozenset({"lsb", "width", "access", "signed", "unit", "minimum", "maximum", "values", "help"})
+_OF_FIELDS = frozenset({"lsb", "width", "access", "signed", "unit", "minimum", "maximum", "values", "role", "help"})
 
 
 def read_csv(name: str, content: bytes) -> tuple[RegisterMap, str]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..entry import Model
 from ..listed import chips
-from .reader import RegisterMap
+from .reader import RegisterMap, format_of
 
 MAPS: dict[str, Model] = {}
 """By name: those that can be used now."""
@@ -20,7 +20,7 @@ def entry(found: RegisterMap) -> Model:
         head.title,
         head.summary or "from a register map of this server",
         found.table,
-        spi40=head.spi is not None,
+        spi=format_of(head.spi),
         uart="" if head.uart is None else "node" if head.uart.node else "plain",
     )
     clock_hz = float(head.clock_hz)

@@ -10,17 +10,21 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from ..listed.chips import table_of
+from ..listed.chips import ADDRESS_MAX, table_of, word_bits
 from ..listed.ramp import NAMES, ramps_of
 from ..model import Access, Field, Register, RegisterTable, Untold
+from ..spi_format import WORD_BITS_MAX, SpiFormat
 from .findings import Finding, UnreadableMap
 from .lines import Lines, Place, TooDeep
-from .shapes import AXES_MAX, REGISTERS_MAX, BitsShape, FieldShape, HeadShape, RegisterShape
+from .shapes import AXES_MAX, REGISTERS_MAX, BitsShape, FieldShape, HeadShape, Limits, RegisterShape, SpiShape
 
 BYTES_MAX = 256 * 1024
 NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,39}")
 """Of a map: that of its file, and of the model."""
 _AT = re.compile(r" \(at line (\d+), column (\d+)\)$|\(at end of document\)$")
+WIDTH = 32
+"""Of a register that does not say any."""
+_MODE = "the mode has 2 bits, can be read and written, as can the target; position and speed can be read"
 _LONG = re.compile(r"[0-9_]{1000}")
 
 S = TypeVar("S", bound=BaseModel)
@@ -64,6 +68,7 @@ def checked(name: str, data: Mapping[str, Any], line_of: LineOf) -> RegisterMap:
     """What a file says as a map; `line_of` tells the line of each of its values. Raises UnreadableMap."""
     check = _Check(line_of)
     head = check.shape(HeadShape, data, ())
+    check.limits = check.format(data)
     entries = data.get("register")
     rows: list[tuple[int, Register]] = []
     for index, entry in enumerate(entries[:REGISTERS_MAX] if isinstance(entries, list) else ()):
@@ -73,6 +78,7 @@ def checked(name: str, data: Mapping[str, Any], line_of: LineOf) -> RegisterMap:
         if row is not None:
             rows.append((index, row))
     check.table(rows)
+    check.roles(rows)
     if not check.findings and head is not None:
         check.ramps([row for _, row in rows], head.axes)
     if check.findings:
@@ -96,6 +102,7 @@ class _Check:
     def __init__(self, line_of: LineOf) -> None:
         self._line_of = line_of
         self.findings: list[Finding] = []
+        self.limits = Limits(ADDRESS_MAX, WORD_BITS_MAX)
 
     def say(self, place: Place, where: str, what: str) -> None:
         self.findings.append(Finding(self._line_of(place), where, what))
@@ -105,11 +112,30 @@ class _Check:
     def shape(self, shape: type[S], data: object, place: Place) -> S | None:
         """`data` as a `shape`; None where it is none."""
         try:
-            return shape.model_validate(data)
+            return shape.model_validate(data, context=self.limits)
         except ValidationError as error:
             for finding in error.errors(include_url=False, include_context=True):
                 at = tuple(part for part in finding["loc"] if part != "[key]")
                 self.say((*place, *at), _where(place, at, data), _what(finding, shape, at))
+            return None
+
+    def format(self, data: Mapping[str, Any]) -> Limits:
+        """What the datagrams of this file hold, as far as its head is right."""
+        spi = self._spi(data.get("spi"))
+        form, uart = format_of(spi), "uart" in data
+        told = None if spi is None else spi.datagram_bits
+        if form is not None and told is not None and told != 8 * form.frame_bytes:
+            what = f"is {told}, and the other keys make {8 * form.frame_bytes}"
+            self.say(("spi", "datagram_bits"), "spi, datagram_bits", what)
+        most = ADDRESS_MAX if form is None else form.address_max
+        return Limits(min(most, ADDRESS_MAX) if uart else most, word_bits(form, uart=uart))
+
+    @staticmethod
+    def _spi(data: object) -> SpiShape | None:
+        """What is wrong with it is told with the head."""
+        try:
+            return SpiShape.model_validate(data)
+        except ValidationError:
             return None
 
     # --- rows -----------------------------------------------------------------------------------
@@ -117,24 +143,25 @@ class _Check:
     def row(self, shape: RegisterShape, axes: int, place: Place) -> Register | None:
         """The row of a register; None where something in it cannot be."""
         before, where = len(self.findings), f"register {shape.name}"
+        width = min(WIDTH, self.limits.word_bits) if shape.width is None else shape.width
         if shape.axis is not None and shape.axis >= axes:
             allowed = f"0..{axes - 1}" if axes else "none: say `axes` at the head of the file"
             self.say((*place, "axis"), where, f"axis is {shape.axis}, allowed is {allowed}")
-        if shape.reset is not None and not 0 <= shape.reset < 1 << shape.width:
-            what = f"reset is {shape.reset}, allowed is 0..{(1 << shape.width) - 1}: its bits as a number"
+        if shape.reset is not None and not 0 <= shape.reset < 1 << width:
+            what = f"reset is {shape.reset}, allowed is 0..{(1 << width) - 1}: its bits as a number"
             self.say((*place, "reset"), where, what)
-        values = self._bits(shape, place, where)
+        values = self._bits(shape, width, place, where)
         fields: list[Field] = []
         names: dict[str, int] = {}
         taken = 0
         for index, part in enumerate(shape.field):
             inside: Place = (*place, "field", index)
             called = f"{where}, field {part.name}"
-            named = self._bits(part, inside, called)
+            named = self._bits(part, part.width, inside, called)
             mask = ((1 << part.width) - 1) << part.lsb
-            if part.lsb + part.width > shape.width:
+            if part.lsb + part.width > width:
                 last = part.lsb + part.width - 1
-                self.say((*inside, "lsb"), called, f"has bits {part.lsb}..{last}, its register 0..{shape.width - 1}")
+                self.say((*inside, "lsb"), called, f"has bits {part.lsb}..{last}, its register 0..{width - 1}")
             elif taken & mask:
                 self.say((*inside, "lsb"), called, "has bits that another field has")
             taken |= mask
@@ -147,7 +174,7 @@ class _Check:
             return None
         return Register(
             shape.name,
-            shape.width,
+            width,
             shape.help,
             signed=shape.signed,
             unit=shape.unit,
@@ -158,15 +185,15 @@ class _Check:
             reset=shape.reset,
             group=shape.group or ("chip" if shape.axis is None else f"axis {shape.axis}"),
             source="your register map",
+            role=shape.role,
             volatile=shape.volatile,
             read_clears=shape.read_clears,
             untold=frozenset[Untold]({"reset"}) if shape.reset is None else frozenset[Untold](),
             fields=tuple(fields),
         ).completed(shape.axis)
 
-    def _bits(self, shape: BitsShape, place: Place, where: str) -> dict[int, str]:
+    def _bits(self, shape: BitsShape, width: int, place: Place, where: str) -> dict[int, str]:
         """Its range and names of values, which have to fit its width."""
-        width = shape.width
         low, high = (-(1 << width - 1), (1 << width - 1) - 1) if shape.signed else (0, (1 << width) - 1)
         if shape.range is not None and not low <= shape.range[0] <= shape.range[1] <= high:
             told = f"range is {shape.range[0]}..{shape.range[1]}"
@@ -192,7 +219,21 @@ class _Check:
         if found != axes:
             names = ", ".join(name.upper() for name in NAMES)
             what = f"is {axes}, and the registers make {found} ramp generators: each axis has one, of {names}"
-            self.say(("axes",), "axes", f"{what}; RAMPMODE has 2 bits")
+            self.say(("axes",), "axes", f"{what}, or of registers that tell their `role`; {_MODE}")
+
+    def roles(self, rows: list[tuple[int, Register]]) -> None:
+        """Whether each role of an axis is told once."""
+        first: dict[tuple[int, str], tuple[Place, str]] = {}
+        for index, row in rows:
+            place: Place = ("register", index)
+            told = [((*place, "role"), row.name, row.role)]
+            told += [((*place, "field", at, "role"), part.name, part.role) for at, part in enumerate(row.fields)]
+            for at, name, role in told:
+                if role and (earlier := first.setdefault((row.axis or 0, role), (at, name))) != (at, name):
+                    line = self._line_of(earlier[0])
+                    self.say(
+                        at, name, f"the role {role} of axis {row.axis or 0} is that of {earlier[1]} on line {line}"
+                    )
 
     # --- the table ------------------------------------------------------------------------------
 
@@ -214,6 +255,13 @@ class _Check:
                 self.say(("register", index, "address"), f"register {row.name}", what)
 
 
+def format_of(spi: SpiShape | None) -> SpiFormat | None:
+    """Its datagrams on SPI."""
+    if spi is None:
+        return None
+    return SpiFormat(spi.data_bits, spi.address_bits, spi.write_bit, spi.write_is, spi.byte_order, spi.answer)
+
+
 def _field(shape: FieldShape, values: dict[int, str]) -> Field:
     return Field(
         shape.name,
@@ -224,6 +272,7 @@ def _field(shape: FieldShape, values: dict[int, str]) -> Field:
         range=_range(shape),
         values=values,
         lsb=shape.lsb,
+        role=shape.role,
         access=Access(shape.access),
         reset=None,
     )

@@ -51,7 +51,7 @@ def made(rows: Sequence[Register] = (*PLAIN, *RAMP), **more: object) -> Model:
     return chip(NAME, "Made-up", "a chip of a test", table_of(NAME, rows), **more)  # type: ignore[arg-type]
 
 
-BOARD_ONLY: dict[str, Any] = {"spi40": False, "slot": Slot("driver")}
+BOARD_ONLY: dict[str, Any] = {"spi": None, "slot": Slot("driver")}
 
 
 @dataclass

@@ -12,7 +12,7 @@ import pytest
 from app.registers.maps.csv_import import COLUMNS, read_csv
 from app.registers.maps.findings import TOLD_MAX, Finding, UnreadableMap
 from app.registers.maps.reader import BYTES_MAX, RegisterMap, read
-from app.registers.maps.shapes import REGISTERS_MAX, FieldShape, HeadShape, RegisterShape
+from app.registers.maps.shapes import REGISTERS_MAX, FieldShape, HeadShape, RegisterShape, SpiShape
 from app.registers.model import Access
 
 DOCUMENT = (Path(__file__).parents[3] / "docs" / "register-maps.md").read_text(encoding="utf-8")
@@ -26,6 +26,56 @@ def example(kind: str) -> bytes:
 
 EXAMPLE = example("toml")
 SMALL = b'format = 1\ntitle = "x"\n[[register]]\nname = "A"\naddress = 1\n'
+
+
+TOLD = b"""\
+format = 1
+title = "Own datagrams"
+axes = 1
+
+[spi]
+data_bits = 24
+address_bits = 10
+write_bit = "low"
+write_is = 0
+byte_order = "little"
+answer = "same"
+datagram_bits = 40
+
+[[register]]
+name = "CTRL"
+address = 0x0
+  [[register.field]]
+  name = "how"
+  lsb = 4
+  width = 2
+  role = "mode"
+[[register]]
+name = "GOTO"
+address = 0x1
+role = "target"
+[[register]]
+name = "WHERE"
+address = 0x3ff
+role = "position"
+[[register]]
+name = "PACE"
+address = 0x3
+role = "velocity"
+[[register]]
+name = "SPEED"
+address = 0x4
+role = "max_velocity"
+[[register]]
+name = "GAIN"
+address = 0x6
+role = "acceleration"
+[[register]]
+name = "FLAGS"
+address = 0x7
+role = "status"
+"""
+"""Every key of datagrams, every role."""
 
 
 def findings(content: bytes | str) -> list[Finding]:
@@ -65,7 +115,7 @@ def test_the_documented_table_is_the_same_map_as_its_toml() -> None:
 
 
 def test_the_document_names_every_key() -> None:
-    for shape in (HeadShape, RegisterShape, FieldShape):
+    for shape in (HeadShape, SpiShape, RegisterShape, FieldShape):
         for name, key in shape.model_fields.items():
             assert re.search(rf"\b{key.alias or name}\b", DOCUMENT), name
     assert all(f"`{column}`" in DOCUMENT for column in COLUMNS)
@@ -147,7 +197,7 @@ address = 2
         (("address = 1", "address = 1\naxis = 0"), 6, "say `axes` at the head"),
         (("address = 1", "address = 1\nwidth = 99999999999999999999999999"), 6, "allowed is 32 or less"),
         (("address = 1", "address = 1\n[register.x]"), 6, "no such key; there are name"),
-        (('title = "x"', 'title = "x"\nspi.mode = 3'), 3, "no such key; there are datagram_bits"),
+        (('title = "x"', 'title = "x"\nspi.mode = 3'), 3, "no such key; there are data_bits"),
         (('title = "x"', 'title = "a\\u0000b"'), 2, "one line of text"),
         (('title = "x"', f"title = {'[' * 500}{']' * 500}"), 2, "nested deeper"),
         (('title = "x"', f"{'a.' * 500}a = 1"), 2, "nested deeper"),
@@ -176,6 +226,31 @@ def test_many_registers_are_read_and_more_are_refused_quickly() -> None:
     assert len(told) == TOLD_MAX
     assert told[0].what == "address 0x00 is that of the one on line 5"
     assert any("allowed is at most 1000" in each.what for each in findings(head + "".join(many)))
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "what"),
+    [
+        (("data_bits = 24", "data_bits = 20"), 6, "allowed is 8, 16, 24, 32, 40, 48, 56 or 64"),
+        (("address_bits = 10", "address_bits = 16"), 7, "allowed is 15 or less"),
+        (('write_bit = "low"', 'write_bit = "first"'), 8, "allowed is 'high' or 'low'"),
+        (("write_is = 0", "write_is = 2"), 9, "allowed is 0 or 1"),
+        (("datagram_bits = 40", "datagram_bits = 32"), 12, "is 32, and the other keys make 40"),
+        (("address = 0x3ff", "address = 0x400"), 28, "is 1024, allowed is 1023 or less"),
+        (('role = "mode"', 'role = "modus"'), 21, "allowed is '' or 'mode'"),
+        (('role = "mode"', 'role = "target"'), 21, "allowed is '' or 'mode'"),
+        (('role = "velocity"', 'role = "position"'), 33, "the role position of axis 0 is that of WHERE on line 29"),
+        (('role = "velocity"\n', ""), 3, "registers make 0 ramp generators"),
+        (("width = 2", "width = 3"), 3, "the mode has 2 bits"),
+        (('role = "status"', 'role = "status"\nwidth = 25'), 46, "is 25, allowed is 24 or less"),
+        (('role = "status"', 'role = "status"\n[uart]'), 28, "is 1023, allowed is 127 or less"),
+        (('"SPEED"', '"SPEED"\naccess = "R"'), 3, "registers make 0 ramp generators"),
+    ],
+)
+def test_a_mistake_in_datagrams_or_roles_is_told(change: tuple[str, str], line: int, what: str) -> None:
+    assert read("map", TOLD).head.spi is not None
+    found = findings(TOLD.decode().replace(*change))
+    assert (found[0].line, what in found[0].what) == (line, True), found
 
 
 @pytest.mark.parametrize(
@@ -255,14 +330,14 @@ def mutated(content: bytes, random: random.Random) -> bytes:
 
 def outcome(kind: str, content: bytes) -> RegisterMap | UnreadableMap:
     try:
-        return read("map", content) if kind == "toml" else read_csv("map", content)[0]
+        return read_csv("map", content)[0] if kind == "csv" else read("map", content)
     except UnreadableMap as error:
         return error
 
 
-@pytest.mark.parametrize("kind", ["toml", "csv"])
+@pytest.mark.parametrize("kind", ["toml", "csv", "told"])
 def test_a_thousand_broken_files_are_refused_with_the_line_or_load(kind: str) -> None:
-    random_, good, loaded = random.Random(15), example(kind), 0
+    random_, good, loaded = random.Random(15), TOLD if kind == "told" else example(kind), 0
     began_s = time.perf_counter()
     for _ in range(1000):
         content = mutated(good, random_)

@@ -3126,6 +3126,10 @@ export interface components {
              * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
+            /** @description of a chip whose datagrams a table tells */
+            spi: components["schemas"]["SpiFormatRow"] | null;
+            /** @description of a chip of which nothing but a status is read */
+            tagged: components["schemas"]["TaggedFormatRow"] | null;
             /**
              * Uart
              * @description of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several
@@ -3210,6 +3214,10 @@ export interface components {
              * @description length of a chip's datagram on SPI; 0 for a module, and a chip without SPI
              */
             datagram_bits: number;
+            /** @description of a chip whose datagrams a table tells */
+            spi: components["schemas"]["SpiFormatRow"] | null;
+            /** @description of a chip of which nothing but a status is read */
+            tagged: components["schemas"]["TaggedFormatRow"] | null;
             /**
              * Uart
              * @description of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several
@@ -10481,6 +10489,39 @@ export interface components {
             resampled: boolean;
         };
         /**
+         * SpiFormatRow
+         * @description How a datagram on SPI says a register: whole bytes with the address and the write bit, then the data.
+         */
+        SpiFormatRow: {
+            /** Data Bits */
+            data_bits: number;
+            /** Address Bits */
+            address_bits: number;
+            /**
+             * Write Bit
+             * @description the highest bit of the head, or the lowest, below the address
+             * @enum {string}
+             */
+            write_bit: "high" | "low";
+            /**
+             * Write Is
+             * @description what that bit is in a write
+             */
+            write_is: number;
+            /**
+             * Byte Order
+             * @description of the data; the head goes highest byte first
+             * @enum {string}
+             */
+            byte_order: "big" | "little";
+            /**
+             * Answer
+             * @description whether the answer comes with the next datagram or the same
+             * @enum {string}
+             */
+            answer: "next" | "same";
+        };
+        /**
          * SpidevLink
          * @description A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev").
          */
@@ -11002,6 +11043,22 @@ export interface components {
             user_variables: {
                 [key: string]: number;
             } | null;
+        };
+        /**
+         * TaggedFormatRow
+         * @description Datagrams whose uppermost bits say which register they write; each is answered by a status.
+         */
+        TaggedFormatRow: {
+            /**
+             * Written
+             * @description what addresses of registers have that are written; the others are statuses
+             */
+            written: number;
+            /**
+             * Tag Lsb
+             * @description where in a datagram the rest of the address begins
+             */
+            tag_lsb: number;
         };
         /**
          * TakenBack

@@ -10,7 +10,10 @@ from ....links import datagram32, datagram40, tmcl
 from ....links.access32 import Spi32Access
 from ....links.datagram_uart import UartForm
 from ....links.register_access import BoardAccess, RegisterAccess, UartAccess
+from ....links.spi_access import SpiAccess, TaggedAccess
+from ....links.spi_datagram import decode
 from ....registers.evaluation_board import BoardOpcode
+from ....registers.spi_format import SpiFormat, TaggedFormat
 from ....registers.tmcl.commands import Opcode
 
 Decoder: TypeAlias = Callable[[bytes], Sequence[tuple[int, int]]]
@@ -25,6 +28,10 @@ def decoder_of(access: RegisterAccess) -> Decoder:
         return _uart(access.form)
     if isinstance(access, BoardAccess):
         return _board(access)
+    if isinstance(access, SpiAccess):
+        return _told(access.form)
+    if isinstance(access, TaggedAccess):
+        return _tagged(access.form)
     return spi32_writes if isinstance(access, Spi32Access) else spi40_writes
 
 
@@ -38,6 +45,27 @@ def spi40_writes(frame: bytes) -> Sequence[tuple[int, int]]:
     if len(frame) != datagram40.FRAME_BYTES or not frame[0] & datagram40.WRITE_BIT:
         return ()
     return ((frame[0] & datagram40.ADDRESS_MAX, int.from_bytes(frame[1:], "big")),)
+
+
+def _told(form: SpiFormat) -> Decoder:
+    def writes(frame: bytes) -> Sequence[tuple[int, int]]:
+        if len(frame) != form.frame_bytes:
+            return ()
+        request = decode(form, frame)
+        return ((request.address, request.data),) if request.write else ()
+
+    return writes
+
+
+def _tagged(form: TaggedFormat) -> Decoder:
+    def writes(frame: bytes) -> Sequence[tuple[int, int]]:
+        if len(frame) != form.frame_bytes:
+            return ()
+        datagram = int.from_bytes(frame, "big")
+        address = form.address_of(datagram)
+        return ((address, datagram & (1 << form.width_of(address)) - 1),)
+
+    return writes
 
 
 def _board(access: BoardAccess) -> Decoder:

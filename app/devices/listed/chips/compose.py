@@ -8,6 +8,7 @@ from ....clock import Clock
 from ....links.port import FramePort
 from ....links.queue import LinkQueue
 from ....links.register_access import access_of
+from ....links.spi_access import TaggedAccess
 from ...core.axis_limits import AxisLimits
 from ...core.background_tasks import BackgroundTasks
 from ...core.config import DeviceConfig
@@ -41,6 +42,8 @@ def compose(
     motion = ChipMotion(session, link, state, motions)
     session.writes_counter = (COUNTER_WRITES | {ramp.position.name for ramp in state.ramps}).__contains__
     session.state_hooks += [state.on_state, motions.on_state]
+    if isinstance(link.access, TaggedAccess):
+        session.state_hooks.append(link.access.on_state)
     return Device(
         session,
         Parts(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ....links.queue import Priority
-from ....registers.listed.ramp import BACKWARD, FORWARD, HOLD, POSITION
+from ....registers.listed.ramp import BACKWARD, FORWARD, HOLD, POSITION, Ramp
 from ...core.capabilities import AxisMonitor, PositionCounter
 from ...core.counter import CounterReading
 from ...core.register_link import RegisterLink
@@ -43,7 +43,7 @@ class ChipMonitor(AxisMonitor):
             moving=reading.moves,
             mode=MODES[reading.mode],
             switches=Switches(None, None, None),
-            flags={},
+            flags=_flags(ramp, reading.status),
             time_s=reading.time_s,
         )
 
@@ -61,6 +61,13 @@ class ChipMonitor(AxisMonitor):
 
     def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
         return self._motions.watches[self._session.axis(axis).index].ends
+
+
+def _flags(ramp: Ramp, word: int | None) -> dict[str, bool]:
+    """The single bits of the register of flags, by name."""
+    if ramp.status is None or word is None:
+        return {}
+    return {part.name: bool(part.unpack(word)) for part in ramp.status.fields if part.width == 1}
 
 
 class ChipCounter(PositionCounter):

@@ -29,6 +29,8 @@ class RampReading:
     target: int
     moves: bool
     """It moves, or is about to."""
+    status: int | None = None
+    """The word of its register of flags, where a table names one that reading does not change."""
 
     @property
     def reached(self) -> bool:
@@ -73,22 +75,25 @@ class ChipMotions:
         """Read what tells how an axis is, in one turn, and heed it. Raises LinkError."""
         state = self._state
         asked = [ramp.mode.register, ramp.target, ramp.max_speed, ramp.acceleration, ramp.speed, ramp.position]
-        asked = [row for row in asked if row.access.readable]
+        flags = ramp.status
+        if flags is not None and (flags.read_clears or not flags.access.readable):
+            flags = None
+        asked = [row for row in (*asked, *([flags] if flags is not None else [])) if row.access.readable]
         held = Snapshot(asked, await io.read_many(asked))
         for row in asked:
             state.saw(row, held.word(row))
         self._session.saw_position(ramp.axis, held.value(ramp.position), io.asked_s)
-        reading = self._told(held, ramp, io.time_s)
+        reading = self._told(held, ramp, io.time_s, None if flags is None else held.word(flags))
         seen = MotionReading(reading.time_s, reading.position, reading.speed or int(reading.moves), reading.reached)
         self.watches[ramp.axis].update(seen, io.time_s - io.asked_s)
         return reading
 
-    def _told(self, held: Snapshot, ramp: Ramp, time_s: float) -> RampReading:
+    def _told(self, held: Snapshot, ramp: Ramp, time_s: float, status: int | None) -> RampReading:
         mode = ramp.mode.unpack(held.word(ramp.mode.register))
         position, speed, target = (held.value(row) for row in (ramp.position, ramp.speed, ramp.target))
         able = all(self._state.word(row) != 0 for row in (ramp.max_speed, ramp.acceleration))
         going = mode != HOLD and (mode != POSITION or position != target)
-        return RampReading(time_s, mode, position, speed, target, bool(speed) or (going and able))
+        return RampReading(time_s, mode, position, speed, target, bool(speed) or (going and able), status)
 
     # --- polling --------------------------------------------------------------------------------
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ....links.spi_access import SpiAccess, TaggedAccess
 from ....registers.model import Access, Register
 from ...core.raw_datagrams import RawRules
-from ...core.register_file import RegisterRules, changes_by_itself
+from ...core.register_file import RegisterRules, changes_by_itself, reading, written
 from ...core.register_io import RegisterIO
 from ...core.register_link import RegisterLink
 from ...core.results import RegisterWritten
@@ -77,6 +78,9 @@ class ChipRegisters(RegisterRules, RawRules):
     def written_unread(self, register: Register, word: int, notes: Sequence[str]) -> RegisterWritten:
         if register.read_clears:
             notes = [*notes, "not read back: reading it may clear it"]
+        if isinstance(self._link.access, SpiAccess | TaggedAccess):
+            said = [*notes, register.write_note, "nothing shows whether it arrived"]
+            return written(reading(register, None, word), word, None, "; ".join(filter(None, said)))
         return arrived_unread(register, word, notes)
 
     async def settle(self, io: RegisterIO, register: Register, *, read_back: bool) -> None:

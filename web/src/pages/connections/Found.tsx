@@ -25,7 +25,7 @@ export function Found({ onAdd, names, models }: Props) {
   const serial = ports.data?.filter((port) => port.kind === "serial") ?? [];
   const named = (name: string | null | undefined) => models.find((model) => model.name === name);
   const module = models.find(isModule);
-  const chips = models.filter((model) => model.datagram_bits === 32);
+  const chips = models.filter((model) => model.datagram_bits === 32 && model.tier === "full");
   const boards = models.find(({ wires }) => wires.some(({ frames }) => frames === "board"));
   const addSerial = (model: Model | undefined, port: string, baud?: number, address?: number) => {
     if (!model) return;

@@ -14,6 +14,64 @@ const DIVIDERS = register("pulse_div_ramp_div_usrs", 16, {
   ],
 });
 
+describe("datagrams that a table tells", () => {
+  const told = (spi: object) =>
+    wireOf({ about: { ...deviceOf("tmc428").about, spi: spi as never }, link: { kind: "emulator" } as never });
+
+  it("puts write bit, address and data where the table has them", () => {
+    const wire = told({
+      data_bits: 16,
+      address_bits: 10,
+      write_bit: "high",
+      write_is: 1,
+      byte_order: "little",
+      answer: "next",
+    });
+    const frame = wire.frame(0x385, false, 0x1234);
+    expect(frameText(frame)).toBe("83 85 34 12");
+    expect(wire.asked(frame)).toEqual({ address: 0x385, read: false, data: 0x1234 });
+    expect(wire.sizes).toEqual([4, 4]);
+  });
+
+  it("says what a known chip says", () => {
+    const same = told({
+      data_bits: 24,
+      address_bits: 7,
+      write_bit: "low",
+      write_is: 0,
+      byte_order: "big",
+      answer: "same",
+    });
+    for (const [address, read, data] of [
+      [0x0c, false, 0x5706],
+      [0x7f, true, 0],
+    ] as const)
+      expect(same.frame(address, read, data)).toEqual(SPI32.frame(address, read, data));
+  });
+
+  it("holds more than 32 bits", () => {
+    const wire = told({
+      data_bits: 64,
+      address_bits: 7,
+      write_bit: "high",
+      write_is: 0,
+      byte_order: "big",
+      answer: "same",
+    });
+    const frame = wire.frame(1, true, 2 ** 53 - 1);
+    expect(frameText(frame)).toBe("81 00 1f ff ff ff ff ff ff");
+    expect(wire.asked(frame)).toEqual({ address: 1, read: true, data: 2 ** 53 - 1 });
+  });
+
+  it("says registers by the uppermost of 20 bits", () => {
+    const about = { ...deviceOf("tmc428").about, tagged: { written: 8, tag_lsb: 17 } };
+    const wire = wireOf({ about, link: { kind: "emulator" } as never });
+    expect(frameText(wire.frame(0xf, false, 0xf040))).toBe("0e f0 40");
+    expect(wire.asked([0x0e, 0xf0, 0x40])).toEqual({ address: 0xf, read: false, data: 0xf040 });
+    expect(wire.asked(wire.frame(8, false, 0x20005))).toEqual({ address: 8, read: false, data: 0x20005 });
+  });
+});
+
 describe("raw datagrams", () => {
   it.each(["07 00 00 2a", "0x0700002A", "07:00:00:2a", "07,00,00,2A"])("takes %s", (text) => {
     expect(parseFrame(text, SPI32)).toEqual({ ok: true, bytes: [0x07, 0, 0, 0x2a] });

@@ -109,12 +109,63 @@ function board(channel: number): Wire {
   };
 }
 
+type SpiFormat = NonNullable<Device["about"]["spi"]>;
+
+/** Datagrams as the table of the chip tells them: address and write bit in whole bytes, then the data. */
+function told(spi: SpiFormat): Wire {
+  const headBytes = Math.ceil((spi.address_bits + 1) / 8);
+  const dataBytes = spi.data_bits / 8;
+  const low = spi.write_bit === "low";
+  const split = (word: number, bytes: number) =>
+    Array.from({ length: bytes }, (_, at) => Math.floor(word / 2 ** (8 * (bytes - 1 - at))) % 256);
+  const ordered = (bytes: number[]) => (spi.byte_order === "big" ? bytes : bytes.reverse());
+  const frame = (address: number, read: boolean, data: number) => {
+    const bit = read ? 1 - spi.write_is : spi.write_is;
+    const head = low ? address * 2 + bit : address + bit * 2 ** (8 * headBytes - 1);
+    return [...split(head, headBytes), ...ordered(split(data, dataBytes))];
+  };
+  return {
+    sizes: [headBytes + dataBytes, headBytes + dataBytes],
+    dataBits: spi.data_bits,
+    example: frameText(frame(1, true, 0)),
+    frame,
+    asked: (bytes) => {
+      const head = wordOf(bytes.slice(0, headBytes));
+      const bit = low ? head % 2 : Math.floor(head / 2 ** (8 * headBytes - 1));
+      const address = (low ? Math.floor(head / 2) : head) % 2 ** spi.address_bits;
+      return { address, read: bit !== spi.write_is, data: wordOf(ordered(bytes.slice(headBytes))) };
+    },
+  };
+}
+
+type TaggedFormat = NonNullable<Device["about"]["tagged"]>;
+
+/** 20 bits in three bytes, whose uppermost say which register they write. Nothing is read by one. */
+function tagged({ written, tag_lsb: lsb }: TaggedFormat): Wire {
+  const bytesOfWord = (word: number) => bytesOf(word).slice(1);
+  const frame = (address: number, _: boolean, data: number) => bytesOfWord((address % written) * 2 ** lsb + data);
+  return {
+    sizes: [3, 3],
+    dataBits: lsb + 1,
+    example: frameText(frame(written + 4, false, 0)),
+    frame,
+    asked: (bytes) => {
+      const word = wordOf(bytes) % 2 ** 20;
+      const upper = Math.floor(word / 2 ** lsb);
+      const above = upper > 1 ? upper : 0;
+      return { address: written + above, read: false, data: word - above * 2 ** lsb };
+    },
+  };
+}
+
 /** What goes to that device when a raw frame is sent. */
 export function wireOf({ about, link }: Pick<Device, "about" | "link">): Wire {
   const { kind, node, motor } = link as Record<string, unknown>;
   const frames = about.wires.find((wire) => wire.kind === kind)?.frames;
   if (frames === "board") return board(typeof motor === "number" ? motor : 0);
   if (frames === "uart") return uart(about.uart === "plain" ? null : typeof node === "number" ? node : 0);
+  if (about.spi) return told(about.spi);
+  if (about.tagged) return tagged(about.tagged);
   return about.datagram_bits === 32 ? SPI32 : SPI40;
 }
 
