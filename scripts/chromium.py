@@ -6,8 +6,9 @@ import os
 import shutil
 import subprocess
 
-# The one without windows first: it works less for the same pages.
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+HEADLESS = "chromium-headless-shell"
+"""Debian's program and package of the one without windows: it works less for the same pages."""
+NAMES = (HEADLESS, "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
 def find_chromium() -> str | None:

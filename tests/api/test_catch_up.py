@@ -14,8 +14,8 @@ from app.main import create_app
 from app.settings import Settings
 
 NIGHT_S = 8 * 3600.0
-STOPPED_WITHIN_S = 0.1
-"""Of the event loop's processor time, which others on this machine do not lengthen."""
+STOPPED_WITHIN_S = 1.0
+"""Of the event loop's processor time: the night takes minutes of it, what may be caught up with a few hundredths."""
 STIFF = {"kind": "emulator", "motor": {"rotor_inertia_kgm2": 1e-7}}
 
 
