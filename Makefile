@@ -5,8 +5,9 @@ HOST ?= 127.0.0.1
 PORT ?= 8000
 # `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
 ARGS ?=
-# Both cores of a small machine.
+# Both cores of a small machine; browser tests wait for motors and pages a quarter of their time, so there one more.
 WORKERS ?= 2
+E2E_WORKERS ?= $(shell expr $(WORKERS) + 1)
 # The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
 CONSTRAINTS ?= constraints.txt
 
@@ -38,12 +39,12 @@ dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a chang
 test:  ## everything that CI holds: linters, types, UI, Python and browser tests; says how long it took, and why
 	@+$(PYTHON) scripts/spent.py $(MAKE) --no-print-directory test-all
 
-test-all: $(STAMPS)/app $(STAMPS)/tools chromium
+test-all: $(STAMPS)/app $(STAMPS)/tools
 	@# What keeps one core busy each, at the same time.
-	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels
+	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels chromium
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
 	@# A browser and a server each; loadfile, for a file shares what it has set up there.
-	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
+	$(BIN)/pytest -n $(E2E_WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)

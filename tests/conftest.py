@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 
 import pytest
@@ -68,3 +69,5 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     serve = any(item.get_closest_marker(name) for item in session.items for name in ("slow", "e2e"))
     if serve and not session.config.option.collectonly and not all_compiled():
         compile_kernels()
+    # As the server does: to look through all modules and tests takes half a second, whenever a device was removed.
+    gc.freeze()

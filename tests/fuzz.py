@@ -153,8 +153,11 @@ async def _sweep(client: httpx.AsyncClient) -> None:
                 await client.delete(f"/api/v1/devices/{device['id']}")
 
 
-async def fuzzed(which: str, folder: Path, examples: int, *, timed: bool) -> Outcome:
+async def fuzzed(which: str, folder: Path, examples: int, *, timed: bool, every_bound: bool = True) -> Outcome:
     """What comes of `examples` of each call of that part; `timed`: sequences of calls too, and answers in time.
+
+    `every_bound`: also a value within and one outside each bound of each field, which is thousands of cases where a
+    field has one of many forms.
 
     Raises AssertionError where the server is not well afterwards.
     """
@@ -173,7 +176,8 @@ async def fuzzed(which: str, folder: Path, examples: int, *, timed: bool) -> Out
             schema.write_text(json.dumps(with_real_names((await client.get("/openapi.json")).json(), recording)))
             command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", str(schema)]
             command += ["--url", url, "--max-examples", str(examples)]
-            command += ["--phases", "examples,coverage,fuzzing" + (",stateful" if timed else "")]
+            phases = ["examples", *["coverage"] * every_bound, "fuzzing", *["stateful"] * timed]
+            command += ["--phases", ",".join(phases)]
             command += ["--seed", str(SEED), "--generation-database", "none", "--checks", "all"]
             command += ["--continue-on-failure", "--request-timeout", "20", "--no-shrink", "--no-color"]
             command += ["--warnings", "off", *chosen]

@@ -161,7 +161,8 @@ class DrawingProcess:
     async def _ended(self) -> TwinFailed:
         """Why it is no more, in its own last words."""
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(END_WITHIN_S):
+            # Its pipe is closed, so it is ending by itself: on a busy machine that takes longer than being told to.
+            async with asyncio.timeout(ANSWER_WITHIN_S):
                 await self._process.wait()
                 await asyncio.shield(self._hearing)
         code = self._process.returncode
