@@ -114,6 +114,11 @@ async def test_disconnected_is_409_and_connecting_brings_it_back(client: httpx.A
         ({"axes": [{"gear_ratio": 0}]}, "gear_ratio"),
         ({"axes": [{}, {}]}, "axes"),
         ({"clock_hz": 17e6, "model": "tmc428"}, "clock_hz"),
+        (
+            {"clock_hz": 1.0, "model": "tmc4361", "link": {"kind": "emulator", "clock_hz": 28e6}, "start_up": True},
+            "clock_hz",
+        ),
+        ({"clock_hz": 3.9e6, "model": "tmc5160", "link": {"kind": "tcp", "host": "127.0.0.1", "port": 1}}, "clock_hz"),
     ],
 )
 async def test_a_connection_that_cannot_be_is_422_and_says_which_part(

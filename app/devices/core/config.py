@@ -83,8 +83,9 @@ class DeviceConfig:
             raise UsageError("a device needs a name")
         if not self.clock_hz:
             object.__setattr__(self, "clock_hz", model.clock_hz_default)
-        if not (math.isfinite(self.clock_hz) and 0 < self.clock_hz <= model.clock_hz_max):
-            raise OutOfRange("clock_hz", self.clock_hz, 0, model.clock_hz_max, "above 0")
+        lowest_hz, highest_hz = model.clock_hz_min, model.clock_hz_max
+        if not (math.isfinite(self.clock_hz) and self.clock_hz > 0 and lowest_hz <= self.clock_hz <= highest_hz):
+            raise OutOfRange("clock_hz", self.clock_hz, lowest_hz, highest_hz, "" if lowest_hz else "above 0")
         if len(self.axes) > model.axes:
             raise OutOfRange("number of axes", len(self.axes), 0, model.axes)
         missing = tuple(AxisSettings(name=f"axis {index}") for index in range(len(self.axes), model.axes))
