@@ -53,7 +53,9 @@ def socket_url(url: str, path: str) -> str:
 
 def options(call: Call[T], timeout_s: float | None = None) -> dict[str, Any]:
     """The call as arguments of httpx's `request`; with `timeout_s` it waits so long for the answer [s]."""
-    given: dict[str, Any] = {"method": call.method, "url": call.path, "params": dict(call.query)}
+    given: dict[str, Any] = {"method": call.method, "url": call.path}
+    if call.query:  # even an empty one would take the place of the query in a path
+        given["params"] = dict(call.query)
     if call.body is not None:
         given["json"] = dict(call.body)
     if timeout_s is not None:

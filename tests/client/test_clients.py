@@ -57,6 +57,15 @@ async def test_a_session_in_asyncio(server: str) -> None:
         assert run.time_s[-1] - run.time_s[0] <= 1.5
 
 
+async def test_a_call_without_a_name_keeps_its_query(server: str) -> None:
+    async with AsyncBench(server) as bench:
+        found = await bench.call("GET", "devices/bench/registers?axis=1")
+        assert found
+        assert {reading["axis"] for reading in found} == {1}
+        with pytest.raises(Refused):
+            await bench.call("GET", "devices/bench/registers?axis=9")
+
+
 async def test_a_session_in_a_plain_script(server: str) -> None:
     def script() -> None:
         with Bench(server) as bench:

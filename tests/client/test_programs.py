@@ -53,6 +53,68 @@ def test_mistakes(tmp_path: Path) -> None:
     assert "known: " in _invoke("assemble", str(source), "--model", "other").output
 
 
+COUNTING = """\
+Loop:
+  CALC ADD, 1
+  AGP 0, 2
+  COMP 5
+  JC LT, Loop
+  CSUB Double
+  STOP
+Double:
+  CALC MUL, 2
+  AGP 1, 2
+  RSUB
+"""
+
+
+async def test_a_program_is_tried_debugged_and_looked_at(server: str, tmp_path: Path) -> None:
+    source, trace = tmp_path / "counting.tmc", tmp_path / "trace.csv"
+    source.write_text(COUNTING, encoding="utf-8")
+
+    async def ran(*arguments: str) -> Result:
+        done = await asyncio.to_thread(CliRunner(env={"STEPSCOPE_URL": server}).invoke, cli, list(arguments))
+        assert isinstance(done.exception, SystemExit | None), done.exception
+        return done
+
+    async def said(*arguments: str) -> str:
+        done = await ran(*arguments)
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    device = {"name": "debugged", "model": "pd42-1241", "link": {"kind": "emulator"}}
+    await said("api", "POST", "devices", *(f"{key}={json.dumps(value)}" for key, value in device.items()))
+
+    tried = await said("tmcl", "try", "debugged", str(source), "--out", str(trace), "--seconds", "1")
+    assert "it stopped by itself" in tried
+    assert "accumulator 10" in tried
+    assert "variable 1: 10" in tried
+    head, *rows = trace.read_text(encoding="utf-8").splitlines()
+    assert head == "time_s,position,velocity_pps,counters"
+    assert rows
+    assert "accumulator 0," in await said("tmcl", "try", "debugged", str(source), "--label", "double")
+    assert "no label nowhere" in (await ran("tmcl", "try", "debugged", str(source), "--label", "nowhere")).output
+    assert "not both" in (await ran("tmcl", "try", "debugged", str(source), "--label", "x", "--address", "1")).output
+
+    halted = await said("tmcl", "debug", "debugged", str(source), "--break", "double", "-v", "0", "-v", "1")
+    assert "halted at 6, a breakpoint" in halted
+    assert "at address 6: CALC MUL, 2" in halted
+    assert "accumulator 5," in halted
+    assert "variable 0: 5" in halted
+    assert "at 5, after 3 steps" in await said("tmcl", "debug", "debugged", "--mode", "out")
+    state = json.loads(await said("tmcl", "state", "debugged", "--variable", "1", "--json"))
+    assert (state["counter"], state["accumulator"], state["variables"]) == (5, 10, {"1": 10})
+    assert "at address 5: STOP" in await said("tmcl", "state", "debugged")
+    ended = json.loads(await said("tmcl", "debug", "debugged", "--json"))
+    assert ended["debug"]["message"] == "the program ended at 5"
+
+    source.write_text("Loop: JA Loop", encoding="utf-8")
+    endless = await ran("tmcl", "debug", "debugged", str(source), "--timeout", "0.3")
+    assert endless.exit_code == 5
+    assert "paused at 0" in endless.stdout
+    assert "the program has no label" in (await ran("tmcl", "debug", "debugged", "-b", "Loop")).output
+
+
 async def test_a_program_in_a_module(server: str, tmp_path: Path) -> None:
     source = tmp_path / "routines.tmc"
     source.write_text(ROUTINES, encoding="utf-8")
@@ -65,6 +127,7 @@ async def test_a_program_in_a_module(server: str, tmp_path: Path) -> None:
     device = {"name": "module", "model": "pd42-1241", "link": {"kind": "emulator"}}
     await said("api", "POST", "devices", *(f"{key}={json.dumps(value)}" for key, value in device.items()))
     assert "16 commands stored and read back" in await said("tmcl", "download", "module", str(source))
+    source.write_text("STOP\nfunc2: JA func2\n", encoding="utf-8")  # runs until it is stopped, however slow we are
     assert "running" in await said("tmcl", "run", "module", str(source), "--label", "func2")
     assert json.loads(await said("api", "GET", "devices/module/program/state"))["status"] == "running"
     await said("stop", "module")
