@@ -146,6 +146,9 @@ def show(which: Which, url: Url = None, token: Token = None, as_json: AsJson = F
         tables = [name for name, table in (document.get("tables") or {}).items() if table]
         if tables:
             typer.echo(f"tables: {', '.join(tables)}")
+        program = document.get("program")
+        if program:
+            typer.echo("\n".join(("", "program", *(str(line) for line in program["source"]))))
 
 
 @profile.command(no_args_is_help=True)
@@ -164,7 +167,7 @@ def diff(
         else:
             found = bench.apply_profile(device_or_profile, document, dry_run=True)
         _print_diff(found, as_json=as_json)
-    if found["differences"]:
+    if found["differences"] or found["program"] is not None:
         raise typer.Exit(DIFFERENT)
 
 
@@ -191,8 +194,11 @@ def apply(
         for line in done["prepared"]:
             typer.secho(f"stepscope: {line}", fg="yellow", err=True)
         changed = len(done["written"]), len(done["settings"])
-        what = "unchanged: it is as the profile says" if changed == (0, 0) else f"{changed[0]} registers written"
-        typer.echo(what + (f", {changed[1]} settings changed" if changed[1] else ""))
+        stored = done["stored_commands"]
+        same = changed == (0, 0) and stored is None
+        what = "unchanged: it is as the profile says" if same else f"{changed[0]} registers written"
+        what += f", {changed[1]} settings changed" if changed[1] else ""
+        typer.echo(what + ("" if stored is None else f", a program of {stored} commands stored"))
 
 
 @profile.command(name="try", no_args_is_help=True)
@@ -303,7 +309,13 @@ def _print_diff(found: Mapping[str, Any], *, as_json: bool) -> None:
     for table in found["tables"]:
         where = "" if table["axis"] is None else f" of axis {table['axis']}"
         typer.echo(f"{table['name']}{where}: {table['differing']} of {table['of']} words differ")
-    if not rows and not tables:
+    program = found["program"]
+    if program is not None:
+        commands = f"{program['left_commands']} commands and {program['right_commands']}"
+        typer.echo(f"program: {program['differing']} differ, of {commands}")
+        sides = [(str(each["address"]), each["left"], each["right"]) for each in program["commands"]]
+        print_table(("address", found["left"], found["right"]), sides)
+    if not rows and not tables and program is None:
         typer.echo(f"no difference in {found['same']} registers")
 
 

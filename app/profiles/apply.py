@@ -10,19 +10,21 @@ Nothing is tried a second time but readings.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded, motion_owner
 from ..devices.core.results import AxisState
-from ..errors import WriteRefused, WrongState
+from ..errors import SoftLimit, WriteRefused, WrongState
 from .capture import Held, read_held, read_item
 from .diff import Diff, difference_of, require_fit
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft, ProfileTakenBack
 from .items import Key
 from .preconditions import hold_still, require_rest
+from .program import NAME as PROGRAM
+from .program import ProgramStep, restore, step_of, store
 from .rollback import WayBack
 from .steps import Step, steps_between
 from .words import Want, wants_of
@@ -32,8 +34,8 @@ from .writing import Progress, change_of, told_of, unexpected, write_item
 class Journal(Protocol):
     """What outlives a crash of this process in the middle of it."""
 
-    async def begin(self, steps: Sequence[Step]) -> None:
-        """These will be written, in this order: on disk when this returns."""
+    async def begin(self, steps: Sequence[Step], program: ProgramStep | None = None) -> None:
+        """A program will be stored, and then these written, in this order: on disk when this returns."""
         ...
 
     def reached(self, index: int) -> None:
@@ -47,19 +49,25 @@ class Journal(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """A profile is in the device. `written` says what changed, `prepared` what was done so that nothing moves."""
+    """A profile is in the device. `written` says what changed, `prepared` what was done so that nothing moves.
+
+    stored : how many commands its program has, where it was stored; else None
+    """
 
     diff: Diff
     written: list[Change]
     prepared: list[str]
+    stored: int | None = None
 
 
 class _Failed(Exception):
     """Something went wrong on the way; `step` is None where it belongs to no single one."""
 
-    def __init__(self, error: Exception, step: Step | None, index: int, *, sent: bool) -> None:
+    def __init__(
+        self, error: Exception, step: Step | None, index: int, *, sent: bool, program: ProgramStep | None = None
+    ) -> None:
         super().__init__(str(error))
-        self.error, self.step, self.index, self.sent = error, step, index, sent
+        self.error, self.step, self.index, self.sent, self.program = error, step, index, sent, program
 
 
 @dataclass(slots=True)
@@ -73,6 +81,7 @@ class Transaction:
     encoders: Mapping[int, str] = field(default_factory=dict)
     """By axis: the counter of an encoder that is set to the position before the encoder's own settings change."""
     _disturbed: str = ""
+    _program: ProgramStep | None = None
     _now: dict[Key, int] = field(default_factory=dict)
     """What was read back of the registers that are written; a module may hold a number that is a little off."""
 
@@ -87,11 +96,12 @@ class Transaction:
         require_fit(device, self.document)
         wants = wants_of(self.document)
         states = await require_rest(device)
+        self._program = await step_of(device, self.document)
         held = await read_held(device, wants)
-        difference = difference_of(device, held, self.document, wants)
+        difference = difference_of(device, held, self.document, wants, self._program)
         keys = _keys(difference, wants)
         steps = steps_between(held, wants, keys)
-        if not steps:
+        if not steps and self._program is None:
             self.progress.phase = "over"
             return Applied(difference, [], [])
         await device.registers.check_writes([step.write() for step in steps])
@@ -106,7 +116,8 @@ class Transaction:
             unlisten()
             motion_owner.reset(owner)
             self.progress.phase = "over"
-        return Applied(difference, written, prepared)
+        stored = None if self._program is None else len(self._program.wanted)
+        return Applied(difference, written, prepared, stored)
 
     async def _align(self, states: Mapping[int, AxisState], steps: Sequence[Step]) -> list[str]:
         told = []
@@ -125,19 +136,42 @@ class Transaction:
 
     async def _all(self, held: Held, steps: Sequence[Step], prepared: list[str]) -> list[Change]:
         if self.journal is not None:
-            await self.journal.begin(steps)
+            await self.journal.begin(steps, self._program)
         try:
+            if self._program is not None:
+                await self._store(self._program)
             await self._forward(held, steps)
+        except SoftLimit:  # of a command of the program: nothing was sent
+            if self.journal is not None:
+                await self.journal.end([])
+            raise
         except _Failed as failure:
             reached = steps[: failure.index + failure.sent]
             back = WayBack(self.device, reached, failure.step if failure.sent else None, self._now, self.progress)
             left = await back.run(held)
+            if self._program is not None:
+                self.progress.place = PROGRAM
+                left += [kept for kept in [await restore(self.device, self._program)] if kept is not None]
             if self.journal is not None:
                 await self.journal.end(left)
             raise self._told(failure, steps, prepared, left, back.unchecked) from failure.error
         if self.journal is not None:
             await self.journal.end([])
         return [change_of(step, self._now[step.item.key]) for step in steps]
+
+    async def _store(self, step: ProgramStep) -> None:
+        """The program first: while it is stored nothing can be read, and what it may not do is told before it begins.
+
+        Raises SoftLimit for a command that may not be, before anything is sent; _Failed.
+        """
+        self.progress.phase, self.progress.place = "writing", PROGRAM
+        try:
+            self._require_undisturbed()
+            await store(self.device, len(step.was), step.wanted)
+        except SoftLimit:
+            raise
+        except Exception as error:
+            raise _Failed(told_of(error, None), None, 0, sent=False, program=step) from error
 
     async def _forward(self, held: Held, steps: Sequence[Step]) -> None:
         """Write all of it. Raises _Failed."""
@@ -190,9 +224,9 @@ class Transaction:
     def _told(
         self, failure: _Failed, steps: Sequence[Step], prepared: list[str], left: list[Change], unchecked: str
     ) -> ProfileTakenBack:
-        step = failure.step
+        step, program = failure.step, failure.program
         failed = (
-            Change("", None, None, None, None, 0, str(failure.error))
+            (Change("", None, None, None, None, 0, "") if program is None else program.change(None))
             if step is None
             else Change(
                 step.register.name,
@@ -201,10 +235,10 @@ class Transaction:
                 None if step.was is None else step.register.decode(step.was),
                 None,
                 step.value,
-                str(failure.error),
             )
         )
-        where = step.place if step is not None else "the check of all registers"
+        failed = replace(failed, why=str(failure.error))
+        where = PROGRAM if program is not None else step.place if step is not None else "the check of all registers"
         done, of = failure.index, len(steps)
         text = f"{where} failed after {done} of {of} writes: {failure.error}"
         if unchecked:

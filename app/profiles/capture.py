@@ -9,8 +9,10 @@ from dataclasses import asdict, dataclass
 from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
 from ..errors import WrongState
-from .document import AxisPart, Limits, ProfileDocument
+from .document import AxisPart, Limits, ProfileDocument, UnknownPart
 from .items import Item, Key, items_by_key, key_of
+from .program import NAME as PROGRAM
+from .program import read_part
 from .words import parameter_parts, register_parts, tables_of, unknown_parts
 
 
@@ -88,9 +90,17 @@ def _item_of(device: Device, name: str, axis: int | None) -> Item | None:
 
 
 async def capture(
-    device: Device, name: str = "", note: str = "", unix_s: float | None = None, wanted: Collection[Key] = ()
+    device: Device,
+    name: str = "",
+    note: str = "",
+    unix_s: float | None = None,
+    wanted: Collection[Key] = (),
+    *,
+    program: bool = False,
 ) -> ProfileDocument:
     """The device's whole configuration as a document, called `name` (by default as the device), with all `wanted`.
+
+    `program`: with the program in its memory too, whose reading takes a while on a slow line.
 
     Raises WrongState where it is not known yet of anything whether it is configuration; BenchError.
     """
@@ -100,7 +110,12 @@ async def capture(
             f"of no parameter of {device.name} it is known yet whether it can be set: that makes it configuration",
             "write some, or have all tried: POST .../profile/try",
         )
-    return document_of(device, held, name, note, time.time() if unix_s is None else unix_s)
+    document = document_of(device, held, name, note, time.time() if unix_s is None else unix_s)
+    if program:
+        document.program, why = await read_part(device)
+        if why:
+            document.unknown.append(UnknownPart(name=PROGRAM))
+    return document
 
 
 def document_of(device: Device, held: Held, name: str, note: str, unix_s: float) -> ProfileDocument:

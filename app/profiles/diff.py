@@ -19,6 +19,7 @@ from .document import AxisPart, ProfileDocument
 from .errors import ProfileMisfit
 from .items import Item, Key, items_of
 from .physical import Physical, UnitContext
+from .program import ProgramDifference, ProgramStep, commands_of, compared, step_of
 from .words import Want, wants_of
 
 CLOCK_TOLERANCE = 0.005
@@ -80,13 +81,16 @@ class Diff(_Part):
     model: str
     differences: list[Difference]
     tables: list[TableDifference]
+    program: ProgramDifference | None = Field(
+        default=None, description="of programs in a module's memory; null where they are the same, or nobody asks"
+    )
     same: int = Field(description="how many registers and parameters are the same on both sides")
     warnings: list[str]
 
     @property
     def writes(self) -> int:
-        """How many of them apply would write."""
-        return sum(difference.written for difference in self.differences)
+        """How many of them apply would write, a program as one."""
+        return sum(difference.written for difference in self.differences) + (self.program is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,18 +145,28 @@ async def diff(device: Device, document: ProfileDocument) -> Diff:
     """What `apply` would change. Nothing is written. Raises ProfileMisfit, UnreadableProfile, BenchError."""
     require_fit(device, document)
     wants = wants_of(document)
-    return difference_of(device, await read_held(device, wants), document, wants)
+    program = await step_of(device, document)
+    return difference_of(device, await read_held(device, wants), document, wants, program)
 
 
-def difference_of(device: Device, held: Held, document: ProfileDocument, wants: Mapping[Key, Want]) -> Diff:
-    """The same of what was read already."""
+def difference_of(
+    device: Device,
+    held: Held,
+    document: ProfileDocument,
+    wants: Mapping[Key, Want],
+    program: ProgramStep | None = None,
+) -> Diff:
+    """The same of what was read already; `program` is what has to be stored."""
     names = _apart((device.name, "as it is"), (document.name or "the profile", "profile"))
     left = Side(names[0], units_of_device(device, held), device.configuration.firmware)
     right = Side(names[1], units_of_document(document, wants, held), document.firmware)
     found = list(_registers(left, right, held.words, wants))
     axes = [axis_part(axis.settings) for axis in device.axes]
     settings = [*_axes(axes, document.axes, against_device=True)]
-    return _diff(left, right, document.model, found, settings, len(wants))
+    found_all = _diff(left, right, document.model, found, settings, len(wants))
+    if program is not None:
+        found_all.program = compared(document.model, program.was, program.wanted)
+    return found_all
 
 
 def units_of_device(device: Device, held: Held) -> UnitContext:
@@ -179,7 +193,13 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
     found = list(_registers(one, other, words, theirs))
     missing = [_missing(one, want) for key, want in ours.items() if key not in theirs]
     settings = [*_clock(left, right), *_axes(left.axes, right.axes, against_device=False)]
-    return _diff(one, other, left.model, [*found, *missing], settings, len(theirs))
+    found_all = _diff(one, other, left.model, [*found, *missing], settings, len(theirs))
+    ours_stored, theirs_stored = commands_of(left), commands_of(right)
+    if ours_stored is not None and theirs_stored is not None:
+        found_all.program = compared(left.model, ours_stored, theirs_stored)
+    elif (ours_stored is None) != (theirs_stored is None):
+        found_all.warnings.append(f"only {(right if ours_stored is None else left).name or 'one'} speaks of a program")
+    return found_all
 
 
 def units_of_document(document: ProfileDocument, wants: Mapping[Key, Want], held: Held | None = None) -> UnitContext:

@@ -143,6 +143,23 @@ class Tables(Part):
     )
 
 
+SourceLine = Annotated[str, StringConstraints(strict=True, max_length=1000)]
+FileText = Annotated[str, StringConstraints(strict=True, max_length=200_000)]
+FileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=120)]
+
+
+class ProgramPart(Part):
+    """The program of a module, from address 0 of its memory on: as it was written, or as it was read back."""
+
+    name: Text = Field(default="", description="for readers: what its file is called")
+    source: Annotated[list[SourceLine], Field(max_length=20_000)] = Field(
+        description="its text, line by line; it assembles to the commands that are stored. None: an empty memory"
+    )
+    files: Annotated[dict[FileName, FileText], Field(max_length=64)] = Field(
+        default_factory=dict, description="files that it includes, by name"
+    )
+
+
 class UnknownPart(Part):
     """A register that cannot be read, and of which nobody knew what it holds."""
 
@@ -169,6 +186,9 @@ class ProfileDocument(Part):
     registers: Annotated[list[RegisterPart], Field(max_length=1000)] = Field(default_factory=list)
     parameters: Annotated[list[ParameterPart], Field(max_length=1000)] = Field(default_factory=list)
     tables: Tables = Field(default_factory=Tables)
+    program: ProgramPart | None = Field(
+        default=None, description="of a module that stores one; null where the profile does not speak of it"
+    )
     unknown: Annotated[list[UnknownPart], Field(max_length=1000)] = Field(
         default_factory=list, description="what the profile says nothing of: it could not be read"
     )
@@ -234,6 +254,10 @@ def plain(document: ProfileDocument) -> dict[str, Any]:
         if entry["limits"] is not None:
             entry["limits"] = {name: limit for name, limit in entry["limits"].items() if limit is not None}
     whole["tables"] = {name: table for name, table in whole["tables"].items() if table is not None}
+    if whole["program"] is None:
+        del whole["program"]
+    else:
+        whole["program"] = {name: part for name, part in whole["program"].items() if part or name == "source"}
     return whole
 
 
@@ -255,11 +279,23 @@ def _lines(whole: dict[str, Any]) -> Iterator[str]:
         elif isinstance(value, dict) and value:
             yield f"{head}{{"
             ends = list(value)[-1]
-            yield from (f"    {json.dumps(name)}: {_json(part)}{',' * (name != ends)}" for name, part in value.items())
+            for name, part in value.items():
+                yield from _entry(name, part, last=name == ends)
             yield f"  }}{comma}"
         else:
             yield f"{head}{_json(value)}{comma}"
     yield "}"
+
+
+def _entry(name: str, part: object, *, last: bool) -> Iterator[str]:
+    """A part of an object on a line of its own; a text of several lines with as many."""
+    comma = "" if last else ","
+    if name != "source" or not isinstance(part, list) or not part:
+        yield f"    {json.dumps(name)}: {_json(part)}{comma}"
+        return
+    yield f"    {json.dumps(name)}: ["
+    yield from (f"      {_json(line)}{',' * (index < len(part) - 1)}" for index, line in enumerate(part))
+    yield f"    ]{comma}"
 
 
 def _json(value: object) -> str:

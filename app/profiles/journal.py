@@ -20,12 +20,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
+from ..calc.tmcl.binary import from_binary, to_binary
 from ..devices.core.actor import actor
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..registers.catalog import is_model
 from .document import ProfileDocument
 from .errors import Change
+from .program import NAME as PROGRAM
+from .program import ProgramStep
 from .steps import Step
 from .writing import change_of, restored
 
@@ -58,6 +61,8 @@ class Unfinished:
     crashed: bool
     """Whether the server ended in the middle; else the rollback failed, and `halves` are what it has left."""
     halves: tuple[Half, ...]
+    program: ProgramStep | None = None
+    """A program that may have been stored, or half of it."""
 
     @property
     def steps(self) -> list[Step]:
@@ -82,10 +87,17 @@ class FileJournal:
             "by": actor.get().name,
         }
         self._file: TextIO | None = None
+        self._program: dict[str, object] = {}
 
-    async def begin(self, steps: Sequence[Step]) -> None:
+    async def begin(self, steps: Sequence[Step], program: ProgramStep | None = None) -> None:
         """Raises WrongState where the disk does not take it: then nothing may be written either."""
-        head = {**self._head, "crashed": True, "steps": [asdict(change_of(step, None)) for step in steps]}
+        self._program = {} if program is None else {"program": _programs(program)}
+        head = {
+            **self._head,
+            "crashed": True,
+            "steps": [asdict(change_of(step, None)) for step in steps],
+            **self._program,
+        }
         try:
             self._file = await asyncio.to_thread(_begun, self._path, head)
         except OSError as error:
@@ -106,7 +118,13 @@ class FileJournal:
             if not left:
                 await asyncio.to_thread(self._path.unlink, missing_ok=True)
                 return
-            head = {**self._head, "crashed": False, "steps": [asdict(change) for change in left]}
+            head = {
+                **self._head,
+                "crashed": False,
+                "steps": [asdict(change) for change in left if change.name != PROGRAM],
+            }
+            if any(change.name == PROGRAM for change in left):
+                head |= self._program
             (await asyncio.to_thread(_begun, self._path, head)).close()
 
 
@@ -153,6 +171,12 @@ def _parsed(head: dict[str, Any], lines: Sequence[str]) -> Unfinished:
         if crashed:
             state = "written" if index < reached else "perhaps written" if index == reached else "not begun"
         halves.append(Half(Change(**step), state))
+    program = None
+    if "program" in head:
+        was, wanted = (tuple(from_binary(bytes.fromhex(head["program"][side]))) for side in ("was", "wanted"))
+        program = ProgramStep(was, wanted)
+        why = "" if crashed else "it could not be brought back"
+        halves.insert(0, Half(program.change(None, why), "perhaps written" if crashed else "left"))
     return Unfinished(
         str(head["device"]),
         str(head["device_name"]),
@@ -162,7 +186,13 @@ def _parsed(head: dict[str, Any], lines: Sequence[str]) -> Unfinished:
         str(head["by"]),
         crashed,
         tuple(halves),
+        program,
     )
+
+
+def _programs(step: ProgramStep) -> dict[str, str]:
+    """Both as bytes in hexadecimal, eight a command."""
+    return {"was": to_binary(step.was).hex(), "wanted": to_binary(step.wanted).hex()}
 
 
 def read_all(data_dir: Path) -> list[Unfinished]:

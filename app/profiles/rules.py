@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+from ..calc.tmcl.instructions import InstructionSet
 from ..registers.model import Register
 
 
@@ -44,6 +45,17 @@ class Gates:
 
 
 @dataclass(frozen=True, slots=True)
+class Language:
+    """In what the programs of a family's devices are written.
+
+    include : the text of a file that every program of a model may include; None for another
+    """
+
+    instructions: InstructionSet
+    include: Callable[[str, str], str | None]
+
+
+@dataclass(frozen=True, slots=True)
 class ProfileRules:
     """One family's.
 
@@ -57,6 +69,7 @@ class ProfileRules:
     gates : what makes writes wait for a start signal, where there is that
     physical : what numbers in units of its own mean
     is_state : whether a register is state, where names alone do not tell
+    language : of programs that its devices store; None where they store none
     """
 
     state: frozenset[str]
@@ -68,3 +81,4 @@ class ProfileRules:
     gates: Gates | None = None
     physical: PhysicalOf | None = None
     is_state: Callable[[Register], bool] | None = None
+    language: Language | None = None

@@ -20,6 +20,7 @@ from .diff import Difference
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft
 from .journal import FileJournal, Unfinished
+from .program import restore
 from .rollback import way_back
 from .trial import Tried, try_writes
 from .writing import Progress
@@ -126,6 +127,8 @@ class ProfileService:
 
         async def work() -> list[Change]:
             left = await way_back(device, found.steps, progress)
+            if found.program is not None:
+                left += [kept for kept in [await restore(device, found.program)] if kept is not None]
             path = journal.path_of(self._data_dir, device.id)
             if not left:
                 await asyncio.to_thread(path.unlink, missing_ok=True)

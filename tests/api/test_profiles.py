@@ -216,3 +216,41 @@ async def test_no_profile_is_kept_that_no_device_could_take(client: httpx.AsyncC
     assert (await client.post("profiles", json={})).status_code == 422
     assert (await client.post("profiles", json={"device": "nobody"})).status_code == 404
     assert (await client.get("profiles")).json()["profiles"] == []
+
+
+async def test_a_profile_carries_a_program_from_one_module_to_another(client: httpx.AsyncClient) -> None:
+    """Downloaded, captured with all else, exported, compared, and applied where there was another."""
+    for name in ("one", "two"):
+        answer = await client.post("devices", json={"name": name, "model": "pd42-1241", "link": {"kind": "emulator"}})
+        assert answer.status_code == 201, answer.text
+    source = "Loop: MVP ABS, 0, 5000\nWAIT POS, 0, 0\nJA Loop\n"
+    assert (await client.put("devices/one/program", json={"text": source})).status_code == 200
+    document = await profile_of(client, "one")
+    assert document["program"]["source"][0] == "L0:"
+    silent = (await client.get("devices/one/profile", params={"program": False})).json()
+    assert silent["program"] is None
+
+    saved = (await client.post("profiles", json={"device": "one", "name": "there and back"})).json()
+    file = json.loads((await client.get(f"profiles/{saved['id']}/file")).text)
+    assert file["program"]["source"] == document["program"]["source"]
+    assert "files" not in file["program"]
+    mine = file | {"program": {"name": "mine.tmc", "source": ["#include speeds", "SAP 4, 0, FAST", "STOP"]}}
+    mine["program"]["files"] = {"speeds": "FAST = 20000"}
+    attached = (await client.post("profiles", json={"document": mine, "name": "mine"})).json()
+    wrong = await client.post("profiles", json={"document": mine | {"program": {"source": ["ROX 1"]}}})
+    assert (wrong.status_code, "no command is called ROX" in wrong.json()["detail"]) == (422, True)
+    compared = (await client.post("profiles/compare", json={"left": saved["id"], "right": attached["id"]})).json()
+    assert compared["program"]["commands"][0] == {
+        "address": 0,
+        "left": "MVP ABS, 0, 5000",
+        "right": "SAP 4, 0, 20000",
+    }
+
+    told = (await client.put("devices/two/profile", params={"dry_run": True}, json=file)).json()
+    assert (told["state"], told["program"]["left_commands"], told["program"]["right_commands"]) == ("dry run", 0, 3)
+    assert "MVP" not in (await client.get("devices/two/program", params={"count": 1})).json()["text"]
+    done = await client.put("devices/two/profile", json=file)
+    assert (done.status_code, done.json()["state"], done.json()["stored_commands"]) == (200, "applied", 3), done.text
+    assert "MVP ABS, 0, 5000" in (await client.get("devices/two/program", params={"count": 1})).json()["text"]
+    again = (await client.put("devices/two/profile", json=file)).json()
+    assert (again["state"], again["program"], again["stored_commands"]) == ("unchanged", None, None)

@@ -53,6 +53,21 @@ async def test_a_session_of_keeping_comparing_and_bringing_back(server: str, tmp
     assert [each["name"] for each in json.loads(said(await run(server, "list", "--json")))] == ["copy"]
 
 
+async def test_the_program_of_a_module(server: str, tmp_path: Path) -> None:
+    file = tmp_path / "module.json"
+    async with AsyncBench(server) as bench:
+        await bench.call("POST", "devices", {"name": "stored", "model": "pd42-1241", "link": {"kind": "emulator"}})
+        await bench.call("PUT", "devices/stored/program", {"text": "MVP ABS, 0, 5000\nSTOP"})
+        said(await run(server, "capture", "stored", "--out", str(file)))
+        assert "MVP ABS, 0, 5000" in said(await run(server, "show", str(file)))
+        await bench.call("PUT", "devices/stored/program", {"text": "MVP ABS, 0, 77\nSTOP"})
+        different = await run(server, "diff", "stored", str(file))
+        assert (different.exit_code, "program: 1 differ, of 2 commands and 2" in different.stdout) == (1, True)
+        assert "MVP ABS, 0, 77" in different.stdout
+        assert "a program of 2 commands stored" in said(await run(server, "apply", "stored", str(file)))
+    assert "no difference" in said(await run(server, "diff", "stored", str(file)))
+
+
 async def test_what_goes_wrong_is_a_line_and_a_code(server: str, tmp_path: Path) -> None:
     broken = tmp_path / "broken.json"
     broken.write_text("{")

@@ -17,6 +17,7 @@ from app.profiles.capture import as_configured, capture
 from app.profiles.document import ProfileDocument
 from app.profiles.errors import Change, ProfileLeft, ProfileTakenBack
 from app.profiles.items import Item, Key, items_of
+from app.profiles.program import ProgramStep
 from app.profiles.steps import Step
 from app.registers.model import Space, to_raw
 from app.registers.tmcl.commands import Opcode
@@ -100,7 +101,7 @@ class Injector:
 
     # --- as a journal: hears of every step --------------------------------------------------------
 
-    async def begin(self, steps: Sequence[Step]) -> None:
+    async def begin(self, steps: Sequence[Step], program: ProgramStep | None = None) -> None:
         self.steps = steps
         self._before = self.bench.truth()
         self.bench.wire.spoil = self._spoil

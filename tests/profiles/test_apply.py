@@ -141,7 +141,7 @@ async def test_a_stop_in_the_middle_ends_it_and_takes_it_back() -> None:
         before = b.truth()
 
         class Stopping(Injector):
-            async def begin(self, steps: Any) -> None:
+            async def begin(self, steps: Any, program: Any = None) -> None:
                 self.steps = steps
 
             def reached(self, index: int) -> None:

@@ -13,6 +13,7 @@ from ...profiles.capture import capture
 from ...profiles.diff import Diff, compare, diff
 from ...profiles.document import ProfileDocument, plain, text_of
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
+from ...profiles.program import commands_of
 from ...profiles.words import wants_of
 from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
@@ -45,9 +46,14 @@ FILE = "application/vnd.stepscope.profile+json"
 
 
 @router.get("/devices/{device}/profile", responses=problems(*DEVICE_PROBLEMS))
-async def get_profile(device: CurrentDevice) -> ProfileDocument:
+async def get_profile(
+    device: CurrentDevice,
+    program: Annotated[
+        bool, Query(description="with the program in a module's memory: 64 commands or more are read, a call each")
+    ] = True,
+) -> ProfileDocument:
     """The device's whole configuration as a document, as it is now."""
-    return await capture(device)
+    return await capture(device, program=program)
 
 
 @router.put(
@@ -135,10 +141,11 @@ async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     """Keep a document, or what a device holds now. A document that no device could take is refused."""
     document: ProfileDocument
     if body.document is None:
-        document = await capture(bench.manager.get(body.device or ""))
+        document = await capture(bench.manager.get(body.device or ""), program=True)
     else:
         document = body.document
         wants_of(document)
+        await asyncio.to_thread(commands_of, document)
     name = body.name or document.name or document.title
     note = document.note if body.note is None else body.note
     return info(await bench.profile_store.add(name, note, plain(document)))

@@ -59,6 +59,9 @@ class ProfileApplied(Diff):
     state: Literal["dry run", "applied", "unchanged"]
     written: list[RegisterChange] = Field(description="registers that were written and read back, in their order")
     prepared: list[str] = Field(description="what was done before, so that nothing moves; it stays")
+    stored_commands: int | None = Field(
+        default=None, description="how long the program is that was stored and read back; null where none was"
+    )
     settings: list[Difference] = Field(description="mechanics and limits that were changed with them")
     took_s: float | None = None
 

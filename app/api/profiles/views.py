@@ -35,9 +35,10 @@ def applied(outcome: Outcome) -> ProfileApplied:
     done = outcome.applied
     return ProfileApplied(
         **_parts(done.diff),
-        state="applied" if done.written or outcome.settings else "unchanged",
+        state="applied" if done.written or outcome.settings or done.stored is not None else "unchanged",
         written=[change(each) for each in done.written],
         prepared=done.prepared,
+        stored_commands=done.stored,
         settings=outcome.settings,
         took_s=outcome.took_s,
     )

@@ -79,6 +79,8 @@ class Plan:
     parts: tuple[Part, ...]
     mechanics: tuple[Mapping[str, float | None], ...] = ()
     """Of each axis what it moves: settings of the connection, which only a program with a server can set."""
+    program: bool = False
+    """Whether the profile has a program for the device's memory."""
 
     @property
     def family(self) -> Model:
@@ -94,8 +96,14 @@ class Plan:
     def left_out(self) -> tuple[str, ...]:
         """What only a program with a server can set, as a remark for the others; nothing where there is nothing."""
         if not self.mechanics:
-            return ()
-        return ("Not in here, since it belongs to the connection: what the motors move (mechanics and soft limits).",)
+            return self.program_left_out
+        told = "Not in here, since it belongs to the connection: what the motors move (mechanics and soft limits)."
+        return (told, *self.program_left_out)
+
+    @property
+    def program_left_out(self) -> tuple[str, ...]:
+        """That no script stores the profile's program, as a remark; nothing where it has none."""
+        return ("Not in here: the profile's program. `stepscope profile apply` stores it too.",) if self.program else ()
 
     @property
     def about(self) -> str:
@@ -126,6 +134,7 @@ def plan_of(document: ProfileDocument) -> Plan:
         clock_hz=document.clock_hz,
         parts=(*((Part("ready: nowhere to go", ready),) if ready else ()), *parts),
         mechanics=tuple(mechanics_of(axis) for axis in document.axes),
+        program=document.program is not None,
     )
 
 

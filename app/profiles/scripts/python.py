@@ -97,7 +97,7 @@ def render(plan: Plan) -> str:
 def _lines(plan: Plan) -> Iterator[str]:
     yield f"# Profile: {one_line(plan.name)}"
     yield f"# {plan.about}"
-    yield from (f"# {line}".rstrip() for line in lines(plan.note))
+    yield from (f"# {line}".rstrip() for line in (*lines(plan.note), *plan.program_left_out))
     yield ""
     yield "import argparse"
     yield "import sys"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ..rules import Busy, ProfileRules
+from ...links.tmcl_language import INSTRUCTIONS, standard_include
+from ...registers.tmcl.modules import MODULES
+from ..rules import Busy, Language, ProfileRules
 from .physical import physical
 
 RULES = ProfileRules(
@@ -18,4 +20,5 @@ RULES = ProfileRules(
     ),
     busy=(Busy("tmcl_application_status", None, "", "a program runs on the module: stop it first"),),
     physical=physical,
+    language=Language(INSTRUCTIONS, lambda model, name: standard_include(MODULES[model], name)),
 )

@@ -3839,6 +3839,18 @@ export interface components {
             warnings: string[];
         };
         /**
+         * CommandDifference
+         * @description A command that is not the same on both sides; empty where there is none.
+         */
+        CommandDifference: {
+            /** Address */
+            address: number;
+            /** Left */
+            left: string;
+            /** Right */
+            right: string;
+        };
+        /**
          * CommandRow
          * @description One TMCL command.
          */
@@ -4388,6 +4400,8 @@ export interface components {
             differences: components["schemas"]["Difference"][];
             /** Tables */
             tables: components["schemas"]["TableDifference"][];
+            /** @description of programs in a module's memory; null where they are the same, or nobody asks */
+            program: components["schemas"]["ProgramDifference"] | null;
             /**
              * Same
              * @description how many registers and parameters are the same on both sides
@@ -8014,6 +8028,8 @@ export interface components {
             differences: components["schemas"]["Difference"][];
             /** Tables */
             tables: components["schemas"]["TableDifference"][];
+            /** @description of programs in a module's memory; null where they are the same, or nobody asks */
+            program: components["schemas"]["ProgramDifference"] | null;
             /**
              * Same
              * @description how many registers and parameters are the same on both sides
@@ -8036,6 +8052,11 @@ export interface components {
              * @description what was done before, so that nothing moves; it stays
              */
             prepared: string[];
+            /**
+             * Stored Commands
+             * @description how long the program is that was stored and read back; null where none was
+             */
+            stored_commands: number | null;
             /**
              * Settings
              * @description mechanics and limits that were changed with them
@@ -8135,6 +8156,8 @@ export interface components {
             /** Parameters */
             parameters: components["schemas"]["ParameterPart-Output"][];
             tables: components["schemas"]["Tables-Output"];
+            /** @description of a module that stores one; null where the profile does not speak of it */
+            program: components["schemas"]["ProgramPart-Output"] | null;
             /**
              * Unknown
              * @description what the profile says nothing of: it could not be read
@@ -8218,6 +8241,8 @@ export interface components {
             /** Parameters */
             parameters?: components["schemas"]["ParameterPart-Input"][];
             tables?: components["schemas"]["Tables-Input"];
+            /** @description of a module that stores one; null where the profile does not speak of it */
+            program?: components["schemas"]["ProgramPart-Input"] | null;
             /**
              * Unknown
              * @description what the profile says nothing of: it could not be read
@@ -8402,6 +8427,26 @@ export interface components {
             binary: string;
         };
         /**
+         * ProgramDifference
+         * @description Two programs that are not the same.
+         */
+        ProgramDifference: {
+            /** Left Commands */
+            left_commands: number;
+            /** Right Commands */
+            right_commands: number;
+            /**
+             * Differing
+             * @description commands that are not the same, or that only one of them has
+             */
+            differing: number;
+            /**
+             * Commands
+             * @description the first 50 of them
+             */
+            commands: components["schemas"]["CommandDifference"][];
+        };
+        /**
          * ProgramIncludes
          * @description What every program may include.
          */
@@ -8428,6 +8473,54 @@ export interface components {
              * @description a program that assembles to the same commands
              */
             text: string;
+        };
+        /**
+         * ProgramPart
+         * @description The program of a module, from address 0 of its memory on: as it was written, or as it was read back.
+         */
+        "ProgramPart-Input": {
+            /**
+             * Name
+             * @description for readers: what its file is called
+             * @default
+             */
+            name?: string;
+            /**
+             * Source
+             * @description its text, line by line; it assembles to the commands that are stored. None: an empty memory
+             */
+            source: string[];
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files?: {
+                [key: string]: string;
+            };
+        };
+        /**
+         * ProgramPart
+         * @description The program of a module, from address 0 of its memory on: as it was written, or as it was read back.
+         */
+        "ProgramPart-Output": {
+            /**
+             * Name
+             * @description for readers: what its file is called
+             * @default
+             */
+            name: string;
+            /**
+             * Source
+             * @description its text, line by line; it assembles to the commands that are stored. None: an empty memory
+             */
+            source: string[];
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files: {
+                [key: string]: string;
+            };
         };
         /**
          * ProgramProblem
@@ -19566,7 +19659,10 @@ export interface operations {
     };
     get_profile: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description with the program in a module's memory: 64 commands or more are read, a call each */
+                program?: boolean;
+            };
             header?: never;
             path: {
                 /** @description the device's id: a slug of its name */
