@@ -134,6 +134,19 @@ describe("Choice", () => {
     expect([isOpen(), chosen]).toEqual([false, []]);
   });
 
+  it("says in a sentence that there is nothing to choose", () => {
+    act(() =>
+      root.render(
+        <MantineProvider env="test">
+          <Choice label="Device" data={[]} value={null} empty="No device yet." onChange={() => {}} />
+        </MantineProvider>,
+      ),
+    );
+    act(() => field().click());
+    expect([isOpen(), options().length]).toEqual([true, 0]);
+    expect(document.querySelector('[role="listbox"]')?.textContent).toBe("No device yet.");
+  });
+
   it("takes a click on an option", () => {
     show("5");
     act(() => field().click());

@@ -18,6 +18,8 @@ interface Props extends Omit<TextInputProps, "value" | "onChange" | "size"> {
   data: readonly (Item | { group: string; items: readonly Item[] })[];
   value: string | null;
   onChange: (value: string) => void;
+  /** a sentence in place of options where there is none */
+  empty?: string;
   /** what an option shows before its label */
   mark?: (value: string) => ReactNode;
 }
@@ -32,7 +34,7 @@ const AS_WIDE_AS_FIELD: NonNullable<ComboboxProps["middlewares"]> = {
 };
 
 /** One of a few, as the library's Select without search, clearing and scroll areas: the first page loads none of them. */
-export function Choice({ data, value, onChange, mark, ...input }: Props) {
+export function Choice({ data, value, onChange, empty = "There is nothing to choose.", mark, ...input }: Props) {
   const store = useCombobox({
     onDropdownOpen: () => store.updateSelectedOptionIndex("active"),
     onDropdownClose: () => store.resetSelectedOption(),
@@ -79,6 +81,7 @@ export function Choice({ data, value, onChange, mark, ...input }: Props) {
       </Combobox.Target>
       <Combobox.Dropdown>
         <Combobox.Options mah={220} style={{ overflowY: "auto" }} aria-label={input["aria-label"]}>
+          {items.length === 0 && <Combobox.Empty>{empty}</Combobox.Empty>}
           {data.map((entry) =>
             "items" in entry ? (
               <Combobox.Group key={entry.group} label={entry.group}>

@@ -20,6 +20,11 @@ export function DevicePicker() {
       data={choicesOf(list)}
       value={device ? `${device.id}/${axis}` : null}
       placeholder={devices.isPending ? "Looking for devices" : "No device"}
+      empty={
+        devices.data === undefined
+          ? "Which devices there are is not known yet."
+          : "No device yet: add one under Connections."
+      }
       w={{ base: 150, xs: 200, sm: 240 }}
       leftSection={device && <StateDot state={devices.isError ? "disconnected" : device.state} />}
       mark={(value) => <StateDot state={stateOf(value)} />}

@@ -4,6 +4,7 @@ import { problemOf } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { Card } from "../Card";
 import { ProblemAlert } from "../ProblemAlert";
+import { TierBadge } from "../TierBadge";
 import type { RegisterRow } from "./bits";
 import { ChangesPanel } from "./ChangesPanel";
 import { DeviceNotice } from "./DeviceNotice";
@@ -60,6 +61,7 @@ export function RowsPage(props: Props) {
       <h1 className="flex baseline gap-8 m-0 text-16">
         {name}
         {device && <span className="text-13 regular dim">{`${device.name} · ${device.title}`}</span>}
+        {device && <TierBadge device={device} />}
       </h1>
       {toolbar}
       {device && <DeviceNotice device={device} />}

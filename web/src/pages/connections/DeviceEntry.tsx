@@ -7,10 +7,10 @@ import { compact, fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StateDot } from "../../lib/StateDot";
 import { StartUpButton } from "../../lib/startup/StartUpButton";
+import { TierBadge } from "../../lib/TierBadge";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
-import { TIERS } from "./models";
 import { useLinkSwitch, useRemoveDevice } from "./useConnections";
 import { linkText } from "./words";
 
@@ -25,7 +25,6 @@ interface Props {
 
 export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved }: Props) {
   const link = useLinkSwitch(device.id);
-  const tier = TIERS[device.about.tier];
   const up = device.state === "connected" || device.state === "connecting";
   return (
     <Card
@@ -38,11 +37,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         <StateDot state={device.state} />
         <h2 className="m-0 text-16">{device.name}</h2>
         <span className="dim">{device.title}</span>
-        {tier && (
-          <Badge size="xs" variant="default" title={tier.help}>
-            {tier.word}
-          </Badge>
-        )}
+        <TierBadge device={device} />
         {device.demo && (
           <Badge size="xs" variant="default" title="Made for the demo; not kept. Editing keeps it.">
             demo

@@ -5,16 +5,22 @@ import common from "../../../lib/rows/rows.module.css";
 import { keyOf } from "../../../lib/rows/staging";
 import { Memory } from "./Memory";
 import { ParameterHelp } from "./ParameterHelp";
-import { Entry, type LineProps, Meaning, Name, Value } from "./ParameterLine";
+import { Entry, Lacking, type LineProps, Meaning, Name, Value } from "./ParameterLine";
 import { controlOf, OnDemand } from "./ParameterValue";
 import { nameText } from "./subjects";
 
 /** One parameter on a phone: its value with its control; help and what else can be done when opened. */
 export const ParameterCard = memo(function ParameterCard(props: LineProps & { expanded: boolean }) {
-  const { row, edit, editing, expanded, actions } = props;
+  const { row, edit, lacking, editing, expanded, actions } = props;
   const key = keyOf(row);
   return (
-    <li className={`${common.card} box`} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
+    <li
+      className={`${common.card} box`}
+      data-row={key}
+      data-staged={edit !== null}
+      data-fate={edit?.fate?.kind}
+      data-lacking={lacking || undefined}
+    >
       <button
         type="button"
         className="plain pad w-full"
@@ -30,7 +36,9 @@ export const ParameterCard = memo(function ParameterCard(props: LineProps & { ex
         </span>
       </button>
       <div className="lines-12 mid pad">
-        {row.read_clears ? (
+        {lacking ? (
+          <Lacking />
+        ) : row.read_clears ? (
           <OnDemand
             row={row}
             asked={props.asked}
@@ -50,7 +58,7 @@ export const ParameterCard = memo(function ParameterCard(props: LineProps & { ex
       {expanded && (
         <div className="stack start gap-8 pad">
           <span className="row wrap gap-6">
-            {controlOf(row) === "entry" && !editing && (
+            {controlOf(row) === "entry" && !editing && !lacking && (
               <Button size="compact-sm" variant="light" onClick={() => actions.edit(key)}>
                 Edit the value
               </Button>
@@ -66,15 +74,17 @@ export const ParameterCard = memo(function ParameterCard(props: LineProps & { ex
                 Discard the staged edit
               </Button>
             )}
-            <Memory
-              row={row}
-              kept={props.kept}
-              busy={props.copying}
-              connected={props.connected}
-              onCopy={(action) => actions.copy(row, action)}
-            />
+            {!lacking && (
+              <Memory
+                row={row}
+                kept={props.kept}
+                busy={props.copying}
+                connected={props.connected}
+                onCopy={(action) => actions.copy(row, action)}
+              />
+            )}
           </span>
-          <ParameterHelp row={row} context={props.context} />
+          <ParameterHelp row={row} context={props.context} lacking={lacking} />
         </div>
       )}
     </li>

@@ -9,11 +9,13 @@ import { nameText, placeText, subjectTitle } from "./subjects";
 interface Props {
   row: RegisterRow;
   context: Context;
+  /** the module's firmware does not have it */
+  lacking?: boolean;
   heading?: boolean;
 }
 
 /** Everything that is known about one parameter. */
-export function ParameterHelp({ row, context, heading = false }: Props) {
+export function ParameterHelp({ row, context, lacking = false, heading = false }: Props) {
   const range = rangeOf(row, context.mode);
   const unit = unitText(row, context.mode);
   const named = Object.entries(row.values);
@@ -28,6 +30,11 @@ export function ParameterHelp({ row, context, heading = false }: Props) {
       <Text size="sm" mb={6}>
         {sentence(row.help)}
       </Text>
+      {lacking && (
+        <Text size="sm" mb={6} className="dim">
+          The module answers that it has no such parameter: other firmware has it, or another variant of the module.
+        </Text>
+      )}
       <dl className={`${common.facts} facts grid m-0 text-12`}>
         <dt>Number</dt>
         <dd>

@@ -24,6 +24,8 @@ export interface LineActions extends RowActions {
 export interface LineProps {
   row: RegisterRow;
   reading: Reading | undefined;
+  /** the module's firmware does not have it */
+  lacking: boolean;
   edit: Edit | null;
   context: Context;
   selected: boolean;
@@ -38,9 +40,9 @@ export interface LineProps {
 
 /** One parameter in the table. */
 export const ParameterLine = memo(function ParameterLine(props: LineProps) {
-  const { row, edit, selected, editing, actions } = props;
+  const { row, edit, lacking, selected, editing, actions } = props;
   const key = keyOf(row);
-  const entry = controlOf(row) === "entry";
+  const entry = controlOf(row) === "entry" && !lacking;
   return (
     <tr
       data-row={key}
@@ -48,6 +50,7 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
       data-staged={edit !== null}
       data-fate={edit?.fate?.kind}
       data-access={row.access}
+      data-lacking={lacking || undefined}
       className={`${common.row} lit`}
       tabIndex={selected ? 0 : -1}
       onFocus={() => actions.select(key)}
@@ -58,7 +61,11 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
         <Name row={row} />
       </th>
       <td className="num hint">{row.alias}</td>
-      {row.read_clears ? (
+      {lacking ? (
+        <td colSpan={2}>
+          <Lacking />
+        </td>
+      ) : row.read_clears ? (
         <td colSpan={2}>
           <OnDemand
             row={row}
@@ -85,13 +92,15 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
         </>
       )}
       <td>
-        <Memory
-          row={row}
-          kept={props.kept}
-          busy={props.copying}
-          connected={props.connected}
-          onCopy={(action) => actions.copy(row, action)}
-        />
+        {!lacking && (
+          <Memory
+            row={row}
+            kept={props.kept}
+            busy={props.copying}
+            connected={props.connected}
+            onCopy={(action) => actions.copy(row, action)}
+          />
+        )}
       </td>
       <td className={`${common.tools} nowrap`}>
         {edit && (
@@ -127,6 +136,11 @@ export function Name({ row }: { row: RegisterRow }) {
       {row.access === "R" && <IconLock size={11} className="rigid dim" aria-label="read only" />}
     </span>
   );
+}
+
+/** In place of a value. */
+export function Lacking() {
+  return <span className="hint">not in this firmware</span>;
 }
 
 export function Value({ row, reading, edit, context, actions }: LineProps) {

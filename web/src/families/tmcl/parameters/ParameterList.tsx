@@ -22,6 +22,8 @@ interface Props {
   isFolded: (group: Group) => boolean;
   onFold: (key: string, folded: boolean) => void;
   readings: ReadonlyMap<Key, Reading>;
+  /** what the module's firmware does not have */
+  lacking: ReadonlySet<Key>;
   edits: readonly Edit[];
   open: ReadonlySet<Key>;
   editing: Key | null;
@@ -59,6 +61,7 @@ export function ParameterList(props: Props) {
     return {
       row,
       reading: props.readings.get(key),
+      lacking: props.lacking.has(key),
       edit: props.edits.find((edit) => keyOf(edit) === key) ?? null,
       context: props.context,
       selected: tabStop === key,

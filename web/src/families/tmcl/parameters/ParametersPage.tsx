@@ -16,6 +16,7 @@ import { scaleOf } from "../../../lib/units";
 import { usePhone } from "../../../lib/usePhone";
 import { useSelection } from "../../../live/selection";
 import { useEeprom } from "./eeprom";
+import { lackingOf } from "./lacking";
 import { ParameterHelp } from "./ParameterHelp";
 import type { LineActions } from "./ParameterLine";
 import { ParameterList } from "./ParameterList";
@@ -44,6 +45,7 @@ export default function ParametersPage() {
   for (const group of groups) if (!isFolded(group.key)) asking.add(group.key);
   for (const edit of staged.edits) asking.add(rowOf.get(keyOf(edit))?.group ?? "motor");
   const live = useRegisters(device, paused, rows ? [...asking].sort() : []);
+  const lacking = useMemo(() => lackingOf(rows ?? [], live.byKey), [rows, live.byKey]);
   const { open, editing, selected: selectedKey, actions } = useRowState(id);
   const eeprom = useEeprom(id);
   const asked = useRead(id);
@@ -126,6 +128,7 @@ export default function ParametersPage() {
           isFolded={(group) => isFolded(group.key)}
           onFold={view.fold}
           readings={live.byKey}
+          lacking={lacking}
           edits={staged.edits}
           open={open}
           editing={editing}
@@ -143,7 +146,12 @@ export default function ParametersPage() {
       }
       help={
         selected ? (
-          <ParameterHelp row={selected} context={context} heading />
+          <ParameterHelp
+            row={selected}
+            context={context}
+            lacking={selectedKey !== null && lacking.has(selectedKey)}
+            heading
+          />
         ) : (
           <EmptyState title="Choose a parameter" icon={<IconAdjustments size={22} />}>
             <Text size="sm" className="dim" maw={270}>

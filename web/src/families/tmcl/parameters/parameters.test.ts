@@ -1,7 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { parseInput } from "../../../lib/rows/input";
 import { register } from "../../../lib/rows/samples";
+import { keyOf } from "../../../lib/rows/staging";
+import type { Reading } from "../../../lib/rows/useRegisters";
 import type { AxisScale } from "../../../lib/units";
+import { lackingOf } from "./lacking";
 import { controlOf, numberOf } from "./ParameterValue";
 import { type Context, meaningOf, rangeOf, scalesOf, unitModeOf, unitText } from "./quantities";
 import { foldedAtFirst, nameText, subjectsOf } from "./subjects";
@@ -25,6 +28,23 @@ const speed = parameter("maximum_positioning_speed", "AP 4", "pps", {
   internal_range: [0, 8388096],
 });
 const current = parameter("maximum_current", "AP 6", "1/255", { minimum: 0, maximum: 255 });
+
+describe("what a firmware lacks", () => {
+  const row = (name: string, more = {}) => parameter(name, name, "", { group: "axis 0", ...more });
+  const there = row("there");
+  const lacking = row("lacking");
+  const flags = row("flags", { read_clears: true });
+  const rows = [there, lacking, flags, row("pull_ups", { access: "W" }), row("folded", { group: "axis 1" })];
+
+  it("is what an answer has left out of a group that was asked for", () => {
+    const answer = new Map([[keyOf(there), {} as Reading]]);
+    expect([...lackingOf(rows, answer)]).toEqual([keyOf(lacking)]);
+  });
+
+  it("is nothing while there is no answer", () => {
+    expect(lackingOf(rows, new Map()).size).toBe(0);
+  });
+});
 
 describe("what a parameter's number means", () => {
   it("tells turns a second, turns a minute and travel of a speed in pps", () => {
