@@ -114,7 +114,7 @@ def serve(
 
 @cli.command()
 def emulate(
-    model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, or a chip: tmc428, tmc4361, tmc5160 ...")],
+    model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, a chip: tmc428, tmc5160 ..., or MAP.toml")],
     chip: Annotated[str | None, typer.Option(help="Landungsbruecke: the chip in its slot. [default: tmc4361]")] = None,
     pty: Annotated[
         Path | None, typer.Option(metavar="PATH", help="A serial port under this name (a symbolic link).")
@@ -168,6 +168,7 @@ def emulate(
     with _told():
         from .emulator_server import serve as emulating
 
+        model = _mapped(model)
         is_uart = emulating.shows_uart(model, asked=uart or pty is not None)
         is_board, is_line = model == emulating.BOARD, emulating.is_line(model) or is_uart
         _refuse({} if is_uart else {**of_uart, "uart": uart or None}, f"{model} here")
@@ -199,6 +200,19 @@ def emulate(
             of_chip = {"seed": seed, "clock_hz": clock_hz, **of_pulses}
             given = {name: value for name, value in of_chip.items() if value is not None}
             emulating.emulate(model, given, time_scale, typer.echo, tcp=tcp, pty=pty, baud=baud)
+
+
+def _mapped(model: str) -> str:
+    """`model`, or the one that the file of a register map makes; all that is wrong with that, line by line."""
+    from .commands.register_maps import tell
+    from .emulator_server.serve import named_or_mapped
+    from .registers.maps.findings import UnreadableMap
+
+    try:
+        return named_or_mapped(model)
+    except UnreadableMap as error:
+        tell(Path(model), error.findings, error.more)
+        raise typer.Exit(1) from error
 
 
 def _refuse(options: dict[str, object], model: str) -> None:

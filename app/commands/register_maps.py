@@ -21,16 +21,13 @@ ADDRESS = "/register-maps"
 @maps.command(no_args_is_help=True)
 def check(file: File) -> None:
     """Say what is wrong with a map, line by line; needs no server."""
-    from ..registers.maps.csv_import import read_csv
+    from ..registers.maps.files import read_file
     from ..registers.maps.findings import UnreadableMap
-    from ..registers.maps.reader import BYTES_MAX, read
 
-    with file.open("rb") as opened:
-        content = opened.read(BYTES_MAX + 1)
     try:
-        found = read_csv(_name(file), content)[0] if _is_csv(file) else read(_name(file), content)
+        found = read_file(file)
     except UnreadableMap as error:
-        _tell(file, error.findings, error.more)
+        tell(file, error.findings, error.more)
         raise typer.Exit(1) from error
     typer.echo(f"{file}: {found.head.title}, {len(found.table)} registers, nothing wrong")
 
@@ -55,7 +52,7 @@ def add(
             findings = error.facts.get("findings")
             if not isinstance(findings, list):
                 raise
-            _tell(file, findings, error.facts.get("more"))
+            tell(file, findings, error.facts.get("more"))
             raise typer.Exit(1) from error
         if as_json:
             print_json(kept)
@@ -109,7 +106,7 @@ def delete(name: Name, url: Url = None, token: Token = None) -> None:
         bench.call("DELETE", f"{ADDRESS}/{name}")
 
 
-def _tell(file: Path, findings: list[dict[str, object]], more: object) -> None:
+def tell(file: Path, findings: list[dict[str, object]], more: object) -> None:
     """As compilers do, so that editors find the place."""
     for each in findings:
         where = f"{each['where']}: " if each["where"] else ""

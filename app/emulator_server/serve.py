@@ -24,19 +24,37 @@ from ..emulators.line.raw import RawChip
 from ..emulators.line.server import LineServer
 from ..emulators.line.tcp import TcpEnd
 from ..emulators.server import Served, serve_tcp
+from ..errors import UsageError
 from ..links.can_bus import SOCKETCAN, check_bus, require_python_can
 from ..links.spi_datagram import frame_bytes_of
 from ..listening import CannotListen, host_and_port, listen, url_of, why
-from ..registers.catalog import find_model, is_model
+from ..registers.catalog import find_model, is_known, is_model
 from .line import LineMaker, LineOptions
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-__all__ = ["BOARD", "LineOptions", "emulate", "emulate_line", "is_line", "is_module", "shows_uart"]
+__all__ = ["BOARD", "LineOptions", "emulate", "emulate_line", "is_line", "is_module", "named_or_mapped", "shows_uart"]
 
+MAP_SUFFIXES = (".toml", ".csv", ".tsv")
 GRACE_S = 0.3
 """How long requests of the control port may take to end after Ctrl-C [s]."""
+
+
+def named_or_mapped(model: str) -> str:
+    """`model`; of the file of a register map the name of the model that it makes here. Raises UnreadableMap, UsageError
+    for a file whose name can be none, OSError."""
+    file = Path(model)
+    if file.suffix.casefold() not in MAP_SUFFIXES:
+        return model
+    from ..registers.maps.files import name_of, read_file
+    from ..registers.maps.models import MAPS, entry
+
+    name = name_of(file)
+    if is_known(name):
+        raise UsageError(f"{name} is a model already: give the register map another name")
+    MAPS[name] = entry(read_file(file))
+    return name
 
 
 def is_module(model: str) -> bool:
@@ -74,6 +92,10 @@ def emulate(
     if baud is not None and pty is None:
         raise ValueError("--baud is for a line: use it with --pty")
     if is_model(model) and not find_model(model).datagram_bits:
+        if find_model(model).tier == "map":
+            raise ValueError(
+                f"{model} has no [spi]" + (", only a UART: say --pty, or --uart" if find_model(model).uart else "")
+            )
         raise ValueError(f"the datagrams of a {model} are not known: emulate {BOARD} --chip {model}")
     where = None if tcp is None else host_and_port("--tcp", tcp)
     with _killed_by_signals():

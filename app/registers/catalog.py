@@ -8,6 +8,7 @@ from ..errors import UnknownThing
 from .entry import Model
 from .listed import models as listed
 from .listed import package
+from .listed.package import Listing
 from .maps.models import MAPS
 from .tmc5xxx import models as tmc5xxx
 from .tmc428 import models as tmc428
@@ -31,13 +32,15 @@ class _Models(dict[str, Model]):
     def __missing__(self, name: str) -> Model:
         if name in MAPS:
             return MAPS[name]
-        try:
-            return listed.model(name)
-        except UnknownThing as error:
-            raise KeyError(name) from error
+        listing = listing_of(name)
+        if listing is None:
+            raise KeyError(name)
+        return listed.model(listing)
 
 
 MODELS = _Models({model.name: model for family in FAMILIES for model in family})
+_WELL = dict(MODELS)
+"""Those that are known well."""
 CHIPS_32 = {name: model for name, model in MODELS.items() if model.datagram_bits == 32}
 """TMC428 and TMC4210: one ramp generator, one kind of datagram, and so the same promises in most tests."""
 
@@ -58,12 +61,12 @@ def is_model(name: str) -> bool:
 
 def is_known(name: str) -> bool:
     """The same without register maps: none of them may be called so."""
-    return name in MODELS or listed.known(name)
+    return name in MODELS or listing_of(name) is not None
 
 
 def kind_of(name: str) -> Literal["chip", "module"] | None:
     """What the model of that name is, without its having been read; None where there is none."""
-    known = dict.get(MODELS, name) or MAPS.get(name) or package.listings().get(name)
+    known = dict.get(MODELS, name) or MAPS.get(name) or listing_of(name)
     return None if known is None else known.kind
 
 
@@ -74,7 +77,30 @@ def maps() -> tuple[Model, ...]:
 
 def listings() -> tuple[Model, ...]:
     """Models that only the installed package lists, as far as they are known without having been read."""
-    return tuple(listed.entry(listing) for name, listing in package.listings().items() if name not in MODELS)
+    return tuple(listed.entry(listing) for name in package.listings() if (listing := _offered(name)) is not None)
+
+
+def listing_of(name: str) -> Listing | None:
+    """What the installed package lists under that name; of a model that is known well as it is offered beside that."""
+    if name in _WELL:
+        return None
+    base = name.removesuffix(listed.BESIDE)
+    listing = _offered(base)
+    return listing if listing is not None and listing.name == name else None
+
+
+def why_not(name: str) -> str:
+    """Why a listed model of that name cannot be used, as far as is known; empty where it can."""
+    listing = listing_of(name)
+    return "" if listing is None else listed.why_not(listing)
+
+
+def _offered(name: str) -> Listing | None:
+    """What the package lists under `name`. One that is known well it offers only where that lacks something."""
+    listing = package.listings().get(name)
+    if listing is None or name not in _WELL:
+        return listing
+    return listed.beside(listing, _WELL[name])
 
 
 __all__ = [
@@ -86,6 +112,8 @@ __all__ = [
     "is_known",
     "is_model",
     "kind_of",
+    "listing_of",
     "listings",
     "maps",
+    "why_not",
 ]

@@ -57,6 +57,9 @@ def test_every_name_and_number_of_the_package_is_a_row(name: str) -> None:
         if hasattr(kind, bank):
             listed = {row.address for row in model.table if row.space is space}
             assert listed == set(numbers(getattr(kind, bank)).values())
+    assert package.listings()[name].addresses == {
+        number for motor in made.motors for number in numbers(motor.AP).values()
+    }
     assert {role_of(row) for row in model.table if row.axis == 0} > set(modules.NEEDED)
     assert model.tier == "names"
     for row in model.table:  # nothing is made up

@@ -6,6 +6,7 @@ import inspect
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,10 @@ from pytrinamic.ic import RegisterGroup, RegisterSet, TMCIc
 
 from app.errors import UnreadableModel
 from app.registers import catalog
-from app.registers.listed import package
+from app.registers.entry import Slot
+from app.registers.listed import ic, models, package
+from app.registers.listed.chips import chip, table_of
+from app.registers.listed.models import BESIDE
 from app.registers.listed.ramp import ramps_of
 from app.registers.model import Access
 from app.registers.spi_format import SpiFormat, TaggedFormat
@@ -53,8 +57,49 @@ def addresses(kind: type[Any]) -> list[tuple[str, int]]:
 
 def test_every_chip_of_the_package_is_listed_or_known_well() -> None:
     known = {name for name, model in catalog.MODELS.items() if model.kind == "chip"}
-    assert set(LISTED) == CLASSES.keys() - known
+    assert {name for name in LISTED if not name.endswith(BESIDE)} == CLASSES.keys() - known
     assert CLASSES.keys() & known, "some of them are known well"
+
+
+def test_beside_one_that_is_known_well_it_is_offered_only_where_that_lacks_something() -> None:
+    """By links and registers, counted here from the package's classes."""
+    offered = {name.removesuffix(BESIDE) for name in LISTED if name.endswith(BESIDE)}
+    lacking = set()
+    for name in CLASSES.keys() & {name for name, model in catalog.MODELS.items() if model.kind == "chip"}:
+        well = catalog.MODELS[name]
+        if {address for _, address in addresses(CLASSES[name])} - {row.address for row in well.table}:
+            lacking.add(name)
+        if (package.listings()[name].slot is not None) and "landungsbruecke" not in well.wires:
+            lacking.add(name)
+    assert offered == lacking
+    for name in offered:
+        model = catalog.find_model(f"{name}{BESIDE}")
+        assert (model.tier, model.title) == ("names", f"{catalog.MODELS[name].title} by names")
+        assert model.summary.startswith("as the package lists it: ")
+        assert model.wires - catalog.MODELS[name].wires
+
+
+def test_what_is_lacking_is_said() -> None:
+    name = next(name for name in CLASSES if name in catalog.MODELS and catalog.MODELS[name].spi is None)
+    listing, well = package.listings()[name], catalog.MODELS[name]
+    own = chip(name, "x", "", table_of(name, ic.read(listing)), slot=Slot(), uart="node")
+    own = replace(own, wires=own.wires | well.wires)
+    assert models.beside(listing, own) is None
+    first, *rest = own.table
+    less = replace(own, table=table_of(name, [row for row in rest if row.address != first.address]))
+    told = models.beside(listing, less)
+    assert told is not None
+    assert (told.name, told.summary) == (f"{name}{BESIDE}", "as the package lists it: with more registers: 1")
+    told = models.beside(listing, replace(own, wires=own.wires - {"landungsbruecke"}))
+    assert told is not None
+    assert told.summary == "as the package lists it: by Eval board"
+    assert catalog.listing_of(name) is None
+    assert catalog.is_model(f"{name}{BESIDE}") is (models.beside(listing, well) is not None)
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_addresses_are_told_without_an_import(name: str) -> None:
+    assert package.listings()[name].addresses == {address for _, address in addresses(CLASSES[name])}
 
 
 @pytest.mark.parametrize("name", READABLE)
@@ -99,7 +144,7 @@ def test_every_field_of_the_package_is_there(name: str) -> None:
                 assert (address, mask) in masks | plain, part
 
 
-@pytest.mark.parametrize("name", [name for name in LISTED if name not in WITH_REGISTERS])
+@pytest.mark.parametrize("name", [name for name in LISTED if name.removesuffix(BESIDE) not in WITH_REGISTERS])
 def test_one_without_registers_says_so(name: str) -> None:
     with pytest.raises(UnreadableModel, match="no registers"):
         catalog.find_model(name)

@@ -12,8 +12,7 @@ from fastapi import APIRouter
 
 from ...errors import StoreUnavailable, UnknownThing
 from ...registers.capabilities import TITLES
-from ...registers.catalog import MODELS, Model, find_model, listings, maps
-from ...registers.listed.models import why_not
+from ...registers.catalog import MODELS, Model, find_model, listings, maps, why_not
 from ...registers.model import Field, Register, Space
 from ...registers.spi_format import SpiFormat, TaggedFormat
 from ...registers.tmcl.commands import COMMANDS

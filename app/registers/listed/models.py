@@ -5,16 +5,19 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
-from ...errors import UnknownThing, UnreadableModel
+from ...errors import UnreadableModel
 from ..capabilities import Capability
 from ..entry import Model
-from ..model import RegisterTable
+from ..model import RegisterTable, Space
+from ..wires import WIRES
 from . import ic, modules
 from .chips import CLOCK_HZ, FAMILY, chip
-from .package import EXTRA, Listing, listings, version
+from .package import EXTRA, Listing, version
 
 CAPABILITIES: frozenset[Capability] = frozenset({"parameters", "motion"})
 
+BESIDE = "-listed"
+"""What the name of a model ends with that is offered beside one that is known well."""
 _lock = threading.Lock()
 _read: dict[str, Model | UnreadableModel] = {}
 
@@ -50,7 +53,7 @@ def _chip(listing: Listing, table: RegisterTable) -> Model:
         table,
         spi=listing.spi,
         uart=listing.uart,
-        board=listing.title if listing.slot is not None else "",
+        board=listing.class_name if listing.slot is not None else "",
         slot=listing.slot,
     )
     if len(table):
@@ -72,17 +75,10 @@ def _without_registers(listing: Listing) -> UnreadableModel:
     return ic.unreadable(listing, "no registers of it, and no board that would lead to them")
 
 
-def known(name: str) -> bool:
-    """Whether the installed package lists a module or chip of that name."""
-    return name in listings()
-
-
-def model(name: str) -> Model:
-    """The module or chip of that name with its parameters or registers. Some 0.2 s where it is the first of a process,
-    which imports the package. Raises UnknownThing, UnreadableModel."""
-    listing = listings().get(name)
-    if listing is None:
-        raise UnknownThing("model", name, sorted(listings()))
+def model(listing: Listing) -> Model:
+    """The module or chip with its parameters or registers. Some 0.2 s where it is the first of a process, which imports
+    the package. Raises UnreadableModel."""
+    name = listing.name
     with _lock:  # two threads would import the package in turns
         if name not in _read:
             try:
@@ -97,12 +93,27 @@ def model(name: str) -> Model:
     return found
 
 
-def why_not(name: str) -> str:
-    """Why one that is listed cannot be used, as its files tell or where loading was tried; empty where it can."""
-    found, listing = _read.get(name), listings().get(name)
-    if listing is not None and listing.kind == "chip" and listing.slot is None:
+def why_not(listing: Listing) -> str:
+    """Why one that is listed cannot be used, as its files tell or where somebody tried; empty where it can."""
+    found = _read.get(listing.name)
+    if listing.kind == "chip" and listing.slot is None:
         return str(_without_registers(listing))
     return str(found) if isinstance(found, UnreadableModel) else ""
+
+
+def beside(listing: Listing, well: Model) -> Listing | None:
+    """The same under a name of its own, to be offered beside a model that is known `well`; None where that has every
+    link and every register that the package tells of."""
+    # Of a module no file tells the links: those of its entry are all that TMCL goes over.
+    links = entry(listing).wires - well.wires if listing.kind == "chip" else frozenset()
+    counted = (Space.AXIS, "axis parameters") if listing.kind == "module" else (Space.REGISTER, "registers")
+    lacking = listing.addresses - {row.address for row in well.table if row.space is counted[0]}
+    if not (links or lacking):
+        return None
+    more = [f"by {' and '.join(WIRES[wire].title for wire in WIRES if wire in links)}"] if links else []
+    more += [f"with more {counted[1]}: {len(lacking)}"] if lacking else []
+    summary = f"as the package lists it: {', '.join(more)}"
+    return replace(listing, name=f"{listing.name}{BESIDE}", title=f"{listing.title} by names", summary=summary)
 
 
 def hint() -> str:

@@ -8,7 +8,7 @@ second class tells how an evaluation board leads to it.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata, util
@@ -43,6 +43,12 @@ SIGNATURES: tuple[tuple[frozenset[str], Spi], ...] = (
 """Registers by whose names a chip has these datagrams, as the maker's own C code sends them (API, `tmc/ic`)."""
 _DECLARED = re.compile(r'^DATAGRAM_FORMAT = ">BI"$', re.MULTILINE)
 """A class that sends datagrams itself: an address and 32 bits, answered at once."""
+_REG = re.compile(r"^    class REG\b.*?:\n(.*?)(?=^    \S|\Z)", re.MULTILINE | re.DOTALL)
+_NUMBERS = re.compile(r"0x[0-9A-Fa-f]+")
+_AXIS_PARAMETERS = re.compile(r"^ +class AP\b.*?:\n(.*?)(?=^ *(?:class|def) |\Z)", re.MULTILINE | re.DOTALL)
+_DECIMALS = re.compile(r"^ +\w+ *= *(\d+)\b", re.MULTILINE)
+_MAPPED = re.compile(r"Access\.\w+,\s*(0x[0-9A-Fa-f]+),\s*(?:True|False)\)")
+"""A register of a map: access, address, sign. A field has a mask and a shift there."""
 _TITLE = re.compile(r"^([A-Z]+)(\d)")
 
 
@@ -50,7 +56,8 @@ _TITLE = re.compile(r"^([A-Z]+)(\d)")
 class Listing:
     """A module or chip as its file tells it, before its parameters or registers were read.
 
-    spi, uart, slot : of a chip what leads to it, as far as names in its files tell
+    spi, uart, slot : of a chip what leads to it, as far as names in its files tell; `addresses` of its registers,
+        or numbers of the axis parameters of a module
     """
 
     name: str
@@ -63,6 +70,7 @@ class Listing:
     spi: Spi | None = None
     uart: Literal["", "node"] = ""
     slot: Slot | None = None
+    addresses: frozenset[int] = frozenset()
 
     @property
     def module(self) -> str:
@@ -101,7 +109,8 @@ def listing_of(path: Path) -> Listing | None:
     title = _TITLE.sub(r"\1-\2", path.stem).replace("_", "-")
     motors = _MOTORS.search(text)
     axes = 0 if motors is None else motors[1].count("(")
-    return Listing(title.lower(), title, _summary(declared[2] or ""), axes, path.stem)
+    numbers = frozenset(int(told) for block in _AXIS_PARAMETERS.findall(text) for told in _DECIMALS.findall(block))
+    return Listing(title.lower(), title, _summary(declared[2] or ""), axes, path.stem, addresses=numbers)
 
 
 def chip_listing_of(path: Path, boards: Path) -> Listing | None:
@@ -133,7 +142,17 @@ def chip_listing_of(path: Path, boards: Path) -> Listing | None:
         spi=None if named(*WITHOUT_SPI) else _spi(named, text),
         uart="node" if named("IFCNT") and named("SLAVECONF", "NODECONF") else "",
         slot=_slot(_text(boards / f"{title}_eval.py")),
+        addresses=frozenset(int(told, 0) for told in _addresses(text, maps)),
     )
+
+
+def _addresses(text: str, maps: list[str]) -> Iterator[str]:
+    """Numbers of its registers, as its files spell them."""
+    for map_ in maps:
+        yield from _MAPPED.findall(map_)
+    block = _REG.search(text)
+    for line in block[1].splitlines() if block is not None else ():
+        yield from _NUMBERS.findall(line.partition("#")[0].partition("=")[2])
 
 
 def _spi(named: Callable[[str], bool], text: str) -> Spi | None:
