@@ -56,7 +56,7 @@ from .preparation import Preparation
 from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
-from .profiles.start_up import Wish, start_up
+from .profiles.start_up import StartUpRequest, start_up
 from .recording.service import RecordingService
 from .registers.catalog import find_model
 from .registers.wires import BOARD
@@ -125,7 +125,7 @@ def create_app(
         if device.family.kind == "module":
             return  # it keeps its parameters itself
         try:
-            await start_up(profiles, device, Wish())
+            await start_up(profiles, device, StartUpRequest())
         except BenchError as error:
             log.warning("%s is not started up: %s", device.name, error)
 

@@ -22,7 +22,7 @@ from .devices import routes as devices
 from .health import routes as health
 from .http import openapi, problems
 from .http.access import Access, new_token
-from .http.actor import Who
+from .http.actor import ActorMiddleware
 from .http.auditing import Auditing
 from .http.guard import Guard, is_loopback
 from .http.lease_gate import LeaseGate
@@ -126,7 +126,7 @@ def make_app(bench: ServerState, lifespan: Lifespan, urgent: Callable[[], Abstra
     app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, policies=policies)
     app.add_middleware(RoleGate, policies=policies)
     app.add_middleware(Auditing, audit=bench.audit, manager=bench.manager, policies=policies)
-    app.add_middleware(Who, name_of=bench.lease.name_of)
+    app.add_middleware(ActorMiddleware, name_of=bench.lease.name_of)
     # Behind the token: a stranger holds nothing back.
     app.add_middleware(StopsFirst, urgent=urgent)
     app.state.token = token_of(bench.settings)

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Sequence
 from datetime import UTC, datetime
 
 from ..store.audit import AuditLog
-from ..store.audit_entries import Entry, Wanted
+from ..store.audit_entries import Entry, EntryFilter
 
 COLUMNS = (
     *("id", "time", "who", "kind", "address", "device", "axis"),
@@ -19,7 +19,7 @@ PIECE = 2000
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
-async def csv_pieces(audit: AuditLog, wanted: Wanted, first: Sequence[Entry]) -> AsyncIterator[str]:
+async def csv_pieces(audit: AuditLog, wanted: EntryFilter, first: Sequence[Entry]) -> AsyncIterator[str]:
     """All entries that are wanted, `first` and those behind it, newest first."""
     yield _lines([COLUMNS])
     entries: Sequence[Entry] = first

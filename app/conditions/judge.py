@@ -59,7 +59,7 @@ class WrongResolution:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class AxisObservation:
     """Everything that is known of an axis.
 
     link : what the connection does; `problem` why it does not work
@@ -90,7 +90,7 @@ class Seen:
     thresholds: Thresholds = Thresholds(512, 1024)
 
 
-def judge(seen: Seen) -> Condition:
+def judge(seen: AxisObservation) -> Condition:
     """The condition of an axis; of several the one that its user has to know first."""
     if seen.held_back is not None:
         return _of("cannot_move", seen.held_back)
@@ -167,19 +167,19 @@ def from_encoder(axis: int) -> Remedy:
     return Remedy("set position from encoder", "POST", f"axes/{axis}/position-from-encoder")
 
 
-def _end(seen: Seen, state: AxisState, *reasons: StopReason) -> MotionEnd | None:
+def _end(seen: AxisObservation, state: AxisState, *reasons: StopReason) -> MotionEnd | None:
     """How the latest motion ended, where it did for one of these reasons and nothing has moved since."""
     end = seen.end
     return end if end is not None and end.reason in reasons and not state.moving else None
 
 
-def _fault(seen: Seen, state: AxisState) -> Sign | None:
+def _fault(seen: AxisObservation, state: AxisState) -> Sign | None:
     found = _first(seen.signs.faults)
     end = _end(seen, state, "driver_error")
     return _ended(end) if found is None and end is not None else found
 
 
-def _block(seen: Seen) -> Sign | None:
+def _block(seen: AxisObservation) -> Sign | None:
     found, reset = _first(seen.signs.blocks), _reset(seen)
     if found is None:
         return None
@@ -190,7 +190,7 @@ def _block(seen: Seen) -> Sign | None:
     return Sign(cause, (*reset.evidence, *said.evidence), said.remedies)
 
 
-def _reset(seen: Seen) -> Sign | None:
+def _reset(seen: AxisObservation) -> Sign | None:
     if seen.reset_s is None:
         return None
     evidence = (Evidence("reset", "seen", seen.reset_s),)
@@ -203,14 +203,14 @@ def _reset(seen: Seen) -> Sign | None:
     )
 
 
-def _stall(seen: Seen, state: AxisState) -> Sign | None:
+def _stall(seen: AxisObservation, state: AxisState) -> Sign | None:
     if seen.signs.stall is not None and not state.moving:
         return replace(seen.signs.stall, remedies=(*seen.signs.stall.remedies, search(seen.axis)))
     end = _end(seen, state, "stall")
     return None if end is None else _ended(end, search(seen.axis))
 
 
-def _off(seen: Seen, state: AxisState) -> Condition | None:
+def _off(seen: AxisObservation, state: AxisState) -> Condition | None:
     """What the encoder says against the position counter; None where they agree, or nobody counts."""
     limits, end = seen.thresholds, _end(seen, state, "deviation")
     deviation = _deviation(state)
@@ -282,13 +282,13 @@ def _moving(state: AxisState) -> Condition:
     return Condition("moving", f"it moves{to}", evidence)
 
 
-def _hold(seen: Seen, state: AxisState) -> Sign | None:
+def _hold(seen: AxisObservation, state: AxisState) -> Sign | None:
     found = _first((*seen.signs.holds, *(() if seen.limit is None else (seen.limit,))))
     end = _end(seen, state, "left_switch", "right_switch")
     return _ended(end) if found is None and end is not None else found
 
 
-def _untrusted(seen: Seen, state: AxisState) -> Sign | None:
+def _untrusted(seen: AxisObservation, state: AxisState) -> Sign | None:
     found = _first(seen.signs.untrusted) or _reset(seen)
     if found is not None:
         return found
@@ -296,7 +296,7 @@ def _untrusted(seen: Seen, state: AxisState) -> Sign | None:
     return None if end is None else _ended(end)
 
 
-def _at_rest(seen: Seen, state: AxisState, *, arrived: bool, held: Sign | None) -> Condition:
+def _at_rest(seen: AxisObservation, state: AxisState, *, arrived: bool, held: Sign | None) -> Condition:
     deviation = _deviation(state)
     proof = UNSEEN if deviation is None else f"the encoder agrees within {abs(deviation):,.0f} microsteps"
     beside = "" if held is None else f"; {held.cause}"

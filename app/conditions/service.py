@@ -22,7 +22,7 @@ from ..errors import BenchError
 from ..links.queue import Priority, SampleDropped
 from .encoder_trace import EncoderTrace
 from .ground_truth import AxisGroundTruth, ground_truth_of
-from .judge import Condition, Seen, Thresholds, WrongResolution, judge
+from .judge import AxisObservation, Condition, Thresholds, WrongResolution, judge
 
 log = logging.getLogger("stepscope.conditions")
 
@@ -52,7 +52,7 @@ MICROSTEPS = 256
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class AxisAssessment:
     """How one axis stands. `referenced` is None where nobody knows; `ground_truth` is there for emulators alone."""
 
     condition: Condition
@@ -64,7 +64,7 @@ class Standing:
 class _Axis:
     """What is remembered of one axis between two looks."""
 
-    standing: Standing | None = None
+    standing: AxisAssessment | None = None
     polled_s: float = float("-inf")
     """When the latest look began."""
     sent: bool = False
@@ -91,7 +91,7 @@ class _Axis:
 
 Searched = Callable[[Device, int], str]
 """What the reference search of an axis does, or how the latest ended."""
-Listener = Callable[[str, int, Standing | None], None]
+Listener = Callable[[str, int, AxisAssessment | None], None]
 """Hears the id of a device, the axis, and how it stands now; None: it is no more."""
 
 
@@ -155,7 +155,7 @@ class ConditionService:
         self._listeners.append(listener)
         return partial(self._listeners.remove, listener)
 
-    def all(self) -> list[tuple[Device, int, Standing]]:
+    def all(self) -> list[tuple[Device, int, AxisAssessment]]:
         """Every axis as last judged; asks nothing."""
         axes = [(device, axis) for device in self._watched for axis in range(len(device.axes))]
         return [(device, axis, self.standing(device, axis)) for device, axis in axes]
@@ -166,7 +166,7 @@ class ConditionService:
 
     async def poll(
         self, device: Device, axis: int, priority: Priority = Priority.COMMAND
-    ) -> tuple[AxisState, Standing]:
+    ) -> tuple[AxisState, AxisAssessment]:
         """Read the axis, and judge it by that. Raises what `axis_state` raises; that is judged too."""
         commands = device.session.motion_commands[axis]
         if device in self._watched:
@@ -200,10 +200,10 @@ class ConditionService:
         if self._clock.now() - oldest_s > FRESH_S:
             await asyncio.wait([self._poll_now(device)], timeout=ANSWER_WITHIN_S)
 
-    def standing(self, device: Device, axis: int) -> Standing:
+    def standing(self, device: Device, axis: int) -> AxisAssessment:
         """As last judged; asks nothing."""
         if device not in self._watched:
-            return Standing(judge(Seen(axis, "disconnected")))
+            return AxisAssessment(judge(AxisObservation(axis, "disconnected")))
         found = self._watched[device].axes[axis].standing
         return self._judge(device, axis, None) if found is None else found
 
@@ -278,12 +278,12 @@ class ConditionService:
 
     # --- inside ---------------------------------------------------------------------------------
 
-    def _judge(self, device: Device, axis: int, state: AxisState | None, problem: str = "") -> Standing:
+    def _judge(self, device: Device, axis: int, state: AxisState | None, problem: str = "") -> AxisAssessment:
         if device not in self._watched:
-            return Standing(judge(Seen(axis, "disconnected")))
+            return AxisAssessment(judge(AxisObservation(axis, "disconnected")))
         known = self._watched[device].axes[axis]
         ends = device.monitor.motion_ends(axis)
-        seen = Seen(
+        seen = AxisObservation(
             axis,
             device.state,
             problem or str(device.problem or ""),
@@ -306,7 +306,7 @@ class ConditionService:
         now_s = device.device_time_s() if state is None else state.time_s
         before = known.standing
         since_s = now_s if before is None or before.condition.kind != condition.kind else before.condition.since_s
-        standing = Standing(replace(condition, since_s=since_s), known.referenced, ground_truth_of(device, axis))
+        standing = AxisAssessment(replace(condition, since_s=since_s), known.referenced, ground_truth_of(device, axis))
         known.standing = standing
         if before is None or _said(before) != _said(standing):
             self._tell(device.id, axis, standing)
@@ -329,7 +329,7 @@ class ConditionService:
             known.searched = searched
             known.forget_places()
 
-    def _tell(self, device_id: str, axis: int, standing: Standing | None) -> None:
+    def _tell(self, device_id: str, axis: int, standing: AxisAssessment | None) -> None:
         for listener in tuple(self._listeners):
             listener(device_id, axis, standing)
 
@@ -380,13 +380,13 @@ class ConditionService:
                 known.referenced, known.reset_s = True, None
 
 
-def _said(standing: Standing) -> tuple[object, ...]:
+def _said(standing: AxisAssessment) -> tuple[object, ...]:
     """What is news where it differs; figures among the evidence are not, nor when they were seen."""
     condition = standing.condition
     return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.ground_truth
 
 
-def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> WrongResolution | None:
+def _resolution(device: Device, known: _Axis, seen: AxisObservation, state: AxisState) -> WrongResolution | None:
     """Keep the place where the axis is, and say whether its encoder's resolution is wrong by all that are kept."""
     axis = seen.axis
     microsteps = device.axis(axis).microsteps

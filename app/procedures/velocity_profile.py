@@ -69,7 +69,7 @@ IDLE = ProfileState("idle", None, 0, 0, None, None, None, None, "")
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class CheckedProfile:
     """A profile that was judged: times [s] and velocities [counts of the chip], and what they come to."""
 
     time_s: FloatArray
@@ -79,7 +79,7 @@ class Wanted:
 
 async def judge(
     device: Device, axis: int, time_s: Sequence[float], velocity_pps: Sequence[float], rate_hz: float | None
-) -> Wanted:
+) -> CheckedProfile:
     """Check a profile against the chip and the soft limits; nothing is sent that moves anything.
 
     Raises UsageError for what is no profile, OutOfRange for what the chip cannot do, SoftLimit, WrongState.
@@ -117,7 +117,7 @@ async def judge(
         beyond = summary.highest if summary.highest > POSITION_MAX else summary.lowest
         raise OutOfRange("position", beyond, -POSITION_MAX - 1, POSITION_MAX, "microsteps on the way")
     _require_limits(device, index, summary, position)
-    return Wanted(times, counts.tolist(), summary)
+    return CheckedProfile(times, counts.tolist(), summary)
 
 
 def _require_limits(device: Device, axis: int, summary: ProfileSummary, position: int) -> None:
@@ -139,7 +139,7 @@ class ProfilePlay(Procedure):
 
     kind = "velocity profile"
 
-    def __init__(self, device: Device, axis: int, clock: Clock, wanted: Wanted) -> None:
+    def __init__(self, device: Device, axis: int, clock: Clock, wanted: CheckedProfile) -> None:
         super().__init__(device, axis, clock)
         if device.session.time_scale != 1:
             raise WrongState("the emulator's time does not run with ours", "set its time scale to 1")

@@ -17,7 +17,7 @@ from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded, motion_owner
 from ..devices.core.results import AxisState
 from ..errors import SoftLimit, WriteRefused, WrongState
-from .capture import Held, read_held, read_item
+from .capture import CapturedConfiguration, read_held, read_item
 from .diff import Diff, difference_of, require_fit
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft, ProfileTakenBack
@@ -25,9 +25,9 @@ from .items import Key
 from .preconditions import hold_still, require_rest
 from .program import NAME as PROGRAM
 from .program import ProgramStep, restore, step_of, store
+from .register_bits import RegisterBits, bits_of
 from .rollback import WayBack
 from .steps import Step, steps_between
-from .words import Want, wants_of
 from .writing import Progress, change_of, told_of, unexpected, write_item
 
 
@@ -94,7 +94,7 @@ class Transaction:
         device = self.device
         device.session.require_connected()
         require_fit(device, self.document)
-        wants = wants_of(self.document)
+        wants = bits_of(self.document)
         states = await require_rest(device)
         self._program = await step_of(device, self.document)
         held = await read_held(device, wants)
@@ -134,7 +134,7 @@ class Transaction:
 
     # --- the way there ----------------------------------------------------------------------------
 
-    async def _all(self, held: Held, steps: Sequence[Step], prepared: list[str]) -> list[Change]:
+    async def _all(self, held: CapturedConfiguration, steps: Sequence[Step], prepared: list[str]) -> list[Change]:
         if self.journal is not None:
             await self.journal.begin(steps, self._program)
         try:
@@ -173,7 +173,7 @@ class Transaction:
         except Exception as error:
             raise _Failed(told_of(error, None), None, 0, sent=False, program=step) from error
 
-    async def _forward(self, held: Held, steps: Sequence[Step]) -> None:
+    async def _forward(self, held: CapturedConfiguration, steps: Sequence[Step]) -> None:
         """Write all of it. Raises _Failed."""
         self.progress.phase = "writing"
         for index, step in enumerate(steps):
@@ -211,7 +211,7 @@ class Transaction:
             "another client writes here, or the line flips bits",
         )
 
-    async def _check(self, held: Held, steps: Sequence[Step]) -> None:
+    async def _check(self, held: CapturedConfiguration, steps: Sequence[Step]) -> None:
         """Whether all is as it should be: what was written, and what was not."""
         expected = {**held.words, **self._now}
         restated = any(not step.steady for step in steps)
@@ -257,7 +257,7 @@ class Transaction:
         )
 
 
-def _keys(difference: Diff, wants: Mapping[Key, Want]) -> list[Key]:
+def _keys(difference: Diff, wants: Mapping[Key, RegisterBits]) -> list[Key]:
     differing = {(entry.name, entry.axis) for entry in difference.differences if entry.kind not in SETTINGS}
     return [key for key, want in wants.items() if (want.item.row.name, want.item.row.axis) in differing]
 

@@ -13,11 +13,11 @@ from .document import AxisPart, Limits, ProfileDocument, UnknownPart
 from .items import Item, Key, items_by_key, key_of
 from .program import NAME as PROGRAM
 from .program import read_part
-from .words import parameter_parts, register_parts, tables_of, unknown_parts
+from .register_bits import parameter_parts, register_parts, tables_of, unknown_parts
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class CapturedConfiguration:
     """A device's configuration as it was read.
 
     words : bits of each register, as one would have to write them, inside its item's mask; None where it cannot be
@@ -34,7 +34,7 @@ class Held:
         return self.words.get(item.key)
 
 
-async def read_held(device: Device, wanted: Collection[Key] = ()) -> Held:
+async def read_held(device: Device, wanted: Collection[Key] = ()) -> CapturedConfiguration:
     """Ask for all of it, `wanted` also where nobody has seen yet that it can be set. Nothing is written.
 
     Raises BenchError.
@@ -52,7 +52,7 @@ async def read_held(device: Device, wanted: Collection[Key] = ()) -> Held:
     for key, item in items.items():
         if words[key] is None and not item.row.access.readable:
             words[key] = unread(device, item)
-    return Held(device.model, words, state_bits(device, words))
+    return CapturedConfiguration(device.model, words, state_bits(device, words))
 
 
 async def read_item(device: Device, item: Item) -> int | None:
@@ -118,7 +118,7 @@ async def capture(
     return document
 
 
-def document_of(device: Device, held: Held, name: str, note: str, unix_s: float) -> ProfileDocument:
+def document_of(device: Device, held: CapturedConfiguration, name: str, note: str, unix_s: float) -> ProfileDocument:
     """What was read, as a document."""
     return ProfileDocument.model_validate(
         {

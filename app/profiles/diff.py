@@ -14,13 +14,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ..devices.core.device import Device
 from ..registers.model import Space
-from .capture import Held, axis_part, read_held
+from .capture import CapturedConfiguration, axis_part, read_held
 from .document import AxisPart, ProfileDocument
 from .errors import ProfileMisfit
 from .items import Item, Key, items_of
 from .physical import Physical, UnitContext
 from .program import ProgramDifference, ProgramStep, commands_of, compared, step_of
-from .words import Want, wants_of
+from .register_bits import RegisterBits, bits_of
 
 CLOCK_TOLERANCE = 0.005
 """By how much two clocks may differ and count as the same: a crystal's error and some rounding."""
@@ -144,16 +144,16 @@ def _what_differs(one: str, other: str) -> str:
 async def diff(device: Device, document: ProfileDocument) -> Diff:
     """What `apply` would change. Nothing is written. Raises ProfileMisfit, UnreadableProfile, BenchError."""
     require_fit(device, document)
-    wants = wants_of(document)
+    wants = bits_of(document)
     program = await step_of(device, document)
     return difference_of(device, await read_held(device, wants), document, wants, program)
 
 
 def difference_of(
     device: Device,
-    held: Held,
+    held: CapturedConfiguration,
     document: ProfileDocument,
-    wants: Mapping[Key, Want],
+    wants: Mapping[Key, RegisterBits],
     program: ProgramStep | None = None,
 ) -> Diff:
     """The same of what was read already; `program` is what has to be stored."""
@@ -169,7 +169,7 @@ def difference_of(
     return found_all
 
 
-def units_of_device(device: Device, held: Held) -> UnitContext:
+def units_of_device(device: Device, held: CapturedConfiguration) -> UnitContext:
     """What converts the registers of a device to physical units."""
     return UnitContext(
         device.model, device.clock_hz, tuple(axis_part(axis.settings) for axis in device.axes), held.words
@@ -185,7 +185,7 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
         raise ProfileMisfit(
             f"one profile is of a {left.title}, the other of a {right.title}", "compare two of the same model"
         )
-    ours, theirs = wants_of(left), wants_of(right)
+    ours, theirs = bits_of(left), bits_of(right)
     names = _apart((left.name or "the first", "first"), (right.name or "the second", "second"))
     one = Side(names[0], units_of_document(left, ours), left.firmware)
     other = Side(names[1], units_of_document(right, theirs), right.firmware)
@@ -202,14 +202,16 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
     return found_all
 
 
-def units_of_document(document: ProfileDocument, wants: Mapping[Key, Want], held: Held | None = None) -> UnitContext:
+def units_of_document(
+    document: ProfileDocument, wants: Mapping[Key, RegisterBits], held: CapturedConfiguration | None = None
+) -> UnitContext:
     """What converts the registers of a document to physical units; of what it does not say, as the device has it."""
     words: dict[Key, int | None] = dict(held.words) if held is not None else {}
     words |= {key: want.word | ((words.get(key) or 0) & ~want.mask) for key, want in wants.items()}
     return UnitContext(document.model, document.clock_hz, tuple(document.axes), words)
 
 
-def _missing(one: Side, want: Want) -> Difference:
+def _missing(one: Side, want: RegisterBits) -> Difference:
     item = want.item
     value = item.row.decode(want.word)
     return Difference(
@@ -230,7 +232,7 @@ def _missing(one: Side, want: Want) -> Difference:
 
 
 def _registers(
-    left: Side, right: Side, words: Mapping[Key, int | None], wants: Mapping[Key, Want]
+    left: Side, right: Side, words: Mapping[Key, int | None], wants: Mapping[Key, RegisterBits]
 ) -> Iterator[Difference]:
     for key, want in wants.items():
         held = words.get(key)
@@ -239,7 +241,7 @@ def _registers(
         yield _difference(left, right, held, want)
 
 
-def _difference(left: Side, right: Side, held: int | None, want: Want) -> Difference:
+def _difference(left: Side, right: Side, held: int | None, want: RegisterBits) -> Difference:
     item, row = want.item, want.item.row
     before = None if held is None else row.decode(held & item.mask)
     after = row.decode(want.word | ((held or 0) & item.mask & ~want.mask))

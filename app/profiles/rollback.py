@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..devices.core.device import Device
 from ..errors import BenchError, LinkDown, LinkTimeout, WriteRefused
-from .capture import Held, as_configured, read_held, read_item
+from .capture import CapturedConfiguration, as_configured, read_held, read_item
 from .errors import Change
 from .items import Item, Key
 from .preconditions import hold_still, require_rest
@@ -43,7 +43,7 @@ class WayBack:
         self.unchecked = ""
         """Why it was not looked at everything again in the end; "" where it was."""
 
-    async def run(self, before: Held | None) -> list[Change]:
+    async def run(self, before: CapturedConfiguration | None) -> list[Change]:
         """Write all of it back; what is not as it was then. With `before` all else is looked at too. Never raises."""
         self._progress.phase, self._progress.done, self._progress.total = "way back", 0, len(self._steps)
         left: dict[Key, Change] = {}
@@ -101,7 +101,7 @@ class WayBack:
             self._gone(error)
             return None
 
-    async def _check_others(self, before: Held, left: dict[Key, Change]) -> None:
+    async def _check_others(self, before: CapturedConfiguration, left: dict[Key, Change]) -> None:
         """Whether everything else is as before too: on a line without checksums a write may have gone astray."""
         try:
             after = await read_held(self._device, before.words)

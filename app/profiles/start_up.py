@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
 from ..devices.core.results import WriteItem
-from ..devices.core.start_up import Chosen, Figures, StartPlan, Wanted
+from ..devices.core.start_up import AxisStartUp, Chosen, Figures, StartPlan
 from ..devices.families import family_of
 from ..errors import UsageError
 from ..registers.model import Register, to_raw
@@ -42,7 +42,7 @@ class Motor:
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class StartUpRequest:
     """Which axes shall be set up, none for all, for which motor, and how they shall move."""
 
     axes: Sequence[int] = ()
@@ -68,7 +68,7 @@ class StartUp:
     took_s: float | None = None
 
 
-async def dry_run(device: Device, wish: Wish) -> StartUp:
+async def dry_run(device: Device, wish: StartUpRequest) -> StartUp:
     """What a start-up would write. Raises what `start_up` would before its first write, but for an axis that moves."""
     device.session.require_connected()
     wanted, plan = await _plan(device, wish)
@@ -77,7 +77,7 @@ async def dry_run(device: Device, wish: Wish) -> StartUp:
     return _told(wanted, plan, await diff(device, document))
 
 
-async def start_up(profiles: ProfileService, device: Device, wish: Wish) -> StartUp:
+async def start_up(profiles: ProfileService, device: Device, wish: StartUpRequest) -> StartUp:
     """Set the device up: all of it, or as it was before. Raises what `ProfileService.apply` does, and UsageError for
     figures that its registers cannot hold."""
     device.session.require_connected()
@@ -93,15 +93,15 @@ async def start_up(profiles: ProfileService, device: Device, wish: Wish) -> Star
     )
 
 
-def _told(wanted: Sequence[Wanted], plan: StartPlan, difference: Diff) -> StartUp:
+def _told(wanted: Sequence[AxisStartUp], plan: StartPlan, difference: Diff) -> StartUp:
     warnings = [*difference.warnings, *plan.warnings, *(text for one in wanted for text in one.warnings)]
     return StartUp([one.axis for one in wanted], difference, [each for one in wanted for each in one.chosen], warnings)
 
 
-async def _plan(device: Device, wish: Wish) -> tuple[list[Wanted], StartPlan]:
+async def _plan(device: Device, wish: StartUpRequest) -> tuple[list[AxisStartUp], StartPlan]:
     axes = sorted({device.axis(axis).index for axis in wish.axes}) or [axis.index for axis in device.axes]
     wanted = [
-        Wanted(axis, _with_motor(device.axes[axis].settings, wish.motor), wish.figures, wish.motor.rated_current_a)
+        AxisStartUp(axis, _with_motor(device.axes[axis].settings, wish.motor), wish.figures, wish.motor.rated_current_a)
         for axis in axes
     ]
     return wanted, await family_of(device.model).start_plan(device, wanted)
@@ -117,7 +117,7 @@ def _with_motor(settings: AxisSettings, motor: Motor) -> AxisSettings:
     return replace(settings, full_steps_per_rev=full_steps, limits=limits)
 
 
-def _document(device: Device, wanted: Sequence[Wanted], plan: StartPlan) -> ProfileDocument:
+def _document(device: Device, wanted: Sequence[AxisStartUp], plan: StartPlan) -> ProfileDocument:
     """The plan as a profile of these registers alone; what is no configuration is left out."""
     table, items = device.family.table, items_by_key(device.model)
     rows: dict[Key, Register] = {}

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from ..devices.core.results import WriteItem
 from ..registers.catalog import MODELS
 from ..registers.model import Register
-from .capture import Held
+from .capture import CapturedConfiguration
 from .diff import UNIT_MODE
 from .document import ProfileDocument
 from .errors import ProfileMisfit
 from .families import rules_of
 from .items import Item, Key, items_by_key, key_of
-from .words import Want, check_range, wants_of
+from .register_bits import RegisterBits, bits_of, check_range
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +71,15 @@ def steps_of(document: ProfileDocument) -> list[Step]:
 
     Raises UnreadableProfile for what cannot be, and what may not be written.
     """
-    wants = wants_of(document)
+    wants = bits_of(document)
     for want in wants.values():
         check_range(want)
     return [Step(want.item, want.word, want.mask, None) for want in wants.values()]
 
 
-def steps_between(held: Held, wants: Mapping[Key, Want], differing: Sequence[Key]) -> list[Step]:
+def steps_between(
+    held: CapturedConfiguration, wants: Mapping[Key, RegisterBits], differing: Sequence[Key]
+) -> list[Step]:
     """The writes after which a device that held `held` holds what is wanted.
 
     Raises UnreadableProfile for what may not be written, ProfileMisfit for some fields of a register of which nobody
@@ -102,7 +104,7 @@ def steps_between(held: Held, wants: Mapping[Key, Want], differing: Sequence[Key
     return _ungated(held, steps)
 
 
-def _ungated(held: Held, steps: list[Step]) -> list[Step]:
+def _ungated(held: CapturedConfiguration, steps: list[Step]) -> list[Step]:
     """What waits for a start signal takes no write, and a start may overwrite one: the gates are open meanwhile."""
     gates = rules_of(held.model).gates
     if gates is None or not steps:

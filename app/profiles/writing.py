@@ -11,7 +11,7 @@ from ..devices.core.device import Device
 from ..devices.core.results import WriteItem
 from ..errors import BenchError, WriteRefused
 from ..registers.model import to_raw
-from .capture import Held, as_configured, read_item
+from .capture import CapturedConfiguration, as_configured, read_item
 from .errors import Change
 from .items import Item, Key, items_by_key
 from .steps import Step
@@ -45,7 +45,9 @@ async def write_item(device: Device, item: Item, write: WriteItem, word: int, ma
     return now
 
 
-async def unexpected(device: Device, expected: Mapping[Key, int | None], after: Held) -> list[tuple[Item, int, int]]:
+async def unexpected(
+    device: Device, expected: Mapping[Key, int | None], after: CapturedConfiguration
+) -> list[tuple[Item, int, int]]:
     """Registers that hold something else than expected, each looked at twice: what was expected, and what is."""
     found = []
     for key, item in items_by_key(after.model).items():

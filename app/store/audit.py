@@ -21,7 +21,7 @@ from ..clock import Clock
 from ..devices.core.actor import Actor, actor
 from ..devices.core.changes import DONE
 from ..errors import StoreUnavailable
-from .audit_entries import Entry, Known, Wanted, entry_of, matching, row_of
+from .audit_entries import Entry, EntryFilter, Known, entry_of, matching, row_of
 from .database import Database
 from .tables import AuditRow, Value
 
@@ -171,7 +171,7 @@ class AuditLog:
 
     # --- reading --------------------------------------------------------------------------------
 
-    async def search(self, wanted: Wanted, limit: int, before: int | None = None) -> list[Entry]:
+    async def search(self, wanted: EntryFilter, limit: int, before: int | None = None) -> list[Entry]:
         """The latest `limit` entries that are wanted, newest first; with `before` those with lower ids.
 
         Everything that was added before is among them. Raises StoreUnavailable.

@@ -43,7 +43,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class EntryFilter:
     """Which entries: all words of `text` anywhere in them, and each of the others where it is given."""
 
     text: str = ""
@@ -97,7 +97,7 @@ def entry_of(row: AuditRow) -> Entry:
     )
 
 
-def matching(wanted: Wanted) -> Select[AuditRow]:
+def matching(wanted: EntryFilter) -> Select[AuditRow]:
     """All rows that are wanted, in no order."""
     query = select(AuditRow)
     for column, value in (

@@ -32,7 +32,7 @@ OTHERWISE = "its file says something else by now: disconnect, and it is taken ov
 
 
 @dataclass(frozen=True, slots=True)
-class KeptMap:
+class StoredMap:
     """A file of the folder.
 
     found : what it says, or why it cannot be read. behind : why a device goes by `found` although its file says
@@ -55,12 +55,12 @@ class RegisterMaps:
     def __init__(self, data_dir: Path, reserved: Callable[[str], bool]) -> None:
         self.folder = data_dir / FOLDER
         self._reserved = reserved
-        self._kept: dict[str, tuple[Stamp, KeptMap]] = {}
+        self._kept: dict[str, tuple[Stamp, StoredMap]] = {}
         self._turn = threading.RLock()
         self.passed_over: list[str] = []
         """Files that are no maps by their names, or too many, for people."""
 
-    def scan(self, users: Users) -> list[KeptMap]:
+    def scan(self, users: Users) -> list[StoredMap]:
         """What the folder holds now, by name. Raises StoreUnavailable where it cannot be looked into."""
         with self._turn:
             self._scan(users)
@@ -78,7 +78,7 @@ class RegisterMaps:
         except OSError as error:
             raise _unavailable(error) from error
 
-    def put(self, name: str, content: bytes, users: Users, *, csv: bool = False, dry_run: bool = False) -> KeptMap:
+    def put(self, name: str, content: bytes, users: Users, *, csv: bool = False, dry_run: bool = False) -> StoredMap:
         """Keep a map, instead of the one of that name; a table becomes a map.
 
         Raises UnreadableMap with every mistake, UsageError for a name that cannot be, WrongState where a connected
@@ -98,7 +98,7 @@ class RegisterMaps:
             if name not in self._kept and len(self._kept) >= KEPT_MAX:
                 raise WrongState(f"{KEPT_MAX} register maps are kept already", "delete some of them")
             if dry_run:
-                return KeptMap(name, path, len(content), found)
+                return StoredMap(name, path, len(content), found)
             try:
                 self._write(path, content)
             except OSError as error:
@@ -137,7 +137,7 @@ class RegisterMaps:
         except OSError as error:
             raise _unavailable(error) from error
         self.passed_over = []
-        seen: dict[str, tuple[Stamp, KeptMap]] = {}
+        seen: dict[str, tuple[Stamp, StoredMap]] = {}
         for path in paths:
             try:
                 stamp = self._stamp(path, room=len(seen) < KEPT_MAX)
@@ -162,19 +162,19 @@ class RegisterMaps:
             raise UsageError("it is no file")
         return state.st_mtime_ns, state.st_size, state.st_ino
 
-    def _seen(self, path: Path, stamp: Stamp, users: Mapping[str, bool]) -> tuple[Stamp, KeptMap]:
+    def _seen(self, path: Path, stamp: Stamp, users: Mapping[str, bool]) -> tuple[Stamp, StoredMap]:
         name = path.stem
         known = self._kept.get(name)
         if known is not None and known[0] == stamp and known[1].behind in ("", OTHERWISE):
             return known[0], replace(known[1], behind="")
         if known is None or not users or not isinstance(known[1].found, RegisterMap):
-            return stamp, KeptMap(name, path, stamp[1], self._read(name, path))
+            return stamp, StoredMap(name, path, stamp[1], self._read(name, path))
         if any(users.values()):
             return known[0], replace(known[1], behind=OTHERWISE)
         found = self._read(name, path)
         if isinstance(found, UnreadableMap):
             return known[0], replace(known[1], behind=f"its file cannot be read: {found}"[:400])
-        return stamp, KeptMap(name, path, stamp[1], found)
+        return stamp, StoredMap(name, path, stamp[1], found)
 
     @staticmethod
     def _read(name: str, path: Path) -> RegisterMap | UnreadableMap:

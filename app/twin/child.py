@@ -25,7 +25,7 @@ import zstandard
 from .bodies import DIAL_AT, scenery
 from .colours import Scheme, rgb
 from .scene import Placement, placements
-from .shape import Look, Shape
+from .shape import AxisPose, Shape
 
 NICENESS = 5
 """A picture may come late; a stop command may not."""
@@ -98,7 +98,7 @@ class Stage:
                     visible=bool(label.text),
                 )
 
-    def show(self, look: Look) -> None:
+    def show(self, look: AxisPose) -> None:
         """Move, turn and colour what has changed."""
         if self._shape is None:
             return
@@ -188,7 +188,7 @@ def main() -> None:
         if "shape" in message:
             stage.set_up(Shape.of_message(message["shape"]), message["scheme"])
         if "look" in message:
-            stage.show(Look.of_message(message["look"]))
+            stage.show(AxisPose.of_message(message["look"]))
             shown += 1
             _say(answers, {"shown": shown})
     viewer.stop()

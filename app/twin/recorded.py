@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .shape import CHANNELS, Look, Shape, Slips, look_of
+from .shape import CHANNELS, AxisPose, Shape, Slips, look_of
 from .watch import Watches
 
 FloatArray = NDArray[np.float64]
@@ -51,11 +51,11 @@ class RecordedAxis:
             return 0.0, 0.0
         return float(self._time_s[0]) - self.zero_s, float(self._time_s[-1]) - self.zero_s
 
-    def at(self, since_zero_s: float) -> Look:
+    def at(self, since_zero_s: float) -> AxisPose:
         """The latest sample at or before that time; before the first one nothing is known."""
         row = int(np.searchsorted(self._time_s, self.zero_s + since_zero_s + 1e-9, side="right")) - 1
         if row < 0:
-            return Look(travel=self._travel)
+            return AxisPose(travel=self._travel)
         at_s = float(self._time_s[row])
         values = {name: float(column[row]) for name, column in self._columns.items()}
         slips = next((slips for slips in reversed(self._slips) if (slips.last_s or 0.0) <= at_s), Slips())

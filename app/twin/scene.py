@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .bodies import ARC_RADII, FIELD_LENGTH, IDENTITY, RAIL, STAGE_SWITCHES, Vector
 from .colours import Rgb, Scheme, between, rgb
 from .geometry import Mesh, arc
-from .shape import FIELD_LEAST, Coil, Look, Shape, Travel
+from .shape import FIELD_LEAST, AxisPose, Coil, Shape, Travel
 
 Quaternion = tuple[float, float, float, float]
 
@@ -48,14 +48,14 @@ def half_turn(degrees: float) -> float:
     return (degrees + 180.0) % 360.0 - 180.0
 
 
-def placements(shape: Shape, look: Look, scheme: Scheme) -> dict[str, Placement]:
+def placements(shape: Shape, look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     """Every node that may differ from one look to the next."""
     placed = _motor(look, scheme) | _dial(look, scheme) | _coils(shape, look, scheme)
     placed |= _stage(look, scheme) if shape.linear else _table(look, scheme)
     return placed | {"/slips": Placement(text=slips_text(look))}
 
 
-def slips_text(look: Look) -> str:
+def slips_text(look: AxisPose) -> str:
     """What is told of lost steps."""
     if look.slips is None:
         return "no encoder: lost steps are not seen"
@@ -65,12 +65,12 @@ def slips_text(look: Look) -> str:
     return f"slipped {times}, {abs(look.slips.lost_full_steps)} full steps off"
 
 
-def flashing(look: Look) -> bool:
+def flashing(look: AxisPose) -> bool:
     """Whether a slip was just now."""
     return look.slip_age_s is not None and look.slip_age_s < FLASH_S
 
 
-def _motor(look: Look, scheme: Scheme) -> dict[str, Placement]:
+def _motor(look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     measured = look.measured_deg is not None
     rotor_deg = look.measured_deg if measured else look.commanded_deg
     steel = rgb("fault", scheme) if flashing(look) else rgb("rotor", scheme)
@@ -85,7 +85,7 @@ def _motor(look: Look, scheme: Scheme) -> dict[str, Placement]:
     }
 
 
-def _coils(shape: Shape, look: Look, scheme: Scheme) -> dict[str, Placement]:
+def _coils(shape: Shape, look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     """Both coils: how they glow in the motor, and where their currents are on the axes of the dial."""
     placed: dict[str, Placement] = {}
     other: Coil = "b" if shape.sine_coil == "a" else "a"
@@ -105,7 +105,7 @@ def _coils(shape: Shape, look: Look, scheme: Scheme) -> dict[str, Placement]:
     return placed
 
 
-def _dial(look: Look, scheme: Scheme) -> dict[str, Placement]:
+def _dial(look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     placed: dict[str, Placement] = {}
     field_deg, rotor_deg = look.field_deg, look.rotor_deg
     dead = look.field_share is not None and look.field_share < FIELD_LEAST
@@ -138,7 +138,7 @@ def _mm(place: float) -> str:
     return f"{place:g} mm".replace("-", "\N{MINUS SIGN}")
 
 
-def _stage(look: Look, scheme: Scheme) -> dict[str, Placement]:
+def _stage(look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     travel = look.travel
     carriage = look.place_measured if look.place_measured is not None else look.place_commanded
     motor_deg = look.measured_deg if look.measured_deg is not None else look.commanded_deg
@@ -178,7 +178,7 @@ def _stage(look: Look, scheme: Scheme) -> dict[str, Placement]:
     return placed
 
 
-def _table(look: Look, scheme: Scheme) -> dict[str, Placement]:
+def _table(look: AxisPose, scheme: Scheme) -> dict[str, Placement]:
     measured = look.place_measured is not None
     place = look.place_measured if measured else look.place_commanded
     return {

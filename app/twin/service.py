@@ -29,7 +29,7 @@ from .colours import Scheme
 from .process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
 from .recorded import RecordedAxis
 from .scene import flashing
-from .shape import CHANNELS, Look, Shape, look_of, sine_coil_of
+from .shape import CHANNELS, AxisPose, Shape, look_of, sine_coil_of
 from .watch import Watches
 
 log = logging.getLogger("stepscope.twin")
@@ -66,7 +66,7 @@ class TwinInfo:
     recording_s: float | None
     updates_per_s: float
     viewers: int
-    look: Look | None
+    look: AxisPose | None
     problem: BenchError | None
     pid: int | None
 
@@ -96,7 +96,7 @@ class Twin:
         self._viewers = 0
         self._seen_s = clock.now()
         self._problem: BenchError | None = None
-        self._look: Look | None = None
+        self._look: AxisPose | None = None
         self._told: tuple[Shape, Scheme] | None = None
         self._shown_s: deque[float] = deque(maxlen=round(2 * UPDATES_PER_S))
 
@@ -255,7 +255,7 @@ class Twin:
 
     async def _update(self, renderer: Renderer) -> None:
         source, recorded = self._source, self._recorded
-        live = source.take() if source is not None else Look()
+        live = source.take() if source is not None else AxisPose()
         if recorded is not None:
             shape, look = recorded.shape, recorded.at(self._recorded_s)
         elif source is not None:
@@ -277,11 +277,11 @@ class Twin:
 class _Gone:
     """What was shown of a device that was removed: its shape, and nothing that holds the device."""
 
-    def __init__(self, shape: Shape, look: Look) -> None:
+    def __init__(self, shape: Shape, look: AxisPose) -> None:
         self.shape, self._look = shape, look
         self.problem: BenchError | None = WrongState(f"{shape.device} was removed", "choose another axis")
 
-    def take(self) -> Look:
+    def take(self) -> AxisPose:
         return self._look
 
     def close(self) -> None:
@@ -323,7 +323,7 @@ class _Source:
             ),
         )
 
-    def take(self) -> Look:
+    def take(self) -> AxisPose:
         """The state after everything that was sampled until now."""
         shape = self.shape
         self._join(shape)

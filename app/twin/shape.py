@@ -120,7 +120,7 @@ class Slips:
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class AxisPose:
     """An axis at one moment, as numbers; None: not measured, or not known now.
 
     Angles of the field are electrical: four full steps are a turn. `place` is mm of a stage, degrees of a table.
@@ -167,7 +167,7 @@ class Look:
         return {name: value for name, value in asdict(self).items() if value is not None}
 
     @classmethod
-    def of_message(cls, message: Mapping[str, Any]) -> Look:
+    def of_message(cls, message: Mapping[str, Any]) -> AxisPose:
         """The inverse of `message`."""
         known = {entry.name for entry in fields(cls)}
         values = {name: value for name, value in message.items() if name in known}
@@ -184,7 +184,7 @@ def look_of(
     values: Mapping[str, float],
     slips: Slips | None = None,
     travel: Travel | None = None,
-) -> Look:
+) -> AxisPose:
     """The numbers of one sample: `values` by quantity in the units of the telemetry channels, NaN where missing."""
 
     def value(quantity: str) -> float | None:
@@ -201,7 +201,7 @@ def look_of(
     )
     field_deg, field_from, field_share = _field(shape, value("mscnt"), position, current_a, current_b)
     load_deg, load_from = _load(value("load_angle"), shape.electrical_deg(value("deviation")))
-    return Look(
+    return AxisPose(
         time_s=time_s,
         position=position,
         velocity_pps=value("velocity"),

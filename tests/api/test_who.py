@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.types import Receive, Scope, Send
 
-from app.api.http.actor import NAME_MAX, Who, plain_name
+from app.api.http.actor import NAME_MAX, ActorMiddleware, plain_name
 from app.api.http.identity import ANYBODY, Identity, identify
 from app.devices.core.actor import STEPSCOPE, Actor, actor
 
@@ -37,7 +37,7 @@ class Asked:
 
 async def who(headers: dict[str, str], names: dict[str, str] | None = None, identity: Identity = ANYBODY) -> Actor:
     asked = Asked()
-    inside = Who(asked, (names or {}).get)
+    inside = ActorMiddleware(asked, (names or {}).get)
 
     async def door(scope: Scope, receive: Receive, send: Send) -> None:
         identify(scope, identity)
@@ -93,7 +93,7 @@ async def test_a_socket_has_one_too() -> None:
 
     scope = {"type": "websocket", "headers": [(b"user-agent", b"curl/8")], "client": ("::1", 5)}
     identify(scope, ANYBODY)
-    await Who(asked, lambda _: None)(scope, receive, send)
+    await ActorMiddleware(asked, lambda _: None)(scope, receive, send)
     assert asked.seen[0].name == "curl@::1"
 
 

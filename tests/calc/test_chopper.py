@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from app.calc.motor_torque import StepperMotor
 from app.calc.tmc5xxx.chopper import BLANK_CLOCKS, PWM_DIVIDERS, Winding
 from app.calc.tmc5xxx.chopper_hints import blank_setting, hints, split
-from app.calc.tmc5xxx.chopper_notes import SHEETS, Wishes
+from app.calc.tmc5xxx.chopper_notes import SHEETS, ChopperChoices
 from app.calc.tmc5xxx.stealth import pwm_setting
 from app.registers.tmc5xxx import driver as tmc5xxx_driver
 
@@ -127,7 +127,7 @@ def test_the_application_notes_motor() -> None:
     and TOFF 2, where it takes a hysteresis beyond what is usual. The estimate leaves out what switching takes."""
     winding = Winding(0.5, 0.6e-3, 1.01, 24, 16e6, irun=23)
     assert 26e3 < winding.chopper_hz(2, 5, 6) < 26e3 * 1.5
-    found = hints("tmc5130", winding, Wishes(tbl=1, toff=2))
+    found = hints("tmc5130", winding, ChopperChoices(tbl=1, toff=2))
     assert next(f.value for f in found.figures if f.name == "chopper_frequency") == pytest.approx(60e3, rel=0.25)
     assert found.value("hstrt") + 1 + found.value("hend") - 3 > 8
     assert any("kHz" in said for said in found.warnings)
@@ -143,7 +143,7 @@ def test_no_chopper_is_faster_than_its_shortest_cycle(winding: Winding, toff: in
 def test_every_hint_fits_its_field_and_says_why(
     model: str, winding: Winding, automatic: bool, chopper_hz: float
 ) -> None:
-    found = hints(model, winding, Wishes(automatic=automatic, chopper_hz=chopper_hz))
+    found = hints(model, winding, ChopperChoices(automatic=automatic, chopper_hz=chopper_hz))
     tops = {
         "toff": 15,
         "tbl": 3,
@@ -176,11 +176,11 @@ def test_the_band_holds_the_ripple_or_it_is_said(winding: Winding) -> None:
 
 
 def test_what_is_asked_for_is_kept() -> None:
-    found = hints("tmc5160", MOTOR, Wishes(tbl=2, toff=3, hysteresis=9, pwm_freq=2))
+    found = hints("tmc5160", MOTOR, ChopperChoices(tbl=2, toff=3, hysteresis=9, pwm_freq=2))
     assert [found.value(name) for name in ("tbl", "toff", "hstrt", "hend", "pwm_freq")] == [2, 3, 7, 4, 2]
     assert not any(s.chosen for s in found.settings if s.field in ("tbl", "toff", "hstrt", "hend", "pwm_freq"))
     with pytest.raises(ValueError, match="24 clocks"):
-        hints("tmc5160", MOTOR, Wishes(tbl=0, toff=1))
+        hints("tmc5160", MOTOR, ChopperChoices(tbl=0, toff=1))
 
 
 def test_a_common_motor_at_every_chip() -> None:
@@ -191,7 +191,7 @@ def test_a_common_motor_at_every_chip() -> None:
         assert not found.warnings
     assert [hints("tmc5160", MOTOR).value(name) for name in ("PWM_OFS", "PWM_GRAD")] == [38, 18]
     assert [hints("tmc5130", MOTOR).value(name) for name in ("PWM_AMPL", "PWM_GRAD")] == [255, 4]
-    fixed = Wishes(automatic=False)
+    fixed = ChopperChoices(automatic=False)
     assert [hints("tmc5130", MOTOR, fixed).value(name) for name in ("PWM_AMPL", "PWM_GRAD")] == [38, 18]
     assert [hints("tmc5072", MOTOR, fixed).value(name) for name in ("PWM_AMPL", "PWM_GRAD")] == [38, 1]
 
@@ -203,7 +203,7 @@ def test_speeds_in_every_unit_that_is_of_use() -> None:
     assert figures["stallguard_least_rpm"] == pytest.approx(60)
     assert figures["stallguard_least_tstep"] == 312
     assert figures["stallguard_least"] < figures["current_limit"] < figures["stealthchop_limit"]
-    sixteenth = {f.name: f.value for f in hints("tmc5160", MOTOR, Wishes(microsteps=16)).figures}
+    sixteenth = {f.name: f.value for f in hints("tmc5160", MOTOR, ChopperChoices(microsteps=16)).figures}
     assert sixteenth["current_limit"] == pytest.approx(figures["current_limit"] / 16)
     assert sixteenth["current_limit_tstep"] == figures["current_limit_tstep"]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from app.calc.positions.encoder_resolution import EncoderLine
-from app.conditions.judge import Seen, Thresholds, WrongResolution, judge
+from app.conditions.judge import AxisObservation, Thresholds, WrongResolution, judge
 from app.devices.core.results import AxisState, MotionEnd, StopReason, Switches
 from app.devices.core.signs import Evidence, Remedy, Sign, Signs, zero
 
@@ -24,7 +24,7 @@ STATE = AxisState(
     flags={},
     time_s=5.0,
 )
-SENT = Seen(0, "connected", state=STATE, sent=True, thresholds=Thresholds(512, 1024))
+SENT = AxisObservation(0, "connected", state=STATE, sent=True, thresholds=Thresholds(512, 1024))
 FAULT = Signs(faults=(Sign("the driver is too hot", (Evidence("DRV_STATUS.ot", "1", 5.0),)),))
 HELD = Signs(holds=(Sign("the left switch is active", (Evidence("left switch", "active", 5.0),)),))
 
@@ -92,9 +92,9 @@ def test_zeros_come_with_their_cure() -> None:
 
 
 def test_what_cannot_be_known_is_unknown_with_its_cause() -> None:
-    never = judge(Seen(0, "connected"))
+    never = judge(AxisObservation(0, "connected"))
     assert (never.kind, never.cause) == ("unknown", "nobody has looked at this axis yet")
-    failing = judge(Seen(0, "connected", problem="no reply within 0.1 s"))
+    failing = judge(AxisObservation(0, "connected", problem="no reply within 0.1 s"))
     assert (failing.kind, failing.cause) == ("unknown", "no reply within 0.1 s")
     untrusted = judge(replace(SENT, signs=Signs(untrusted=(Sign("its counter is not to be believed"),))))
     assert (untrusted.kind, untrusted.cause) == ("unknown", "its counter is not to be believed")

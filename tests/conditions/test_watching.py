@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from app.clock import Clock, VirtualClock
-from app.conditions.service import WIRE_SHARE, ConditionService, Standing
+from app.conditions.service import WIRE_SHARE, AxisAssessment, ConditionService
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.core.results import AxisState
@@ -161,7 +161,7 @@ async def test_whoever_asks_for_a_device_that_is_seldom_looked_at_gets_a_fresh_l
         await manager.close()
 
 
-async def look(clock: VirtualClock, conditions: ConditionService, device: Device) -> tuple[AxisState, Standing]:
+async def look(clock: VirtualClock, conditions: ConditionService, device: Device) -> tuple[AxisState, AxisAssessment]:
     looking = asyncio.create_task(conditions.poll(device, 0))
     while not looking.done():
         await clock.advance(0.001)

@@ -8,7 +8,7 @@ from app.devices.core.start_up import Figures
 from app.devices.tmc428.start_up import AxisStart, start_up
 from app.emulators.tmc428.options import EmulatorPatch
 from app.errors import UsageError
-from app.profiles.start_up import Wish, dry_run
+from app.profiles.start_up import StartUpRequest, dry_run
 
 from .harness import START, Bench, bench
 
@@ -46,12 +46,12 @@ async def test_told_to_give_steps_it_is_set_up_without_a_chain() -> None:
         state = b.wire.state()
         assert state.axes[2].position_fullsteps - 3750 == pytest.approx(40)
         assert [one.steps_sent for one in state.step_dirs] == [0, 0, 640]
-        tried = await dry_run(b.device, Wish())
+        tried = await dry_run(b.device, StartUpRequest())
         written = {difference.name for difference in tried.diff.differences}
         assert "usrs" not in written
         assert not any(name.startswith(("chain_conf", "lut_", "is_")) for name in written)
         with pytest.raises(UsageError, match="step/direction driver"):
-            await dry_run(b.device, Wish(figures=Figures(microsteps=64)))
+            await dry_run(b.device, StartUpRequest(figures=Figures(microsteps=64)))
 
 
 async def test_where_the_compare_register_is_the_chip_says() -> None:
@@ -74,4 +74,4 @@ async def test_right_switches_are_there_once_their_pins_are_switched_on() -> Non
 async def test_a_figure_that_it_cannot_have_is_named() -> None:
     async with bench("tmc429", started=False) as b:
         with pytest.raises(UsageError, match="a TMC429 reads no encoder"):
-            await dry_run(b.device, Wish(figures=Figures(counts_per_rev=4000)))
+            await dry_run(b.device, StartUpRequest(figures=Figures(counts_per_rev=4000)))

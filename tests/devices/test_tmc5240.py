@@ -13,7 +13,7 @@ from app.devices.manager import DeviceChange
 from app.devices.tmc5xxx.start_up import start_items
 from app.errors import CannotMove, UsageError
 from app.profiles.diff import Difference
-from app.profiles.start_up import Wish, dry_run
+from app.profiles.start_up import StartUpRequest, dry_run
 
 from .tmc5xxx.harness import START, Bench, bench
 
@@ -93,7 +93,7 @@ async def test_a_start_takes_the_lowest_range_that_suffices(run_a: float, curren
     async with bench("tmc5240", start=None) as b:
         limits = AxisLimits(current_full_scale_a=FULL_SCALE_A)
         await b.manager.edit(b.device.id, DeviceChange(axes=(replace(b.device.axes[0].settings, limits=limits),)))
-        tried = await dry_run(b.device, Wish(figures=Figures(run_current_a=run_a)))
+        tried = await dry_run(b.device, StartUpRequest(figures=Figures(run_current_a=run_a)))
         written = {one.name: one for one in tried.diff.differences}
         ranges = written.get("DRV_CONF")
         assert (

@@ -11,8 +11,8 @@ from app.profiles.capture import capture
 from app.profiles.document import ProfileDocument, parse, plain, text_of
 from app.profiles.errors import UnreadableProfile
 from app.profiles.items import items_of
+from app.profiles.register_bits import bits_of
 from app.profiles.steps import steps_of
-from app.profiles.words import wants_of
 from app.registers.model import Access
 from tests.profiles.harness import EVERY_MODEL, bench
 
@@ -22,10 +22,10 @@ async def test_a_captured_profile_speaks_of_every_register_and_survives_a_file(m
     async with bench(model) as b:
         document = await capture(b.device, "one", unix_s=1.0)
         assert document.unknown == []
-        assert list(wants_of(document)) == [item.key for item in items_of(model)]
+        assert list(bits_of(document)) == [item.key for item in items_of(model)]
         assert parse(json.loads(text_of(document))) == document
-        assert {key: want.word for key, want in wants_of(document).items()} == {
-            key: want.word for key, want in wants_of(parse(plain(document))).items()
+        assert {key: want.word for key, want in bits_of(document).items()} == {
+            key: want.word for key, want in bits_of(parse(plain(document))).items()
         }
 
 

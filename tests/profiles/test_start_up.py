@@ -16,7 +16,7 @@ from app.errors import CannotMove, OutOfRange, SoftLimit, UsageError, WrongState
 from app.profiles.errors import ProfileTakenBack
 from app.profiles.items import items_by_key
 from app.profiles.service import ProfileService
-from app.profiles.start_up import Motor, StartUp, Wish, dry_run, start_up
+from app.profiles.start_up import Motor, StartUp, StartUpRequest, dry_run, start_up
 from app.registers.catalog import MODELS
 
 from .harness import Bench, bench
@@ -80,10 +80,10 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
     async with bench(model, started=False) as b:
         await cannot_move(b.device)
         before = b.truth()
-        tried = await dry_run(b.device, Wish())
+        tried = await dry_run(b.device, StartUpRequest())
         assert b.truth() == before, "a dry run writes nothing"
         assert (tried.written, tried.axes) == (None, [axis.index for axis in b.device.axes])
-        done = await start_up(service(tmp_path), b.device, Wish())
+        done = await start_up(service(tmp_path), b.device, StartUpRequest())
         names = {(each.name, each.axis) for each in tried.diff.differences}
         assert {(each.name, each.axis) for each in done.written or ()} == names
         items = items_by_key(model)
@@ -93,7 +93,7 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
             assert items[key].row.decode(after[key]) == pytest.approx(change.wanted, abs=2), change
         for axis in b.device.axes:
             await moves(b, axis.index)
-        again = await start_up(service(tmp_path), b.device, Wish())
+        again = await start_up(service(tmp_path), b.device, StartUpRequest())
         assert again.written == []
 
 
@@ -102,7 +102,7 @@ async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_pa
     async with bench(model, started=False) as b:
         await cannot_move(b.device)
         before = b.truth()
-        steps = (await dry_run(b.device, Wish())).diff.writes
+        steps = (await dry_run(b.device, StartUpRequest())).diff.writes
         write, done = b.device.registers.write, 0
 
         async def refusing(*args: object, **kwargs: object) -> object:
@@ -114,7 +114,7 @@ async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_pa
 
         b.device.registers.write = refusing  # type: ignore[method-assign, assignment]
         with pytest.raises(ProfileTakenBack) as caught:
-            await start_up(service(tmp_path), b.device, Wish())
+            await start_up(service(tmp_path), b.device, StartUpRequest())
         assert (type(caught.value), caught.value.left) == (ProfileTakenBack, [])
         assert done > steps // 2
         assert b.truth() == before
@@ -122,7 +122,7 @@ async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_pa
 
 async def test_one_axis_alone_is_set_up(tmp_path: Path) -> None:
     async with bench("tmc5072", started=False) as b:
-        done = await start_up(service(tmp_path), b.device, Wish(axes=[1]))
+        done = await start_up(service(tmp_path), b.device, StartUpRequest(axes=[1]))
         assert done.axes == [1]
         assert {each.axis for each in done.written or ()} <= {None, 1}
         with pytest.raises(WrongState):
@@ -136,7 +136,7 @@ async def test_amperes_become_scales_by_the_sense_resistor(model: str, tmp_path:
     """0.5 A of a coil by 0.22 ohm, a tenth at rest; the figures by the formula of each sheet, not below nor above."""
     async with bench(model, started=False) as b:
         motor = Motor(rated_current_a=0.5, sense_resistor_ohm=0.22)
-        await start_up(service(tmp_path), b.device, Wish([0], Figures(hold_current_a=0.05), motor))
+        await start_up(service(tmp_path), b.device, StartUpRequest([0], Figures(hold_current_a=0.05), motor))
         chopconf = (await b.device.registers.read("CHOPCONF", 0)).fields
         held = b.device.registers.kept(0, ("current",))
         current = next(each for each in held if each.name.startswith("IHOLD_IRUN"))
@@ -156,7 +156,9 @@ async def test_amperes_become_scales_by_the_sense_resistor(model: str, tmp_path:
 async def test_figures_and_motor_are_what_the_device_is_set_to(tmp_path: Path) -> None:
     async with bench("pd42-1241", started=False) as b:
         figures = Figures(velocity_pps=20_000.0, acceleration_pps2=40_000.0, microsteps=16, run_scale=99, hold_scale=9)
-        done = await start_up(service(tmp_path), b.device, Wish(figures=figures, motor=Motor(full_steps_per_rev=400)))
+        done = await start_up(
+            service(tmp_path), b.device, StartUpRequest(figures=figures, motor=Motor(full_steps_per_rev=400))
+        )
         wanted = {"maximum_positioning_speed": 20_000, "maximum_acceleration": 40_000, "microstep_resolution": 4}
         wanted |= {"maximum_current": 99, "standby_current": 9, "motor_fullstep_resolution": 400}
         for name, number in wanted.items():
@@ -168,7 +170,7 @@ async def test_figures_and_motor_are_what_the_device_is_set_to(tmp_path: Path) -
 async def test_an_encoder_shows_the_position_when_its_resolution_is_set(tmp_path: Path) -> None:
     async with bench("tmc4361", started=False) as b:
         await b.device.registers.write("ENC_POS", 0, 700)
-        done = await start_up(service(tmp_path), b.device, Wish(figures=Figures(counts_per_rev=40_000)))
+        done = await start_up(service(tmp_path), b.device, StartUpRequest(figures=Figures(counts_per_rev=40_000)))
         assert any("ENC_POS" in told for told in done.prepared)
         assert await value(b.device, "ENC_POS", 0) == 0
 
@@ -198,8 +200,8 @@ async def test_what_a_device_cannot_be_set_to_is_refused_before_anything_is_writ
     async with bench(model, started=False) as b:
         before = b.truth()
         for attempt in (
-            dry_run(b.device, Wish(figures=figures)),
-            start_up(service(tmp_path), b.device, Wish(figures=figures)),
+            dry_run(b.device, StartUpRequest(figures=figures)),
+            start_up(service(tmp_path), b.device, StartUpRequest(figures=figures)),
         ):
             with pytest.raises(error, match=told):
                 await attempt
@@ -213,8 +215,8 @@ async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refuse
         axes = tuple(AxisSettings(limits=limits) for _ in b.device.axes)
         await b.manager.edit(b.device.id, DeviceChange(axes=axes))
         with pytest.raises(SoftLimit):
-            await dry_run(b.device, Wish(figures=Figures(velocity_pps=100_000.0)))
-        told: StartUp = await start_up(service(tmp_path), b.device, Wish())
+            await dry_run(b.device, StartUpRequest(figures=Figures(velocity_pps=100_000.0)))
+        told: StartUp = await start_up(service(tmp_path), b.device, StartUpRequest())
         assert {each.name for each in told.chosen} >= {"velocity_pps", "acceleration_pps2"}
         await b.device.motion.move(0, 1_000)
         assert await settled(b, 0) == 1_000
@@ -227,8 +229,8 @@ async def test_currents_of_what_is_stepped_stay_within_the_soft_limits(model: st
         limits = AxisLimits(velocity_max_pps=3_000.0, current_max_a=0.5, sense_resistor_ohm=0.11)
         await b.manager.edit(b.device.id, DeviceChange(axes=(AxisSettings(limits=limits),)))
         with pytest.raises(SoftLimit):
-            await dry_run(b.device, Wish(figures=Figures(run_scale=31)))
-        told: StartUp = await start_up(service(tmp_path), b.device, Wish())
+            await dry_run(b.device, StartUpRequest(figures=Figures(run_scale=31)))
+        told: StartUp = await start_up(service(tmp_path), b.device, StartUpRequest())
         (run,) = [each.value for each in told.chosen if each.name == "run_scale"]
         assert 0.9 * 0.5 < (run + 1) / 32 * 0.325 / 0.13 / math.sqrt(2) <= 0.5
         with pytest.raises(SoftLimit):

@@ -18,7 +18,7 @@ from app.clock import VirtualClock
 from app.devices.core.actor import Actor, actor
 from app.store import audit as module
 from app.store.audit import AuditLog, request_under_way
-from app.store.audit_entries import Entry, Wanted
+from app.store.audit_entries import Entry, EntryFilter
 from app.store.database import FILE_NAME, Database
 
 ANN = Actor("Ann", "browser", "a secret of the tab", "10.0.0.7")
@@ -61,7 +61,7 @@ def entry(number: int, **changes: object) -> Entry:
 
 
 async def found(log: AuditLog, **wanted: object) -> list[object]:
-    return [each.new for each in await log.search(Wanted(**wanted), 100)]  # type: ignore[arg-type]
+    return [each.new for each in await log.search(EntryFilter(**wanted), 100)]  # type: ignore[arg-type]
 
 
 def on_disk(path: Path) -> int:
@@ -100,7 +100,7 @@ async def test_a_note_is_by_whoever_this_task_works_for(log: AuditLog, clock: Vi
     log.note("move", "position", device="bench", axis=1, old=0, new=1.5, detail="microsteps")
     actor.reset(before)
     log.note("start", "stepscope")
-    server, ann = await log.search(Wanted(), 10)
+    server, ann = await log.search(EntryFilter(), 10)
     assert (ann.who, ann.kind, ann.address, ann.at_unix_s) == ("Ann", "browser", "10.0.0.7", 1e9 + clock.now())
     assert (ann.device, ann.axis, ann.old, ann.new, ann.detail) == ("bench", 1, 0, 1.5, "microsteps")
     assert (server.who, server.kind, server.old) == ("stepscope", "server", None)
@@ -132,16 +132,16 @@ async def test_it_is_searched_by_words_people_devices_and_time(log: AuditLog) ->
     assert await found(log, outcome="done") == [2, 1]
     assert await found(log, since_unix_s=1e9 + 2) == [3, 2]
     assert await found(log, until_unix_s=1e9 + 2) == [1]
-    newest, middle, oldest = await log.search(Wanted(), 10)
+    newest, middle, oldest = await log.search(EntryFilter(), 10)
     assert await found(log, after=oldest.id) == [3, 2]
-    assert [each.new for each in await log.search(Wanted(), 1, before=newest.id)] == [middle.new]
+    assert [each.new for each in await log.search(EntryFilter(), 1, before=newest.id)] == [middle.new]
     known = await log.known()
     assert (known.devices, known.who, known.actions) == (["bench", "slider"], ["Ann", "Bob"], ["move", "write"])
 
 
 async def test_texts_from_outside_are_cut_and_made_storable(log: AuditLog) -> None:
     log.add(entry(1, who="\udcff" + "x" * 500, subject="y" * 5000))
-    (kept,) = await log.search(Wanted(), 10)
+    (kept,) = await log.search(EntryFilter(), 10)
     assert kept.who.startswith("?x")
     assert len(kept.who) == 100
     assert len(kept.subject) == 200
@@ -154,8 +154,8 @@ async def test_the_oldest_go(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> 
     for number in range(120):
         log.add(entry(number))
         if number % 7 == 0:
-            await log.search(Wanted(), 1)
-    kept = await log.search(Wanted(), 1000)
+            await log.search(EntryFilter(), 1)
+    kept = await log.search(EntryFilter(), 1000)
     assert 50 <= len(kept) <= 60
     assert kept[0].new == 119
 
@@ -178,10 +178,10 @@ async def test_what_the_database_does_not_take_waits(
     try:
         for number in range(30):
             log.add(entry(number, detail="z" * 500))
-        assert await log.search(Wanted(), 100) == []  # nothing pretends that it is there
+        assert await log.search(EntryFilter(), 100) == []  # nothing pretends that it is there
         assert caplog.text.count("is not written") == 1
         full["full"] = False
-        kept = await log.search(Wanted(), 100)
+        kept = await log.search(EntryFilter(), 100)
     finally:
         event.remove(Engine, "checkout", no_room)
     assert [each.new for each in kept[:20]] == list(range(29, 9, -1))
@@ -211,7 +211,7 @@ async def test_no_secret_gets_in(log: AuditLog, tmp_path: Path) -> None:
     before = actor.set(ANN)
     log.note("write", "v_max")
     actor.reset(before)
-    await log.search(Wanted(), 1)
+    await log.search(EntryFilter(), 1)
     assert ANN.session is not None
     for file in (tmp_path / FILE_NAME, tmp_path / f"{FILE_NAME}-wal"):
         assert ANN.session.encode() not in await asyncio.to_thread(file.read_bytes)

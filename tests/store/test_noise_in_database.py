@@ -10,7 +10,7 @@ import pytest
 
 from app.clock import VirtualClock
 from app.store.audit import AuditLog
-from app.store.audit_entries import Wanted
+from app.store.audit_entries import EntryFilter
 from app.store.database import FILE_NAME, Database
 from app.store.profiles import ProfileStore
 
@@ -44,12 +44,12 @@ async def look(data_dir: Path) -> tuple[int, int, list[str]]:
     database.open()
     profiles, audit = ProfileStore(database), AuditLog(database, VirtualClock())
     found = len(await profiles.all())
-    entries = len(await audit.search(Wanted(), ENTRIES))
+    entries = len(await audit.search(EntryFilter(), ENTRIES))
     await audit.known()
     added = await profiles.add("another", "", dict(DOCUMENT))
     assert added.id in [each.id for each in await profiles.all()]
     audit.note("end")
-    assert (await audit.search(Wanted(), 1))[0].action == "end"
+    assert (await audit.search(EntryFilter(), 1))[0].action == "end"
     await audit.close()
     database.close()
     return found, entries, database.notes

@@ -13,7 +13,7 @@ import pytest
 
 from app.twin.child import script_hashes
 from app.twin.process import DrawingProcess, TwinFailed
-from app.twin.shape import Look, Shape
+from app.twin.shape import AxisPose, Shape
 
 STAGE = Shape("bench", 0, "X", microsteps=16, travel_mm_per_rev=8.0)
 
@@ -52,7 +52,7 @@ async def test_it_listens_on_the_loopback_address_alone(drawing: DrawingProcess)
 async def test_it_shows_what_it_is_told_and_says_so(drawing: DrawingProcess) -> None:
     for shape in (STAGE, Shape("pair", 1, "turn", microsteps=256)):
         await drawing.show({"shape": shape.message(), "scheme": "dark"})
-        for look in (Look(), Look(position=1.0, commanded_deg=5.0, field_deg=3.0, load_deg=100.0)):
+        for look in (AxisPose(), AxisPose(position=1.0, commanded_deg=5.0, field_deg=3.0, load_deg=100.0)):
             await drawing.show({"look": look.message()})
     assert len(drawing.address.scripts) == 2
 
@@ -60,7 +60,7 @@ async def test_it_shows_what_it_is_told_and_says_so(drawing: DrawingProcess) -> 
 async def test_killed_it_is_told_how(drawing: DrawingProcess) -> None:
     os.kill(drawing.pid, signal.SIGKILL)
     with pytest.raises(TwinFailed, match="signal 9"):
-        await drawing.show({"look": Look().message()})
+        await drawing.show({"look": AxisPose().message()})
 
 
 async def test_its_last_words_are_told(drawing: DrawingProcess) -> None:

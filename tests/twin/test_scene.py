@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from app.twin.bodies import FIELD_LENGTH, RAIL, scenery
 from app.twin.colours import CHANNEL_SHADES, MATERIALS, Scheme, between, rgb
 from app.twin.scene import FLASH_S, Placement, about, half_turn, placements, seen
-from app.twin.shape import Look, Shape, Slips, Travel, look_of, sine_coil_of
+from app.twin.shape import AxisPose, Shape, Slips, Travel, look_of, sine_coil_of
 
 STAGE = Shape("bench", 0, "X", microsteps=16, travel_mm_per_rev=8.0)
 TABLE = Shape("pair", 1, "turn", microsteps=16)
@@ -54,9 +54,9 @@ def direction(placed: dict[str, Placement], name: str) -> float:
 
 
 @pytest.mark.parametrize("shape", [STAGE, TABLE], ids=["stage", "table"])
-@pytest.mark.parametrize("look", [Look(), EVERYTHING], ids=["nothing", "everything"])
+@pytest.mark.parametrize("look", [AxisPose(), EVERYTHING], ids=["nothing", "everything"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_whatever_is_placed_exists(shape: Shape, look: Look, scheme: Scheme) -> None:
+def test_whatever_is_placed_exists(shape: Shape, look: AxisPose, scheme: Scheme) -> None:
     made = scenery(linear=shape.linear)
     known = {*made.frames, *(part.name for part in made.parts), *(label.name for label in made.labels)}
     assert placements(shape, look, scheme).keys() <= known
@@ -123,7 +123,7 @@ def test_what_is_not_measured_is_grey_and_hidden() -> None:
 
 
 def test_with_nothing_at_all_nothing_moves() -> None:
-    placed = placements(STAGE, Look(), "dark")
+    placed = placements(STAGE, AxisPose(), "dark")
     assert placed["/stage/carriage/body"].colour == rgb("missing", "dark")
     for name in ("/motor/commanded", "/motor/measured", "/dial/field", "/stage/commanded", "/stage/switch_left"):
         assert placed[name].visible is False

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.twin.shape import Look, Shape, Slips, Travel, look_of
+from app.twin.shape import AxisPose, Shape, Slips, Travel, look_of
 
 STAGE = Shape("bench", 0, "X", microsteps=16, travel_mm_per_rev=8.0)
 TABLE = Shape("pair", 1, "turn", microsteps=256, gear_ratio=5.0)
@@ -29,9 +29,9 @@ def test_a_table_turns_as_much_slower_as_its_gear() -> None:
 
 
 def test_what_no_sample_tells_is_missing() -> None:
-    assert look_of(STAGE, None, {}) == Look()
+    assert look_of(STAGE, None, {}) == AxisPose()
     everything_nan = dict.fromkeys(("position", "mscnt", "current_a", "load_angle", "switch_left"), math.nan)
-    assert look_of(STAGE, 1.0, everything_nan, Slips(4, 1, 0.5)) == Look(time_s=1.0)
+    assert look_of(STAGE, 1.0, everything_nan, Slips(4, 1, 0.5)) == AxisPose(time_s=1.0)
 
 
 def test_without_the_microstep_resolution_a_position_is_no_angle() -> None:
@@ -94,10 +94,10 @@ NUMBERS = st.floats(-1e9, 1e9)
 @given(st.dictionaries(st.sampled_from(["position", "encoder_position", "deviation", "mscnt", "current_a"]), NUMBERS))
 def test_a_look_survives_the_way_to_the_drawing_process(values: dict[str, float]) -> None:
     look = look_of(STAGE, 2.0, values, Slips(4, 1, 1.5), Travel(-40.0, 40.0, left_mm=-39.0))
-    assert Look.of_message(look.message()) == look
+    assert AxisPose.of_message(look.message()) == look
     assert Shape.of_message(STAGE.message()) == STAGE
 
 
 def test_a_message_of_another_version_loses_only_what_is_new() -> None:
     message: dict[str, Any] = {"position": 1.0, "from_tomorrow": 2}
-    assert Look.of_message(message) == Look(position=1.0)
+    assert AxisPose.of_message(message) == AxisPose(position=1.0)

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator
 
 from ...audit.csv_text import PIECE, csv_pieces, time_of
 from ...errors import StoreUnavailable
-from ...store.audit_entries import Entry, Wanted
+from ...store.audit_entries import Entry, EntryFilter
 from ..deps import CurrentBench
 from ..http.problems import problems
 from .schemas import AuditEntry, AuditFilters, AuditPage, Outcome
@@ -53,7 +53,7 @@ async def list_audit(
     format: Annotated[Literal["json", "csv"], Query()] = "json",  # noqa: A002
 ) -> AuditPage:
     """Entries, the newest first."""
-    wanted = Wanted(q, device, who, action, outcome or "", _unix_s(since), _unix_s(until), after)
+    wanted = EntryFilter(q, device, who, action, outcome or "", _unix_s(since), _unix_s(until), after)
     if format == "csv":
         first = await bench.audit.search(wanted, PIECE, before)  # here, so that a failure is an answer of its own
         named = {"content-disposition": 'attachment; filename="stepscope-audit.csv"'}

@@ -95,7 +95,7 @@ CHOICES = {"ramp_mode": ("ramp", "velocity"), "rounding": ("none", "registers")}
 
 
 @dataclass(frozen=True)
-class Wish:
+class RampRequest:
     """A request for a SixPoint ramp, understood. held : what of it goes into registers, D1 never left at 0."""
 
     ramp: SixPoint
@@ -107,7 +107,7 @@ class Wish:
     registers: sixpoint_registers.Registers
 
 
-def sixpoint_wish(body: Ramp) -> Wish:
+def sixpoint_wish(body: Ramp) -> RampRequest:
     """Raises UsageError for names and kinds, ValueError for numbers that cannot be."""
     given = dict(body.parameters)
     registers = sixpoint_registers.EIGHT_POINT if given.keys() & set(EIGHT_POINTS) else sixpoint_registers.REGISTERS
@@ -130,14 +130,14 @@ def sixpoint_wish(body: Ramp) -> Wish:
     ramp, held = _of(numbers), _of(whole)
     if chosen["rounding"] == "registers":
         ramp = sixpoint_registers.held(ramp, clock_hz, registers)
-    return Wish(ramp, held, clock_hz, positioning, v_actual, v_target, registers)
+    return RampRequest(ramp, held, clock_hz, positioning, v_actual, v_target, registers)
 
 
 def _of(numbers: Mapping[str, float]) -> SixPoint:
     return SixPoint(**{PARAMETERS[name]: number for name, number in numbers.items()})
 
 
-def ramp_registers(wish: Wish) -> list[RampRegister]:
+def ramp_registers(wish: RampRequest) -> list[RampRegister]:
     """What a ramp becomes in its registers. Raises ValueError for what they cannot hold."""
     raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz, wish.registers)
     found = []
@@ -159,7 +159,7 @@ def ramp_registers(wish: Wish) -> list[RampRegister]:
     return found
 
 
-def ramp_findings(wish: Wish) -> list[RampFinding]:
+def ramp_findings(wish: RampRequest) -> list[RampFinding]:
     """What the data sheets warn of."""
     raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz, wish.registers)
     names = {name: held.parameter for name, held in wish.registers.items()}

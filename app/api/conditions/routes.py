@@ -9,7 +9,7 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
 from ...clock import BackgroundClock
-from ...conditions.service import ConditionService, Standing
+from ...conditions.service import AxisAssessment, ConditionService
 from ...devices.core.device import Device
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
@@ -57,16 +57,16 @@ class News:
     """What one reader has not been told yet: of each axis the latest alone, so that a slow reader costs no more."""
 
     def __init__(self, conditions: ConditionService) -> None:
-        self._waiting: dict[tuple[str, int], Standing | None] = {}
+        self._waiting: dict[tuple[str, int], AxisAssessment | None] = {}
         self._arrived = asyncio.Event()
         self.end = conditions.listen(self._hear)
 
-    def _hear(self, device: str, axis: int, standing: Standing | None) -> None:
+    def _hear(self, device: str, axis: int, standing: AxisAssessment | None) -> None:
         self._waiting.pop((device, axis), None)  # the latest comes last
         self._waiting[device, axis] = standing
         self._arrived.set()
 
-    async def next(self) -> list[tuple[str, int, Standing | None]]:
+    async def next(self) -> list[tuple[str, int, AxisAssessment | None]]:
         """Wait for news; all of it, oldest first."""
         await self._arrived.wait()
         self._arrived.clear()
@@ -95,7 +95,7 @@ async def _send(socket: WebSocket, conditions: ConditionService, news: News, clo
                 await _say(socket, DeviceRemoved(device=device_id))
 
 
-def _message(device: Device, axis: int, standing: Standing) -> AxisCondition:
+def _message(device: Device, axis: int, standing: AxisAssessment) -> AxisCondition:
     return AxisCondition(device=device.id, axis=axis, **standing_out(device, standing))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...conditions.judge import Condition
-from ...conditions.service import Standing
+from ...conditions.service import AxisAssessment
 from ...devices.core import signs
 from ...devices.core.device import Device
 from ..schemas import Condition as ConditionOut
@@ -36,7 +36,7 @@ def remedy_out(device: Device, remedy: signs.Remedy) -> Remedy:
     )
 
 
-def standing_out(device: Device, standing: Standing) -> dict[str, Any]:
+def standing_out(device: Device, standing: AxisAssessment) -> dict[str, Any]:
     """The members that every answer about an axis has."""
     ground_truth = standing.ground_truth
     return {

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ...calc.driver_chain.chain import Chain, build_chain, decode_chain
 from ...calc.driver_chain.ram_words import unpack_words
-from ...conditions.service import ConditionService, Standing
+from ...conditions.service import AxisAssessment, ConditionService
 from ...devices.core import prediction, results
 from ...devices.core.config import AxisSettings, slug, unique_slug
 from ...devices.core.device import Device
@@ -144,7 +144,7 @@ def axis_config(settings: AxisSettings) -> AxisConfig:
     )
 
 
-def axis_out(device: Device, state: results.AxisState, standing: Standing) -> AxisStateOut:
+def axis_out(device: Device, state: results.AxisState, standing: AxisAssessment) -> AxisStateOut:
     """An axis as it was just read, with its condition."""
     read = {part.name: getattr(state, part.name) for part in fields(state)}
     read["switches"] = Switches.model_validate(state.switches)
@@ -177,7 +177,7 @@ def device_info(device: Device, conditions: ConditionService, not_saved: str = "
     )
 
 
-def _axis_info(device: Device, axis: Axis, standing: Standing) -> AxisInfo:
+def _axis_info(device: Device, axis: Axis, standing: AxisAssessment) -> AxisInfo:
     return AxisInfo(
         **standing_out(device, standing),
         index=axis.index,

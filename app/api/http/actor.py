@@ -57,7 +57,7 @@ def _stranger(scope: Scope, agent: str) -> Actor:
     return Actor(f"{program}@{address}" if address else program, kind, None, address)
 
 
-class Who:
+class ActorMiddleware:
     """ASGI middleware: `actor` is set for each request and each socket, and for every task that they start."""
 
     def __init__(self, app: ASGIApp, name_of: Callable[[str], str | None]) -> None:

@@ -14,7 +14,7 @@ from ...profiles.diff import Diff, compare, diff
 from ...profiles.document import ProfileDocument, plain, text_of
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.program import commands_of
-from ...profiles.words import wants_of
+from ...profiles.register_bits import bits_of
 from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
@@ -144,7 +144,7 @@ async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
         document = await capture(bench.manager.get(body.device or ""), program=True)
     else:
         document = body.document
-        wants_of(document)
+        bits_of(document)
         await asyncio.to_thread(commands_of, document)
     name = body.name or document.name or document.title
     note = document.note if body.note is None else body.note

@@ -37,7 +37,7 @@ TRACE_MAX = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class ProgramSample:
     """One sample. `ground_truth`: of emulators alone; `trace`: the commands done by single steps since the last one."""
 
     time_s: float
@@ -47,7 +47,7 @@ class Seen:
     trace: tuple[int, ...]
 
 
-News = Seen | BenchError
+News = ProgramSample | BenchError
 """A look, or why there is none."""
 
 
@@ -63,7 +63,7 @@ class Reader:
     def tell(self, news: News) -> None:
         """Replaces what waits; addresses of commands are kept, the latest of them."""
         self._latest = news
-        if isinstance(news, Seen):
+        if isinstance(news, ProgramSample):
             self._trace = (*self._trace, *news.trace)[-TRACE_MAX:]
         self._arrived.set()
 
@@ -167,7 +167,7 @@ class ProgramWatch:
             trace = tuple(run.trace)[-max(0, run.steps - told) :] if run.steps > told else ()
             watched.traced = (run, run.steps)
         time_s = device.session.port.last_exchange_s
-        return Seen(time_s, state, ground_truth, self._procedures.debug_state(device), trace[-TRACE_MAX:])
+        return ProgramSample(time_s, state, ground_truth, self._procedures.debug_state(device), trace[-TRACE_MAX:])
 
 
 def _require_few(readers: Iterable[Reader]) -> None:

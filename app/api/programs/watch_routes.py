@@ -27,7 +27,7 @@ from .schemas import (
     ProgramTold,
     ProgramWatched,
 )
-from .watch import News, ProgramWatch, Reader, Seen
+from .watch import News, ProgramSample, ProgramWatch, Reader
 
 ALIVE_S = 1.0
 """How long nothing is said at the most: whoever hears nothing for longer knows nothing any more [s]."""
@@ -87,16 +87,16 @@ async def _send(socket: WebSocket, start: ProgramStarted, reader: Reader, clock:
 
 def _what_counts(news: News) -> object:
     """What is told only where it differs."""
-    if isinstance(news, Seen):
+    if isinstance(news, ProgramSample):
         return replace(news, time_s=0.0, trace=(), debug=replace(news.debug, steps_per_s=None))
     return str(news)
 
 
 def _told(news: News, trace: tuple[int, ...], path: str) -> ProgramTold:
-    return _seen(news, trace) if isinstance(news, Seen) else ProgramLost(problem=problem_of(news, path))
+    return _seen(news, trace) if isinstance(news, ProgramSample) else ProgramLost(problem=problem_of(news, path))
 
 
-def _seen(news: Seen, trace: tuple[int, ...]) -> ProgramSeen:
+def _seen(news: ProgramSample, trace: tuple[int, ...]) -> ProgramSeen:
     truth = news.ground_truth
     state = news.state
     return ProgramSeen(

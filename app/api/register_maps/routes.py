@@ -8,7 +8,7 @@ from fastapi import APIRouter, Path, Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...registers.maps.findings import UnreadableMap
-from ...store.register_maps import KeptMap
+from ...store.register_maps import StoredMap
 from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
@@ -62,7 +62,7 @@ async def delete_register_map(bench: CurrentBench, name: MapName) -> None:
     await bench.maps.delete(name)
 
 
-def _info(bench: ServerState, kept: KeptMap) -> RegisterMapInfo:
+def _info(bench: ServerState, kept: StoredMap) -> RegisterMapInfo:
     found = kept.found
     head = None if isinstance(found, UnreadableMap) else found.head
     return RegisterMapInfo(

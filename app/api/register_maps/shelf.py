@@ -9,7 +9,7 @@ from ...devices.manager import DeviceManager
 from ...registers.catalog import is_known
 from ...registers.maps.models import MAPS, entry
 from ...registers.maps.reader import RegisterMap
-from ...store.register_maps import KeptMap, RegisterMaps
+from ...store.register_maps import RegisterMaps, StoredMap
 
 
 class MapShelf:
@@ -37,7 +37,7 @@ class MapShelf:
             found.setdefault(device.model, {})[device.id] = device.state != "disconnected"
         return found
 
-    async def scan(self) -> list[KeptMap]:
+    async def scan(self) -> list[StoredMap]:
         """What there is now; models and disconnected devices are as it says from then on. Raises StoreUnavailable."""
         async with self._turn:
             return self._taken_over(await asyncio.to_thread(self._maps.scan, self.users()))
@@ -47,7 +47,7 @@ class MapShelf:
         await self.scan()
         return await asyncio.to_thread(self._maps.content, name)
 
-    async def put(self, name: str, content: bytes, *, csv: bool, dry_run: bool) -> KeptMap:
+    async def put(self, name: str, content: bytes, *, csv: bool, dry_run: bool) -> StoredMap:
         """Keep one. Raises what `RegisterMaps.put` does."""
         async with self._turn:
             users = self.users()
@@ -67,7 +67,7 @@ class MapShelf:
             MAPS.pop(name, None)
         self._ours.clear()
 
-    def _taken_over(self, kept: list[KeptMap]) -> list[KeptMap]:
+    def _taken_over(self, kept: list[StoredMap]) -> list[StoredMap]:
         there = {each.name: each.found for each in kept if isinstance(each.found, RegisterMap)}
         for name in self._ours.keys() - there.keys():
             MAPS.pop(name, None)

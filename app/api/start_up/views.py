@@ -7,23 +7,23 @@ from dataclasses import asdict
 
 from ...devices.core.device import Device
 from ...devices.core.start_up import Figures
-from ...profiles.start_up import Motor, StartUp, Wish
+from ...profiles.start_up import Motor, StartUp, StartUpRequest
 from ...registers.model import to_raw
 from ..schemas import RegisterBatchResult, RegisterWritten
 from .schemas import AxisStartUp, DeviceStartUp, StartChoice, StartFigures, StartUpReport, StartWrite
 
 
-def wish_of(body: DeviceStartUp) -> Wish:
+def wish_of(body: DeviceStartUp) -> StartUpRequest:
     """What the body of a device's start-up asks for."""
     motor = Motor() if body.motor is None else Motor(**body.motor.model_dump())
-    return Wish(body.axes or (), _figures(body), motor)
+    return StartUpRequest(body.axes or (), _figures(body), motor)
 
 
-def axis_wish_of(axis: int, body: AxisStartUp) -> Wish:
+def axis_wish_of(axis: int, body: AxisStartUp) -> StartUpRequest:
     """What the body of an axis's start-up asks for."""
     scales = {"run_scale": body.irun, "hold_scale": body.ihold}
     said = {name: scale for name, scale in scales.items() if scale is not None}
-    return Wish([axis], _figures(body.model_copy(update=said)))
+    return StartUpRequest([axis], _figures(body.model_copy(update=said)))
 
 
 def _figures(body: StartFigures) -> Figures:

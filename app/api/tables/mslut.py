@@ -8,7 +8,7 @@ from ...calc.microsteps import mslut
 from ...calc.microsteps.mslut import MslutRegisters, NotEncodable, Wave
 from ...calc.microsteps.mslut_metrics import mslut_metrics
 from ...calc.microsteps.mslut_nearest import Norm, nearest
-from ...calc.microsteps.mslut_waves import Formula, Grid, Term, WantedWave, exponent_of_thousandths, wanted_wave
+from ...calc.microsteps.mslut_waves import Formula, Grid, RequestedWave, Term, exponent_of_thousandths, wanted_wave
 from ...devices.core.results import HeldMslut
 from ...errors import UsageError
 from ...registers.catalog import MODELS
@@ -88,13 +88,13 @@ def held(state: HeldMslut, table: RegisterTable, axis: int = 0) -> MslutHeld:
     )
 
 
-def _wanted(body: MslutDesign) -> WantedWave:
+def _wanted(body: MslutDesign) -> RequestedWave:
     if body.values is not None and body.registers is not None:
         raise ValueError("a wave is drawn (values) or held by a chip (registers), not both")
     if body.registers is not None:
-        return WantedWave(None, mslut.decode(_registers(body.registers)), None, ())
+        return RequestedWave(None, mslut.decode(_registers(body.registers)), None, ())
     if body.values is not None:
-        return WantedWave(None, mslut.checked(body.values, body.mirror), None, ())
+        return RequestedWave(None, mslut.checked(body.values, body.mirror), None, ())
     exponent = body.exponent
     if body.thousandths is not None:
         if exponent != 1.0:
@@ -119,7 +119,7 @@ def _encoded(body: MslutDesign, wave: Wave) -> MslutRegisters:
     return mslut.encode(wave.values, wave.mirror) if body.registers is None else _registers(body.registers)
 
 
-def _nearest(wanted: WantedWave, norm: Norm, table: RegisterTable) -> MslutNearest:
+def _nearest(wanted: RequestedWave, norm: Norm, table: RegisterTable) -> MslutNearest:
     target = wanted.wave.values if wanted.ideal is None else wanted.ideal
     found = nearest(target, wanted.wave.mirror, norm)
     return MslutNearest(

@@ -76,7 +76,7 @@ class Formula:
 
 
 @dataclass(frozen=True, slots=True)
-class WantedWave:
+class RequestedWave:
     """A wave before anybody asked whether it can be encoded.
 
     `ideal` is the value before rounding, shape (256,) [counts], None for a wave that no formula made; `wave` the
@@ -95,7 +95,7 @@ def exponent_of_thousandths(thousandths: float) -> float:
     return 1.0 + thousandths / 1000.0
 
 
-def wanted_wave(formula: Formula) -> WantedWave:
+def wanted_wave(formula: Formula) -> RequestedWave:
     """The wave of a formula.
 
     Raises ValueError for numbers out of range: sigma -1..1, exponent 0.2..5, amplitude above 0 to 400, harmonics of
@@ -119,7 +119,7 @@ def wanted_wave(formula: Formula) -> WantedWave:
     values = np.floor(ideal + 0.5).astype(int)
     # A shape that rises slowly would begin with a current of 0 and so with -1, which START_SIN cannot hold.
     values[values == round(shift)] = 0
-    return WantedWave(
+    return RequestedWave(
         ideal=ideal,
         wave=Wave(tuple(values.tolist()), mirror),
         refusal=_asymmetry(apart),

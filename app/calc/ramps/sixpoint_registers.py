@@ -29,7 +29,7 @@ CRAWL = 10
 """VSTOP below this may take its time on the last microsteps (DS-TMC5160, VSTOP)."""
 
 
-class Held(NamedTuple):
+class SixPointRegister(NamedTuple):
     """A register of the ramp: the parameter of SixPoint that it holds, its unit, the most it can hold, and why."""
 
     parameter: str
@@ -39,30 +39,30 @@ class Held(NamedTuple):
 
 
 REGISTERS = {
-    "VSTART": Held("v_start", "pps", START_STOP_MAX, "18 bits"),
-    "A1": Held("a1", "pps^2", ACCELERATION_MAX, "16 bits"),
-    "V1": Held("v1", "pps", KNEE_MAX, "20 bits"),
-    "AMAX": Held("a_max", "pps^2", ACCELERATION_MAX, "16 bits"),
-    "VMAX": Held("v_max", "pps", VELOCITY_MAX, "the ramp generator ends at 2^23 - 512"),
-    "DMAX": Held("d_max", "pps^2", ACCELERATION_MAX, "16 bits"),
-    "D1": Held("d1", "pps^2", ACCELERATION_MAX, "16 bits"),
-    "VSTOP": Held("v_stop", "pps", START_STOP_MAX, "18 bits"),
-    "TZEROWAIT": Held("t_zero_wait_s", "s", WAIT_MAX, "16 bits"),
+    "VSTART": SixPointRegister("v_start", "pps", START_STOP_MAX, "18 bits"),
+    "A1": SixPointRegister("a1", "pps^2", ACCELERATION_MAX, "16 bits"),
+    "V1": SixPointRegister("v1", "pps", KNEE_MAX, "20 bits"),
+    "AMAX": SixPointRegister("a_max", "pps^2", ACCELERATION_MAX, "16 bits"),
+    "VMAX": SixPointRegister("v_max", "pps", VELOCITY_MAX, "the ramp generator ends at 2^23 - 512"),
+    "DMAX": SixPointRegister("d_max", "pps^2", ACCELERATION_MAX, "16 bits"),
+    "D1": SixPointRegister("d1", "pps^2", ACCELERATION_MAX, "16 bits"),
+    "VSTOP": SixPointRegister("v_stop", "pps", START_STOP_MAX, "18 bits"),
+    "TZEROWAIT": SixPointRegister("t_zero_wait_s", "s", WAIT_MAX, "16 bits"),
 }
 """In the order of their addresses."""
 WIDE_ACCELERATION_MAX = (1 << 18) - 1
 _HELD_MORE = {
-    "TVMAX": Held("t_v_max_s", "s", WAIT_MAX, "16 bits"),
-    "V2": Held("v2", "pps", KNEE_MAX, "20 bits"),
-    "A2": Held("a2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
-    "D2": Held("d2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
+    "TVMAX": SixPointRegister("t_v_max_s", "s", WAIT_MAX, "16 bits"),
+    "V2": SixPointRegister("v2", "pps", KNEE_MAX, "20 bits"),
+    "A2": SixPointRegister("a2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
+    "D2": SixPointRegister("d2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
 }
 EIGHT_POINT = {
     name: held._replace(most=WIDE_ACCELERATION_MAX, why="18 bits") if held.unit == "pps^2" else held
     for name, held in (REGISTERS | _HELD_MORE).items()
 }
 """Of the chips with two more corners, a time at constant velocity, and accelerations of 18 bits."""
-Registers = Mapping[str, Held]
+Registers = Mapping[str, SixPointRegister]
 _MOVING = ("AMAX", "VMAX")
 """With 0 in one of them the motor never moves, so a wish above 0 stays above 0."""
 

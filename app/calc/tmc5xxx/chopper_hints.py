@@ -11,7 +11,7 @@ import math
 
 from ..units.tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
 from .chopper import BLANK_CLOCKS, Winding
-from .chopper_notes import OWN, SHEETS, Figure, Hints, Setting, Sheet, Wishes, picked
+from .chopper_notes import OWN, SHEETS, ChopperChoices, Figure, Hints, Setting, Sheet, picked
 from .stealth import stealthchop
 
 BLANK_GOAL_S = 2e-6
@@ -24,14 +24,14 @@ HOT_HZ = 50e3
 """Between these a chopper is not heard and loses little (DS-TMC5160 8; DS-TMC5031 7)."""
 
 
-def hints(model: str, winding: Winding, wishes: Wishes | None = None) -> Hints:
+def hints(model: str, winding: Winding, wishes: ChopperChoices | None = None) -> Hints:
     """Everything that can be said of a motor at a chip.
 
     Raises ValueError for another chip, and for TOFF 1 with the shortest blank time, which the chips cannot do.
     """
     if model not in SHEETS:
         raise ValueError(f"model is one of {', '.join(SHEETS)}, not {model}")
-    sheet, wishes, found = SHEETS[model], wishes or Wishes(), Hints()
+    sheet, wishes, found = SHEETS[model], wishes or ChopperChoices(), Hints()
     _spreadcycle(found, sheet, winding, wishes)
     if sheet.stealth != "none":
         stealthchop(found, sheet, winding, wishes)
@@ -52,14 +52,14 @@ def split(hysteresis: int) -> tuple[int, int]:
     return start - 1, hysteresis - start + 3
 
 
-def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
+def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices) -> None:
     tbl = _blank(found, sheet, winding, wishes)
     toff = _off(found, sheet, winding, wishes, tbl)
     hysteresis = _hysteresis(found, sheet, winding, wishes, tbl, toff)
     _frequencies(found, sheet, winding, tbl, toff, hysteresis)
 
 
-def _blank(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> int:
+def _blank(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices) -> int:
     tbl, chosen = picked(wishes.tbl, lambda: blank_setting(winding.clock_hz))
     meaning = f"{BLANK_CLOCKS[tbl]} clocks, {winding.blank_s(tbl) * 1e6:.3g} us"
     reason = (
@@ -72,7 +72,7 @@ def _blank(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> int:
     return tbl
 
 
-def _off(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tbl: int) -> int:
+def _off(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices, tbl: int) -> int:
     exact = winding.toff(wishes.chopper_hz)
     toff, chosen = picked(wishes.toff, lambda: min(max(round(exact), 1 if tbl else 2), 15))
     if toff == 1 and tbl == 0:
@@ -83,7 +83,7 @@ def _off(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tbl: int)
     return toff
 
 
-def _hysteresis(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tbl: int, toff: int) -> int:
+def _hysteresis(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices, tbl: int, toff: int) -> int:
     exact = winding.hysteresis(tbl, toff)
     hysteresis, chosen = picked(
         wishes.hysteresis, lambda: min(max(math.ceil(exact - 1e-9), HYSTERESIS_USUAL), HYSTERESIS_MOST)
@@ -137,7 +137,7 @@ def blank_setting(clock_hz: float) -> int:
     )
 
 
-def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
+def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices) -> None:
     least = "of many motors the back-EMF is too small below a turn a second: where TCOOLTHRS or VCOOLTHRS may begin"
     _speeds(
         found,
@@ -189,7 +189,14 @@ def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> Non
 
 
 def _speeds(
-    found: Hints, name: str, label: str, rad_s: float, winding: Winding, wishes: Wishes, reason: str, source: str
+    found: Hints,
+    name: str,
+    label: str,
+    rad_s: float,
+    winding: Winding,
+    wishes: ChopperChoices,
+    reason: str,
+    source: str,
 ) -> None:
     turns = rad_s / (2 * math.pi)
     pps = turns * winding.full_steps_per_rev * wishes.microsteps

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ..families import CHIPS
 from .chips import Sheet
 
-__all__ = ["OWN", "SHEETS", "Figure", "Hints", "Setting", "Sheet", "Wishes", "picked"]
+__all__ = ["OWN", "SHEETS", "ChopperChoices", "Figure", "Hints", "Setting", "Sheet", "picked"]
 
 SHEETS = {model: chip.sheet for model, chip in CHIPS.items()}
 OWN = "own estimate"
@@ -45,7 +45,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Wishes:
+class ChopperChoices:
     """What is not to be chosen; None leaves it to the hints. automatic : with pwm_autoscale."""
 
     chopper_hz: float = 25e3

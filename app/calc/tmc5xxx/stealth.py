@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from .chopper import AMPLITUDE_MAX, PWM_DIVIDERS, Winding
-from .chopper_notes import Figure, Hints, Setting, Sheet, Wishes, picked
+from .chopper_notes import ChopperChoices, Figure, Hints, Setting, Sheet, picked
 
 PWM_GOAL_HZ = 35e3
 """The middle, by ratio, of the 20 to 50 kHz that suit most motors (DS-TMC5160 7.2)."""
@@ -21,7 +21,7 @@ def pwm_setting(clock_hz: float) -> int:
     return min(range(4), key=lambda n: abs(math.log(2 * clock_hz / PWM_DIVIDERS[n] / PWM_GOAL_HZ)))
 
 
-def stealthchop(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
+def stealthchop(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices) -> None:
     source = sheet.stealthchop
     freq, chosen = picked(wishes.pwm_freq, lambda: pwm_setting(winding.clock_hz))
     found.settings.append(
@@ -108,7 +108,7 @@ def stealthchop(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) ->
         )
 
 
-def _gradient(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
+def _gradient(found: Hints, sheet: Sheet, winding: Winding, wishes: ChopperChoices) -> None:
     """PWM_GRAD where it is what velocity adds to the amplitude."""
     if sheet.stealth == "fixed" and not wishes.automatic:
         _set_pwm(

@@ -57,7 +57,7 @@ class Chosen:
 
 
 @dataclass(slots=True)
-class Wanted:
+class AxisStartUp:
     """One axis to be set up: its settings as they will be, the figures, and what was chosen beside them."""
 
     axis: int
@@ -186,7 +186,7 @@ class StartPlan:
     warnings: list[str] = field(default_factory=list)
 
 
-StartPlanner = Callable[[Device, Sequence[Wanted]], Awaitable[StartPlan]]
+StartPlanner = Callable[[Device, Sequence[AxisStartUp]], Awaitable[StartPlan]]
 """How a family plans it. It may read the device and writes nothing. Raises UsageError for what its registers cannot
 hold."""
 

@@ -19,7 +19,7 @@ from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
 from ..core.limit_rules.rules import Rules
 from ..core.session import COUNTER_WRITES, Session
-from ..core.start_up import StartPlan, Wanted
+from ..core.start_up import AxisStartUp, StartPlan
 from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
 from .chips import compose as chips
@@ -81,7 +81,7 @@ def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -
     return ListedRules(device.session, state, link, motions, limits, clock_hz)
 
 
-async def start_plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def start_plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """None can be made. Raises UsageError."""
     del wanted
     raise UsageError(

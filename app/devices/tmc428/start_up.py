@@ -14,7 +14,7 @@ from ...errors import UsageError
 from ..core.capabilities import DriverChainRam, MicrostepRam
 from ..core.device import Device
 from ..core.results import WriteItem
-from ..core.start_up import StartPlan, Wanted
+from ..core.start_up import AxisStartUp, StartPlan
 from .memory import RampMemory
 
 
@@ -71,7 +71,7 @@ async def start_up(device: Device, axes: Sequence[AxisStart], drivers: Sequence[
             await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
-async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What a chip after power-on needs, in its order; all axes share the driver chain and the table."""
     spi = _by_chain(device)
     items = _global_items(device)
@@ -91,7 +91,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     return StartPlan(items, tables)
 
 
-def _start_of(device: Device, one: Wanted) -> AxisStart:
+def _start_of(device: Device, one: AxisStartUp) -> AxisStart:
     """The registers nearest to the figures. Raises UsageError where none are near."""
     figures = one.figures
     if figures.counts_per_rev:
@@ -115,7 +115,7 @@ def _start_of(device: Device, one: Wanted) -> AxisStart:
     return AxisStart(near.v_max, near.a_max, near.pulse_div, near.ramp_div, near.usrs or 0, stops=figures.stops)
 
 
-def _currents(one: Wanted) -> WriteItem:
+def _currents(one: AxisStartUp) -> WriteItem:
     """Codes of an eighth each, 0 for full scale: one in motion, one at rest."""
     shares = one.share_of_full_scale()
     if shares is None:

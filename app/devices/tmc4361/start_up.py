@@ -10,7 +10,7 @@ from ...calc.units.tmc4361 import Units
 from ...errors import UsageError
 from ..core.device import Device
 from ..core.results import WriteItem
-from ..core.start_up import StartPlan, Wanted
+from ..core.start_up import AxisStartUp, StartPlan
 
 S_RAMP_POSITIONING = 6
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
@@ -73,7 +73,7 @@ async def start_up(device: Device, start: Start, full_steps_per_rev: int | None 
         await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
-async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What a chip after power-on needs, in its order. The power stage is outside: it sets the current."""
     (one,) = wanted
     figures = one.figures

@@ -18,7 +18,7 @@ from ...errors import OutOfRange, UsageError
 from ..core.config import AxisSettings
 from ..core.device import Device
 from ..core.results import WriteItem
-from ..core.start_up import HOLD_SHARE, StartPlan, Wanted, scale_of
+from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
 from .limits import range_share
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
@@ -68,7 +68,7 @@ class Start:
     stop_low_active: bool = False
 
 
-async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What each of these axes needs after power-on, in its order."""
     right_switch = not any(one.figures.counts_per_rev for one in wanted if one.axis)
     items: list[WriteItem] = []
@@ -103,7 +103,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     return StartPlan(items, encoders=encoders)
 
 
-def _currents(model: str, one: Wanted) -> tuple[int, int, int | None, int | None]:
+def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int | None]:
     """IRUN, IHOLD, vsense or the scaler, and the range, nearest to the amperes asked for, else the maker's.
 
     Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.

@@ -12,7 +12,7 @@ from ...calc.tmc5xxx.coil import CurrentStage, nearest_hold
 from ...errors import OutOfRange, UsageError
 from ..core.device import Device
 from ..core.results import WriteItem
-from ..core.start_up import HOLD_SHARE, StartPlan, Wanted, scale_of
+from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
 from .limits import full_scale_a
 
 CHOPPER: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 0, "tbl": 2}
@@ -24,7 +24,7 @@ DEFAULT_MICROSTEPS = 256
 MOST = 31
 
 
-async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What the axis needs after power-on, in its order. Raises UsageError for an encoder or a ramp: it has none."""
     items: list[WriteItem] = []
     for one in wanted:
@@ -47,7 +47,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     return StartPlan(items)
 
 
-def _currents(model: str, one: Wanted) -> tuple[int, int, int | None]:
+def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None]:
     """IRUN, IHOLD and vsense, nearest to the amperes asked for, else cautious ones. vsense None: as it is set.
 
     Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.

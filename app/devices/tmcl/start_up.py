@@ -10,7 +10,7 @@ from ...errors import UsageError
 from ...registers.model import Register
 from ..core.device import Device
 from ..core.results import WriteItem
-from ..core.start_up import StartPlan, Wanted
+from ..core.start_up import AxisStartUp, StartPlan
 from .roles import RegisterRoles
 from .state import ModuleState
 
@@ -27,7 +27,7 @@ PRESCALER, COUNTS_PER_REV = 512, 1024
 """Of an encoder whose counts a prescaler makes microsteps of (FM-TMCM-1161 6.2)."""
 
 
-async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What the module needs to move, counted as it counts."""
     state = device.part(ModuleState)
     assert state is not None  # no other device is planned by this
@@ -39,7 +39,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     return StartPlan(await _sixpoint(device, state, one))
 
 
-async def _sixpoint(device: Device, state: ModuleState, one: Wanted) -> list[WriteItem]:
+async def _sixpoint(device: Device, state: ModuleState, one: AxisStartUp) -> list[WriteItem]:
     rows, figures = state.roles, one.figures
     mode = (await device.registers.read(rows.unit_mode.name, rows.unit_mode.axis)).value
     microsteps = one.microsteps(MICROSTEPS[0], MICROSTEPS)
@@ -66,7 +66,7 @@ async def _sixpoint(device: Device, state: ModuleState, one: Wanted) -> list[Wri
     ]
 
 
-async def _trapezoid(device: Device, rows: RegisterRoles, one: Wanted) -> list[WriteItem]:
+async def _trapezoid(device: Device, rows: RegisterRoles, one: AxisStartUp) -> list[WriteItem]:
     """By the dividers that come nearest to the figures. Raises UsageError where none are near."""
     figures = one.figures
     microsteps = one.microsteps(MICROSTEPS[0], MICROSTEPS)
@@ -99,7 +99,7 @@ def _write(row: Register, value: float) -> WriteItem:
     return WriteItem(row.name, row.axis, round(value))
 
 
-async def _currents(device: Device, rows: RegisterRoles, one: Wanted) -> Sequence[WriteItem]:
+async def _currents(device: Device, rows: RegisterRoles, one: AxisStartUp) -> Sequence[WriteItem]:
     """Run and standby current and the chopper's off time, which is 0 where the driver was switched off."""
     shares = one.share_of_full_scale()
     if shares is None:

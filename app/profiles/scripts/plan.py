@@ -12,7 +12,7 @@ from ...registers.catalog import MODELS, Model
 from ...registers.model import Access, Register
 from ..document import AxisPart, ProfileDocument
 from ..errors import UnreadableProfile
-from ..words import Want, check_range, wants_of
+from ..register_bits import RegisterBits, bits_of, check_range
 from .preconditions import kept_ready, ready_of
 
 
@@ -20,7 +20,7 @@ from .preconditions import kept_ready, ready_of
 class Write:
     """One register or parameter, and what it gets. Table words are registers as well."""
 
-    want: Want
+    want: RegisterBits
 
     @property
     def register(self) -> Register:
@@ -114,7 +114,7 @@ class Plan:
 
 def plan_of(document: ProfileDocument) -> Plan:
     """The writes of a profile. Raises UnreadableProfile for what no device can hold, and where there is nothing."""
-    wants = wants_of(document)
+    wants = bits_of(document)
     if not wants:
         raise UnreadableProfile("registers", "the profile says nothing that could be written")
     for want in wants.values():
@@ -146,7 +146,7 @@ def mechanics_of(axis: AxisPart) -> dict[str, float | None]:
 MECHANICS = ("full_steps_per_rev", "driver_microsteps", "gear_ratio", "travel_mm_per_rev")
 
 
-def _title(want: Want, axes: int) -> str:
+def _title(want: RegisterBits, axes: int) -> str:
     row = want.item.row
     return row.group if row.axis is None or axes == 1 else f"{row.group}, axis {row.axis}"
 

@@ -14,7 +14,7 @@ from ...errors import WrongState
 from ...registers.model import Register
 from ..document import ProfileDocument, text_of
 from ..items import Key
-from ..words import Want, wants_of
+from ..register_bits import RegisterBits, bits_of
 from . import c, curl, python, tmcl
 from .errors import ScriptFailed
 from .plan import Plan, mechanics_of, plan_of
@@ -102,8 +102,8 @@ class Scripts:
 
 def differences_of(plan: Plan, document: ProfileDocument, language: Language, trial: Trial) -> Iterator[str]:
     """What a device holds otherwise than a profile says, in words; of what the profile does not tell nothing."""
-    have = wants_of(trial.held)
-    wants = wants_of(document)
+    have = bits_of(trial.held)
+    wants = bits_of(document)
     rounded = _rounding(plan, wants)
     for key, want in wants.items():
         row, place, got = want.item.row, want.item.place, have.get(key)
@@ -119,7 +119,7 @@ def differences_of(plan: Plan, document: ProfileDocument, language: Language, tr
                 yield f"the mechanics of axis {index} are {mechanics_of(axis)}"
 
 
-def _rounding(plan: Plan, wants: Mapping[Key, Want]) -> Callable[[Register, int], float]:
+def _rounding(plan: Plan, wants: Mapping[Key, RegisterBits]) -> Callable[[Register, int], float]:
     """By how much a module may hold another number than was written: its driver chip has whole units of its own."""
     if plan.family.kind != "module":
         return lambda row, value: 0.0

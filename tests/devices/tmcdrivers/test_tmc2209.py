@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.conditions.judge import Seen, judge
+from app.conditions.judge import AxisObservation, judge
 from app.devices.core.axis_limits import AxisLimits
 from app.devices.core.capabilities import LatchedFlags
 from app.devices.core.config import AxisSettings
-from app.devices.core.start_up import Figures, Wanted
+from app.devices.core.start_up import AxisStartUp, Figures
 from app.devices.families import models_found
 from app.devices.tmcdrivers.start_up import plan
 from app.errors import BadReply, CannotMove, LinkTimeout, OtherModel, OutOfRange, SoftLimit, UsageError, WrongState
@@ -137,7 +137,7 @@ async def test_conditions(change: dict[str, object], kind: str, words: str) -> N
         b.patch(**change)
         await b.clock.advance(0.01)
         state = await b.state()
-        found = judge(Seen(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
         assert (found.kind, words in found.cause) == (kind, True), found
 
 
@@ -172,7 +172,7 @@ async def test_start_up_by_amperes_makes_it_turn() -> None:
     """1 A RMS with 110 mOhm: vsense makes the finer scale of it, 0.98 A at IRUN 31 (DS-TMC2209 8)."""
     limits = AxisLimits(sense_resistor_ohm=0.11)
     async with bench(axis=AxisSettings("x", limits=limits)) as b:
-        wanted = Wanted(0, b.device.axes[0].settings, Figures(run_current_a=0.97, microsteps=16))
+        wanted = AxisStartUp(0, b.device.axes[0].settings, Figures(run_current_a=0.97, microsteps=16))
         done = await b.device.registers.write_many((await plan(b.device, [wanted])).items)
         assert done.failed is None
         ihold_irun, chopconf = b.held("IHOLD_IRUN"), await b.value("CHOPCONF")

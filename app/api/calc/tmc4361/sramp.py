@@ -36,7 +36,7 @@ _ALIASES = {"start_acceleration": "astart"}
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RampRequest:
     """A request, understood.
 
     values : registers by parameter [pps, pps^2, pps^3], as the ramp is calculated with them
@@ -86,7 +86,7 @@ def s_ramp(body: Ramp) -> RampResult:
     )
 
 
-def _understood(body: Ramp) -> Wanted:
+def _understood(body: Ramp) -> RampRequest:
     given = dict(body.parameters)
     known = (*VALUES, "vbreak", *STATE, *FLAGS, *CHOICES, "clock_hz")
     unknown = [name for name in given if name not in known]
@@ -110,7 +110,7 @@ def _understood(body: Ramp) -> Wanted:
     _complete(values, shape)
     v_target = number_of("v_target", given.get("v_target", math.copysign(values["vmax"], body.distance)))
     units.to_raw("VMAX", v_target)
-    return Wanted(
+    return RampRequest(
         values=values,
         asked=asked,
         units=units,
@@ -137,7 +137,7 @@ def _complete(values: dict[str, float], shape: str) -> None:
             values.setdefault(name, values["bow1"])
 
 
-def _plan(wanted: Wanted, distance: float) -> SRampPlan:
+def _plan(wanted: RampRequest, distance: float) -> SRampPlan:
     values, state = wanted.values, (wanted.v_actual, wanted.a_actual)
     if wanted.shape == "hold":
         return (
@@ -171,7 +171,7 @@ def _finding(warning: RampWarning) -> RampFinding:
     return RampFinding(code=warning.code, parameter=named[0] if named else None, text=warning.text)
 
 
-def _register(name: str, wanted: Wanted) -> RampRegister:
+def _register(name: str, wanted: RampRequest) -> RampRegister:
     register = name.upper()
     limits = wanted.units.limits(register)
     raw = wanted.units.to_raw(register, wanted.values[name])
@@ -188,7 +188,7 @@ def _register(name: str, wanted: Wanted) -> RampRegister:
 
 
 def _rivals(
-    wanted: Wanted, plan: SRampPlan, distance: float, motor: StepperMotor | None, torque: RampTorque | None
+    wanted: RampRequest, plan: SRampPlan, distance: float, motor: StepperMotor | None, torque: RampTorque | None
 ) -> list[RampRival]:
     """Only a move from rest has rivals: what comes before decides the others."""
     if not wanted.positioning or wanted.shape != "s" or wanted.v_actual or wanted.a_actual or not distance:

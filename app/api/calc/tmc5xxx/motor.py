@@ -7,7 +7,7 @@ import math
 from ....calc.families import CHIPS
 from ....calc.tmc5xxx.chopper import Winding
 from ....calc.tmc5xxx.chopper_hints import hints
-from ....calc.tmc5xxx.chopper_notes import Wishes
+from ....calc.tmc5xxx.chopper_notes import ChopperChoices
 from ....calc.tmc5xxx.coil import CurrentStage, Setting, error, nearest_hold, warnings
 from ....calc.units import tmc5xxx_times as times
 from ....errors import UsageError
@@ -188,7 +188,7 @@ def chopper(body: Chopper) -> ChopperResult:
             rated_current_a=body.rated_current_a,
             full_steps_per_rev=body.full_steps_per_rev,
         )
-        wishes = Wishes(
+        wishes = ChopperChoices(
             chopper_hz=body.chopper_hz,
             tbl=body.tbl,
             toff=body.toff,

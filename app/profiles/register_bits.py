@@ -21,7 +21,7 @@ MSLUT_WORDS = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Want:
+class RegisterBits:
     """What a document says of one register."""
 
     item: Item
@@ -36,14 +36,14 @@ class Want:
 # --- from the document ------------------------------------------------------------------------------
 
 
-def wants_of(document: ProfileDocument) -> dict[Key, Want]:
+def bits_of(document: ProfileDocument) -> dict[Key, RegisterBits]:
     """All that a document says, in the order in which it is safe to write.
 
     Raises UnreadableProfile, naming the place, for what the model does not have, what does not fit, and what is said
     twice. Whether a number is allowed only `check_range` tells: a chip may hold what nobody may write.
     """
-    found: dict[Key, Want] = {}
-    for want in _all_wants(document):
+    found: dict[Key, RegisterBits] = {}
+    for want in _all_bits(document):
         before = found.get(want.item.key)
         if before is not None:
             raise UnreadableProfile(want.place, f"{want.item.place} is told twice, first in {before.place}")
@@ -52,7 +52,7 @@ def wants_of(document: ProfileDocument) -> dict[Key, Want]:
     return dict(sorted(found.items(), key=lambda entry: order[entry[0]]))
 
 
-def check_range(want: Want) -> None:
+def check_range(want: RegisterBits) -> None:
     """Raises UnreadableProfile where one of the numbers may not be written."""
     row = want.item.row
     if not want.item.fields:
@@ -73,7 +73,7 @@ def _require(place: str, bits: Register | Field, number: int) -> None:
         raise UnreadableProfile(place, f"{bits.name} is {number}, allowed is {low}..{high}{unit}")
 
 
-def _all_wants(document: ProfileDocument) -> Iterator[Want]:
+def _all_bits(document: ProfileDocument) -> Iterator[RegisterBits]:
     kind = MODELS[document.model].kind
     if kind == "module" and document.registers:
         raise UnreadableProfile("registers[0]", f"a {document.title} has parameters, no registers")
@@ -111,7 +111,7 @@ def _item(document: ProfileDocument, name: str, axis: int | None, place: str) ->
     return item
 
 
-def _register(document: ProfileDocument, entry: RegisterPart, place: str) -> Want:
+def _register(document: ProfileDocument, entry: RegisterPart, place: str) -> RegisterBits:
     item = _item(document, entry.name, entry.axis, place)
     if entry.value is None and entry.fields is None:
         raise UnreadableProfile(place, f"{item.place} has neither value nor fields")
@@ -129,7 +129,7 @@ def _register(document: ProfileDocument, entry: RegisterPart, place: str) -> Wan
             raise UnreadableProfile(place, f"value and fields say different things ({changed}): leave one of them out")
         if entry.value is None:
             word, mask = told, told_mask
-    return Want(item, word, mask, place)
+    return RegisterBits(item, word, mask, place)
 
 
 def _word_of(item: Item, value: int, place: str) -> int:
@@ -168,14 +168,14 @@ def _word_of_fields(item: Item, fields: Mapping[str, int | str], place: str) -> 
     return word, mask
 
 
-def _parameter(document: ProfileDocument, entry: ParameterPart, place: str) -> Want:
+def _parameter(document: ProfileDocument, entry: ParameterPart, place: str) -> RegisterBits:
     item = _item(document, entry.name, entry.axis, place)
     if entry.alias and entry.alias.casefold() != item.row.alias:
         raise UnreadableProfile(f"{place}.alias", f"{item.row.name} is {item.row.alias}, not {entry.alias}")
-    return Want(item, _word_of(item, entry.value, f"{place}.value"), item.mask, place)
+    return RegisterBits(item, _word_of(item, entry.value, f"{place}.value"), item.mask, place)
 
 
-def _table_wants(document: ProfileDocument) -> Iterator[Want]:
+def _table_wants(document: ProfileDocument) -> Iterator[RegisterBits]:
     tables = document.tables
     for name in ("microstep", "driver_chain", "mslut", "user_variables"):
         if getattr(tables, name) is not None and not any(item.table == name for item in items_of(document.model)):
@@ -191,19 +191,19 @@ def _table_wants(document: ProfileDocument) -> Iterator[Want]:
             if item.table == "user_variables":
                 place = f"tables.user_variables.{item.row.address}"
                 value = tables.user_variables.get(item.row.address, 0)
-                yield Want(item, _word_of(item, value, place), item.mask, place)
+                yield RegisterBits(item, _word_of(item, value, place), item.mask, place)
 
 
-def _ram(document: ProfileDocument, table: TableName, words: tuple[int, ...] | list[int]) -> Iterator[Want]:
+def _ram(document: ProfileDocument, table: TableName, words: tuple[int, ...] | list[int]) -> Iterator[RegisterBits]:
     rows = [item for item in items_of(document.model) if item.table == table]
     for index, (item, word) in enumerate(zip(rows, words, strict=True)):
         if word & ~RAM_MASK:
             place = f"tables.{table}[{index}]"
             raise UnreadableProfile(place, f"{word:#x} is no pair of cells of 6 bits: only bits of {RAM_MASK:#x}")
-        yield Want(item, word, item.mask, f"tables.{table}[{index}]")
+        yield RegisterBits(item, word, item.mask, f"tables.{table}[{index}]")
 
 
-def _mslut(document: ProfileDocument, part: MslutPart, place: str) -> Iterator[Want]:
+def _mslut(document: ProfileDocument, part: MslutPart, place: str) -> Iterator[RegisterBits]:
     rows = mslut_rows(document.model, part.axis)
     if len(rows) != MSLUT_WORDS:
         axes = sorted({str(item.row.axis).lower() for item in items_of(document.model) if item.table == "mslut"})
@@ -214,7 +214,7 @@ def _mslut(document: ProfileDocument, part: MslutPart, place: str) -> Iterator[W
         if word & ~item.mask:
             bits = f"{word & ~item.mask:#x}"
             raise UnreadableProfile(place, f"bits {bits} of {item.row.name} mean nothing and have to be 0")
-        yield Want(item, word, item.mask, place)
+        yield RegisterBits(item, word, item.mask, place)
 
 
 def mslut_rows(model: str, axis: int | None) -> list[Item]:
