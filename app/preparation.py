@@ -62,18 +62,20 @@ class Preparation:
         self._jobs = jobs
         self._needs = {name: tuple(need for need in needs.get(name, ()) if need in jobs) for name in jobs}
         self._processes = processes or os.cpu_count() or 1
+        self._compiling = False
         self._pending = list(jobs)
         self._done = {name: asyncio.Event() for name in jobs}
         self._workers: list[asyncio.Task[None]] = []
 
     async def start(self) -> None:
         """Begin to take everything from disk where it is there, else to compile, and return at once."""
-        if all_compiled():
+        self._compiling = not all_compiled()
+        if self._compiling:
+            log.warning("the first start compiles the emulators, for a minute; what needs none of them works already")
+        else:
             self.progress.done = self.progress.total  # taking one from disk is 0.2 s at most: nobody needs to be told
-            self._workers = [asyncio.create_task(self._load())]
-            return
-        log.warning("the first start compiles the emulators, for a minute; what needs none of them works already")
-        self._workers = [asyncio.create_task(self._work()) for _ in range(self._processes)]
+        count = self._processes if self._compiling else 1
+        self._workers = [asyncio.create_task(self._work()) for _ in range(count)]
 
     async def ready(self, name: str) -> None:
         """Wait until the job of that name is done; it is the next that begins. Names of no job are ready."""
@@ -90,16 +92,6 @@ class Preparation:
             worker.cancel()
         await asyncio.gather(*self._workers, return_exceptions=True)
 
-    async def _load(self) -> None:
-        """Take from disk what is there, first what a request waits for: the first move would wait for it else."""
-        while self._pending:
-            name = self._pending.pop(0)
-            try:
-                await asyncio.to_thread(self._jobs[name])
-            except Exception:  # as in `_work`
-                log.exception("%s could not be loaded beforehand", name)
-            self._done[name].set()
-
     async def _work(self) -> None:
         while self._pending:
             name = next((one for one in self._pending if not self._missing(one)), None)
@@ -107,26 +99,25 @@ class Preparation:
                 await self._done[self._missing(self._pending[0])[0]].wait()
                 continue
             self._pending.remove(name)
-            self.progress.doing.append(name)
             try:
-                if kept_in() is not None:
-                    await _compiled_by_a_child(name)
+                if self._compiling:
+                    self.progress.doing.append(name)
+                    if kept_in() is not None:
+                        await _compiled_by_a_child(name)
                 await asyncio.to_thread(self._jobs[name])  # from disk, or here where nothing can be kept
             except Exception:  # whoever needs it compiles it, and is told why it fails
-                log.exception("%s could not be compiled beforehand", name)
+                log.exception("%s could not be %s beforehand", name, "compiled" if self._compiling else "loaded")
             finally:
-                self.progress.doing.remove(name)
-            self._tell(name)
-        if self.progress.done == self.progress.total:
+                if self._compiling:
+                    self.progress.doing.remove(name)
+                    self.progress.done += 1
+                self._done[name].set()
+        if self._compiling and self.progress.done == self.progress.total:
             tell_compiled()
 
     def _missing(self, name: str) -> list[str]:
         """Jobs that have to be done before this one and are not."""
         return [need for need in self._needs[name] if not self._done[need].is_set()]
-
-    def _tell(self, name: str) -> None:
-        self.progress.done += 1
-        self._done[name].set()
 
 
 async def _compiled_by_a_child(name: str) -> None:
