@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ...devices.core.results import StopReason
 from ..calc.schemas import Phase
 from ..schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem, Standing
 
@@ -250,19 +251,6 @@ class VelocityProfileLateness(Answer):
     late_ms: list[float | None] = Field(
         description="until the chip had answered it [ms]; null for one that was left out, or not sent yet"
     )
-
-
-StopReason = Literal[
-    "target_reached",
-    "stop_command",
-    "left_switch",
-    "right_switch",
-    "stall",
-    "deviation",
-    "driver_error",
-    "lost_link",
-    "unknown",
-]
 
 
 class MotionEnd(Answer):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, RootModel
 
-from ..motion.schemas import StopReason
+from ...devices.core.results import StopReason
 from ..schemas import Answer, Problem
 
 SUBPROTOCOL = "stepscope.telemetry.v1"

@@ -364,22 +364,10 @@ CAN_BIT_RATES: Mapping[int, int] = MappingProxyType(
 )
 """Global parameter 69 in bank 0 to bit/s (TMCM-1690 manual)."""
 
-REFERENCE_MODES: Mapping[int, str] = MappingProxyType(
-    {
-        1: "left stop switch",
-        2: "right stop switch, then left stop switch",
-        3: "right stop switch, then left stop switch from both sides",
-        4: "left stop switch from both sides",
-        5: "home switch, to the left first; back at the left stop switch",
-        6: "home switch, to the right first; back at the right stop switch",
-        7: "home switch to the right, stop switches ignored",
-        8: "home switch to the left, stop switches ignored",
-    }
-)
-"""Axis parameter 193 (FM-PD42-1241 7.1): 1..4 with `SWAPPED` added look for the other side, 5..8 with `HOME_INVERTED`
-take the home switch the other way round."""
 SWAPPED = 64
+"""Added to a mode 1..4 of the reference search (axis parameter 193, FM-PD42-1241 7.1): it looks for the other side."""
 HOME_INVERTED = 128
+"""Added to a mode 5..8: it takes the home switch the other way round."""
 
 
 def reference_modes() -> tuple[int, ...]:
