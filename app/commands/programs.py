@@ -1,4 +1,4 @@
-"""Commands of `stepscope tmcl` for the programs of modules: assemble, disassemble, download, run, debug, try, state."""
+"""`stepscope tmcl`: assemble, disassemble, download, read, run, debug, try and look at programs of modules."""
 
 from __future__ import annotations
 
@@ -89,6 +89,27 @@ def download(
             print_json(stored)
         else:
             typer.echo(f"{stored['commands']} commands stored and read back")
+
+
+@tmcl.command(no_args_is_help=True)
+def read(
+    device: DeviceName,
+    address: Annotated[int, typer.Option(help="Of the first command.", min=0)] = 0,
+    count: Annotated[int, typer.Option(help="How many commands.", min=1)] = 64,
+    out: OutFile = None,
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Read a stretch of a module's program memory, as text that assembles to the same commands."""
+    with connected(url, token) as bench:
+        stretch = bench.call("GET", f"devices/{device}/program?address={address}&count={count}")
+        if out is not None:
+            out.write_text(stretch["text"], encoding="utf-8", newline="\n")
+        elif as_json:
+            print_json(stretch)
+        else:
+            typer.echo(stretch["text"], nl=False)
 
 
 @tmcl.command(no_args_is_help=True)

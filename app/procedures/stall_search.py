@@ -6,6 +6,9 @@ at that speed that nothing is in the way. Then it runs into the end, several tim
 are apart tells whether steps were lost. A hit stops the field 1 to 2 full steps beyond where the rotor stands: the
 load value is one of a full step, and with 2 the rotor would slip. Zero is where the rotor stands, by the middle of
 that.
+
+StealthChop is off meanwhile, for StallGuard2 measures with SpreadCycle only; afterwards it is as before, whatever
+became of the search.
 """
 
 from __future__ import annotations
@@ -95,6 +98,7 @@ class StallSearch(Search):
         self._threshold = 0
         self._free_load = 0
         self._run_up = 0
+        self._set_aside = ""
         self._before: list[WriteItem] = []
         """What was set before, the latest write last."""
 
@@ -138,6 +142,7 @@ class StallSearch(Search):
         self._speed_pps = wanted
         given = self._wanted.threshold
         self._threshold = await self._stall.stall_threshold(self.axis) if given is None else given
+        self._set_aside = await self._stall.set_aside(self.axis)
         await self._set(self._threshold, stops=False)
 
     async def _check(self) -> None:
@@ -267,6 +272,7 @@ class StallSearch(Search):
             f"the {self._wanted.side} end is at {self._zero} of the old counting, +-{self._full_step // 2}: "
             f"{len(self._hits)} hit{'s' if len(self._hits) > 1 else ''}{apart}, threshold {self._threshold}, load "
             f"{self._free_load} with nothing in the way"
+            f"{f'; {self._set_aside} was off meanwhile' if self._set_aside else ''}"
         )
 
     # --- together ---------------------------------------------------------------------------------

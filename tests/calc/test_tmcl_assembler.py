@@ -210,10 +210,11 @@ WRITTEN = st.sampled_from(list(INSTRUCTIONS.by_mnemonic.values())).flatmap(
 )
 
 
-@given(st.lists(st.one_of(COMMANDS, WRITTEN), max_size=30))
-def test_any_commands_survive_being_written_out_and_assembled(commands: list[Command]) -> None:
+@given(st.lists(st.one_of(COMMANDS, WRITTEN), max_size=30), st.integers(0, 2000))
+def test_any_commands_survive_being_written_out_and_assembled(commands: list[Command], first: int) -> None:
     text = disassemble(commands, INSTRUCTIONS)
     assert _commands(text) == commands
+    assert _commands(disassemble(commands, INSTRUCTIONS, first=first)) == commands, "wherever they are in the memory"
     assert from_binary(to_binary(commands)) == commands
 
 

@@ -127,6 +127,8 @@ async def test_a_program_in_a_module(server: str, tmp_path: Path) -> None:
     device = {"name": "module", "model": "pd42-1241", "link": {"kind": "emulator"}}
     await said("api", "POST", "devices", *(f"{key}={json.dumps(value)}" for key, value in device.items()))
     assert "16 commands stored and read back" in await said("tmcl", "download", "module", str(source))
+    stretch = await said("tmcl", "read", "module", "--address", "1", "--count", "3")
+    assert [line.split() for line in stretch.splitlines()] == [["JA", "8"], ["JA", "12"], ["MVP", "ABS,", "0,", "1000"]]
     source.write_text("STOP\nfunc2: JA func2\n", encoding="utf-8")  # runs until it is stopped, however slow we are
     assert "running" in await said("tmcl", "run", "module", str(source), "--label", "func2")
     assert json.loads(await said("api", "GET", "devices/module/program/state"))["status"] == "running"

@@ -74,6 +74,44 @@ async def test_a_chip_finds_the_end_and_its_settings_are_as_before(model: str) -
         assert b.wire.state().axes[0].truth.rotor_fullsteps == pytest.approx(END, abs=1)
 
 
+async def test_stealthchop_is_off_while_a_module_searches_and_on_again_afterwards() -> None:
+    async with module_bench(stage=STAGE) as b:
+        registers, procedures = b.device.registers, Procedures(b.clock)
+        for threshold in ("ap182", "ap186"):  # at every speed that it comes to
+            await registers.write(threshold, 0, 1_000_000)
+        await registers.write("ap187", 0, 14)
+        await registers.write("ap188", 0, 120)
+        await b.clock.advance(0.5)
+        assert (await registers.read("pwm_mode", 0)).value == 1
+        procedures.start_stall_search(b.device, 0, StallWanted(hits=2))
+        await b.clock.advance(1.0)
+        assert procedures.search_state(b.device, 0).state == "running"
+        assert (await registers.read("pwm_mode", 0)).value == 0
+        state = await over(b, procedures)
+        assert state.state == "done", state.message
+        assert state.message.endswith("StealthChop (pwm_gradient) was off meanwhile")
+        assert b.module.state().stage.position_fullsteps == pytest.approx(END, abs=1)
+        assert [(await registers.read(name, 0)).value for name in ("ap187", "ap188")] == [14, 120]
+        procedures.start_stall_search(b.device, 0, StallWanted())
+        await b.clock.advance(0.5)
+        await procedures.abort_search(b.device, 0)
+        assert (await registers.read("ap187", 0)).value == 14, "also where it is stopped"
+
+
+@pytest.mark.parametrize("model", ["tmc5130", "tmc5160"])
+async def test_stealthchop_is_off_while_a_chip_searches_and_on_again_afterwards(model: str) -> None:
+    async with chip_bench(model, stage=STAGE, motor={"rotor_teeth": 50}) as b:
+        registers, procedures = b.device.registers, Procedures(b.clock)
+        await registers.write("GCONF", None, fields={"en_pwm_mode": 1})
+        procedures.start_stall_search(b.device, 0, StallWanted(hits=2))
+        await b.clock.advance(0.5)
+        assert (await registers.read("GCONF", None)).fields["en_pwm_mode"] == 0
+        state = await over(b, procedures)
+        assert state.state == "done", state.message
+        assert state.message.endswith("StealthChop (GCONF.en_pwm_mode) was off meanwhile")
+        assert (await registers.read("GCONF", None)).fields["en_pwm_mode"] == 1
+
+
 async def test_a_share_of_random_stages() -> None:
     for seed in range(4):
         rng = random.Random(seed)

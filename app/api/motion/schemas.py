@@ -164,7 +164,9 @@ class ReferenceSearchStart(Body):
     search_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 194; null: as it is set")
     switch_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 195; null: as it is set")
     stall: StallSearchStart | None = Field(
-        default=None, description="search the end of the stage by stall; of the others only max_travel goes with it"
+        default=None,
+        description="search the end of the stage by stall; StealthChop is off meanwhile. Of the others only max_travel "
+        "goes with it",
     )
 
 

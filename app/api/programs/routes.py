@@ -132,9 +132,13 @@ async def write_program(program: CurrentProgram, body: ProgramSource) -> StoredP
 
 @router.get("", responses=problems(*DEVICE_PROBLEMS))
 async def read_program(program: CurrentProgram, address: FirstQuery = 0, count: CountQuery = 64) -> ProgramListing:
-    """What the memory holds, as text that assembles to the same commands."""
+    """What a stretch of the memory holds, as text that assembles to the same commands.
+
+    From address 0 on jumps go to labels, from another on to addresses as numbers.
+    """
     commands = await program.read_program(address, count)
-    return ProgramListing(address=address, commands=count, text=disassemble(commands, program.instructions))
+    text = disassemble(commands, program.instructions, first=address)
+    return ProgramListing(address=address, commands=count, text=text)
 
 
 @router.post("/run", status_code=204, responses=problems(*DEVICE_PROBLEMS))

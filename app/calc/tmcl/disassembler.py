@@ -10,14 +10,19 @@ from .instructions import Command, InstructionSet
 
 
 def disassemble(
-    commands: Sequence[Command], instructions: InstructionSet, labels: Mapping[str, int] | None = None
+    commands: Sequence[Command],
+    instructions: InstructionSet,
+    labels: Mapping[str, int] | None = None,
+    *,
+    first: int = 0,
 ) -> str:
-    """A program that assembles to exactly these commands.
+    """A program that assembles to exactly these commands, of which the first is at address `first`.
 
-    Jumps go to labels: those of `labels`, else `L` and the address. What has no mnemonic, or fills fields that its
-    mnemonic has no operand for, is written as `.command`.
+    Jumps go to labels: those of `labels`, else `L` and the address; to addresses as numbers where it begins behind 0,
+    for the labels of a text count from 0 on. What has no mnemonic, or fills fields that its mnemonic has no operand
+    for, is written as `.command`.
     """
-    names = _names(commands, instructions, labels or {})
+    names = {} if first else _names(commands, instructions, labels or {})
     lines = []
     for at, command in enumerate(commands):
         lines += [f"{name}:" for name in names.get(at, ())]

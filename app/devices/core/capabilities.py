@@ -356,6 +356,10 @@ class StallStop(Protocol):
         """
         ...
 
+    async def set_aside(self, axis: int, /) -> str:
+        """What `stall_writes` will switch off that is on now, in words; empty for nothing."""
+        return ""
+
     async def load(self, axis: int, /) -> int:
         """The load value now: 0 is a stall."""
         ...

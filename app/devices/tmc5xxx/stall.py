@@ -64,12 +64,23 @@ class ChipStall(StallStop):
             clocks = self._session.clock_hz * microsteps / (_TABLE_MICROSTEPS * velocity_pps)
             writes.append(WriteItem("TCOOLTHRS", axis, min(round(clocks), TSTEP_MAX)))
             writes.append(WriteItem("THIGH", axis, 0))
-        if self._memory.chip.gconf.field_named("en_pwm_mode") is not None:
+        if self._has_stealthchop:
             writes.append(WriteItem("GCONF", None, fields={"en_pwm_mode": 0}))
         if current_percent is not None:
             irun = max(0, round(FULL_SCALE * current_percent / 100) - 1)
             writes.append(WriteItem("IHOLD_IRUN", axis, fields={"irun": irun}))
         return writes
+
+    async def set_aside(self, axis: int) -> str:
+        del axis
+        if not self._has_stealthchop:
+            return ""
+        on = (await self._registers.read("GCONF", None)).fields["en_pwm_mode"]
+        return "StealthChop (GCONF.en_pwm_mode)" if on else ""
+
+    @property
+    def _has_stealthchop(self) -> bool:
+        return self._memory.chip.gconf.field_named("en_pwm_mode") is not None
 
     async def load(self, axis: int) -> int:
         return (await self._registers.read("DRV_STATUS", axis)).fields["SG_RESULT"]

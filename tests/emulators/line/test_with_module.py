@@ -6,12 +6,14 @@ import random
 
 import pytest
 
+from app.calc.tmcl.assembler import assemble
 from app.clock import VirtualClock
 from app.emulators.line.framing import GAP_S
 from app.emulators.line.line import Line
 from app.emulators.tmcl.module import EmulatedModule
 from app.emulators.tmcl.options import TmclOptions, TmclPatch
 from app.links import tmcl
+from app.links.tmcl_language import INSTRUCTIONS
 from app.registers.tmcl.commands import Opcode, Status
 
 
@@ -123,6 +125,74 @@ def test_two_modules_are_two_modules() -> None:
     assert [bench.ask(Opcode.GAP, 1, address=address).value for address in (1, 2)] == [51_200, -51_200]
     bench.modules[0].patch(TmclPatch.model_validate({"blocked": True, "faults": {"silence": True}}))
     assert bench.ask(Opcode.GAP, 1, address=2).value == -51_200
+
+
+COUNTING = "Loop: CALC ADD, 1\nAGP 0, 2\nAGP 1, 2\nJA Loop\n"
+"""Variables 0 and 1 are the same, or 0 is one ahead."""
+COUNTING_AND_ENDING = "Loop: CALC ADD, 1\nAGP 0, 2\nCOMP 500\nJC LT, Loop\nSTOP\n"
+
+
+def _stored(bench: Bench, text: str) -> None:
+    bench.ask(Opcode.ENTER_DOWNLOAD)
+    for command in assemble(text, INSTRUCTIONS).commands:
+        assert bench.ask(*command).status == Status.STORED
+    bench.ask(Opcode.EXIT_DOWNLOAD)
+
+
+def _in_flight(bench: Bench, *commands: tuple[int, int, int, int]) -> list[tmcl.Reply]:
+    """Say all of them at once, as a client that waits for no answer; every answer, in order."""
+    frames = [tmcl.Request(1, *command).encode() for command in commands]
+    heard = bench.say(b"".join(frames), 3.0)
+    assert len(heard) == 9 * len(frames)
+    replies = [tmcl.Reply.decode(heard[at : at + 9]) for at in range(0, len(heard), 9)]
+    assert [reply.opcode for reply in replies] == [command[0] for command in commands]
+    return replies
+
+
+@pytest.mark.sheet("FM-PD42-1241", "3.6.36")
+@pytest.mark.parametrize("end", [Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION])
+def test_commands_in_flight_when_a_program_is_stopped(end: Opcode) -> None:
+    """Each is done and answered once, in its order; behind the answer to the stop no command of the program is done."""
+    bench = Bench(baud=115_200)
+    _stored(bench, COUNTING)
+    count, other, status = (Opcode.GGP, 0, 2, 0), (Opcode.GGP, 1, 2, 0), (Opcode.GGP, 128, 0, 0)
+    replies = _in_flight(
+        bench,
+        (Opcode.RUN_APPLICATION, 1, 0, 0),
+        *[status, count, (Opcode.SGP, 10, 2, 111), (end, 0, 0, 0), (Opcode.SGP, 11, 2, 222)],
+        *[count, other, (Opcode.GGP, 10, 2, 0), (Opcode.GGP, 11, 2, 0), status, count],
+        *[(Opcode.RUN_APPLICATION, 1, 0, 0), status, count],
+    )
+    assert {reply.status for reply in replies} == {Status.OK}
+    values = [reply.value for reply in replies]
+    assert (values[1], values[8], values[9]) == (1, 111, 222)
+    assert values[2] > 0, "it ran"
+    stopped = values[6]
+    assert stopped > values[2], "it ran on until the stop"
+    assert values[7] in (stopped, stopped - 1)
+    assert values[11] == stopped
+    assert values[10] in (0, 3), "stopped, or reset"
+    assert values[13] == 1, "and it runs again"
+    assert values[14] > (0 if end is Opcode.RESET_APPLICATION else stopped)
+
+
+def test_commands_in_flight_when_a_program_ends_by_itself() -> None:
+    """It ends between two of them, and none is lost, done twice or answered out of turn."""
+    bench = Bench(baud=115_200)
+    _stored(bench, COUNTING_AND_ENDING)
+    asked = [(Opcode.GGP, 128, 0, 0), (Opcode.GGP, 0, 2, 0)]
+    written = [(Opcode.SGP, 20 + index, 2, index * index) for index in range(100)]
+    mixed = [command for write in written for command in (*asked, write)]
+    replies = _in_flight(bench, (Opcode.RUN_APPLICATION, 1, 0, 0), *mixed)
+    assert {reply.status for reply in replies} == {Status.OK}
+    states, counts = ([reply.value for reply in replies[first::3]] for first in (1, 2))
+    ended = states.index(0)
+    assert 0 < ended < len(states) - 1, "in the middle of them"
+    assert states == [1] * ended + [0] * (len(states) - ended)
+    assert counts == sorted(counts)
+    assert set(counts[ended:]) == {500}
+    kept = [bench.ask(Opcode.GGP, 20 + index, 2).value for index in range(100)]
+    assert kept == [index * index for index in range(100)]
 
 
 def test_the_telegram_pause_is_kept() -> None:

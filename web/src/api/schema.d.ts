@@ -1057,7 +1057,9 @@ export interface paths {
         };
         /**
          * Read Program
-         * @description What the memory holds, as text that assembles to the same commands.
+         * @description What a stretch of the memory holds, as text that assembles to the same commands.
+         *
+         *     From address 0 on jumps go to labels, from another on to addresses as numbers.
          */
         get: operations["read_program"];
         /**
@@ -9539,7 +9541,7 @@ export interface components {
              * @description PD42-1241: AP 195; null: as it is set
              */
             switch_speed_pps?: number | null;
-            /** @description search the end of the stage by stall; of the others only max_travel goes with it */
+            /** @description search the end of the stage by stall; StealthChop is off meanwhile. Of the others only max_travel goes with it */
             stall?: components["schemas"]["StallSearchStart"] | null;
         };
         /** ReferenceSearchState */
