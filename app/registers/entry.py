@@ -71,6 +71,8 @@ class Model:
     tier: Tier = "full"
     """How deep it is known: with calculators and a physical emulator, by the names of its parameters alone,
     or by a register map that the user brought along."""
+    driver: str = ""
+    """The driver chip in a module, by its name here: parameters with a `driver` place are registers of it."""
     nodes: int = 0
     """How many addresses its UART has, from 0 on; 0: as many as a datagram can say."""
     version: int | None = None

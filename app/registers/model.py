@@ -192,6 +192,21 @@ class Particulars(TypedDict, total=False):
 
 
 @dataclass(frozen=True, slots=True)
+class DriverPlace:
+    """What a module's parameter is in the driver chip under it: `raw` there is `raw * step + offset` here.
+
+    A parameter in pps or pps^2 is converted by the clock instead, and counts like the chip while unit mode is 0.
+    """
+
+    name: str
+    """Of the register."""
+    field: str = ""
+    """Empty where the whole register is one value."""
+    step: int = 1
+    offset: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Register(Bits):
     """One addressable word of a chip.
 
@@ -218,6 +233,8 @@ class Register(Bits):
     """What no source tells of it: where the width is not told, it is that of the datagram."""
     internal_range: tuple[int, int] | None = None
     """Of a TMCL parameter in pps or pps^2: what is allowed while unit mode is 0 (the driver chip's own units)."""
+    driver: DriverPlace | None = None
+    """Of a TMCL parameter: the register of the module's driver chip that it sets."""
     fields: tuple[Field, ...] = ()
 
     def __post_init__(self) -> None:

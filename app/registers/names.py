@@ -15,8 +15,9 @@ def _of(*names: str) -> Any:
     return Literal[names]
 
 
-def _that_can(capability: Capability) -> Any:
-    return _of(*(model.name for model in MODELS.values() if model.can(capability)))
+def _that_can(*capabilities: Capability) -> Any:
+    """Those that can all of these."""
+    return _of(*(model.name for model in MODELS.values() if model.capabilities.issuperset(capabilities)))
 
 
 def _known(name: str) -> str:
@@ -48,7 +49,7 @@ else:
     ModuleName = _that_can("parameters")
     PmulName = _that_can("ramp.pmul")
     SRampName = _that_can("ramp.s")
-    SixPointName = _that_can("ramp.sixpoint")
+    SixPointName = _that_can("ramp.sixpoint", "registers")
     MslutName = _that_can("microsteps.mslut")
     DriverName = _that_can("step_input")
-    ChopperName = _that_can("chopper")
+    ChopperName = _that_can("chopper", "registers")

@@ -69,7 +69,8 @@ def test_the_sockets_messages_are_in_it(schema: dict[str, Any]) -> None:
     known = schema["components"]["schemas"]
     union = known["TelemetryMessage"]["oneOf"]
     names = {part["$ref"].rpartition("/")[2] for part in union}
-    assert names == {f"Telemetry{kind}" for kind in ("Start", "Status", "Gap", "Move", "Stopped", "Event", "Problem")}
+    kinds = ("Start", "Status", "Gap", "Move", "Stopped", "Event", "Program", "Problem")
+    assert names == {f"Telemetry{kind}" for kind in kinds}
     assert all("type" in known[name]["required"] for name in names)
 
 

@@ -12,6 +12,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.e2e import modules
 from tests.e2e.conftest import PHONE, Errors
 from tests.e2e.motor import Motor, select, wait_for
 
@@ -175,6 +176,35 @@ def test_a_chip_with_two_axes_counts_velocities(page: Page, api: httpx.Client, e
         expect(page.get_by_test_id("field-TPOWERDOWN")).to_have_count(0)
         expect(page.get_by_test_id("run-rms")).to_contain_text(re.compile(r"^\d"))
         errors.expect("status of 40[49]")  # a look that is under way when the device goes
+
+
+def test_a_modules_currents_and_chopper_are_its_parameters(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    with modules.a_module(api) as device:
+
+        def parameter(name: str) -> int:
+            return int(api.get(f"/devices/{device}/registers/{name}").raise_for_status().json()["value"])
+
+        modules.select(page, device)
+        page.goto("/currents")
+        expect(page.get_by_test_id("field-IRUN")).to_have_value("16")
+        expect(page.get_by_test_id("run-rms")).to_contain_text(re.compile(r"^\d"))
+        assert amperes(page, "run-rms") == pytest.approx(rms(16, 256), abs=6e-4)
+        fill(page, "field-IHOLD", 4)
+        fill(page, "rpm-TCOOLTHRS", 60)
+        page.get_by_role("button", name="Use toff 4").click()
+        page.get_by_role("button", name=re.compile(r"Use hstrt")).click()
+        hstrt = int(page.get_by_test_id("hint-hstrt").locator(".mono").inner_text())
+        expect(page.get_by_test_id("hint-pwm_autograd")).to_have_count(0)  # no parameter sets it
+        assert parameter("standby_current") == 8, "nothing goes out before Apply"
+        apply(page)
+        assert parameter("standby_current") == 32
+        assert parameter("smartenergy_threshold_speed") == 51_118  # 313 clocks a step: the nearest to 51,200
+        assert parameter("chopper_off_time") == 4
+        assert parameter("chopper_hysteresis_start") == hstrt + 1
+        check_axe(page)
+        page.goto("/connections")  # before the module is gone
 
 
 def test_it_reckons_without_a_chip(

@@ -11,6 +11,8 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
+from tests.e2e.modules import a_module
+from tests.e2e.modules import select as select_module
 from tests.e2e.motor import wait_for
 
 
@@ -176,6 +178,31 @@ def test_a_move_lies_over_its_ramp_and_the_ramp_is_read_back(designer: Page, chi
     send(page)
     assert chip.register("RAMPMODE")["value"] == 0
     assert chip.axis()["position"] == before
+
+
+def test_a_modules_ramp_is_read_and_sent_as_its_parameters(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    with a_module(api) as device:
+
+        def parameter(name: str) -> int:
+            return int(api.get(f"/devices/{device}/registers/{name}").raise_for_status().json()["value"])
+
+        select_module(page, device)
+        page.goto("/sixpoint")
+        expect(page.get_by_label("VMAX in chip units")).to_have_value("53687")  # 51,200 pps, as it comes
+        expect(page.get_by_text("the chip holds this design")).to_be_visible()
+        enter(page, "VMAX in pps", "100000")
+        enter(page, "AMAX in chip units", "1718")
+        assert parameter("maximum_acceleration") == 51_200, "nothing goes out before Send"
+        send(page)
+        assert parameter("maximum_positioning_speed") == 100_000
+        assert parameter("maximum_acceleration") == parameter("maximum_deceleration") == 200_002
+        check_axe(page)
+        page.get_by_role("button", name="Move with it").click()
+        axis = f"/devices/{device}/axes/0"
+        wait_for(lambda: api.get(axis).json()["velocity_pps"] > 60_000, "the emulated motor is faster than before")
+        page.goto("/connections")  # before the module is gone
 
 
 def test_without_a_device_it_designs_all_the_same(page: Page, check_axe: Callable[[Page], None]) -> None:

@@ -24,6 +24,7 @@ from .schemas import (
     CatalogEntry,
     CatalogModel,
     CommandRow,
+    DriverPlaceRow,
     FieldRow,
     RegisterRow,
     SpiFormatRow,
@@ -103,6 +104,7 @@ def _entry(model: Model, registers: int | None) -> CatalogEntry:
         ),
         uart=model.uart,
         nodes=model.nodes,
+        driver=model.driver,
         current_scale=model.current_scale,
     )
 
@@ -130,6 +132,7 @@ def _register(row: Register) -> RegisterRow:
         stored=row.stored,
         read_clears=row.read_clears,
         internal_range=None if row.internal_range is None else list(row.internal_range),
+        driver=None if row.driver is None else DriverPlaceRow.model_validate(row.driver),
         source=row.source,
         fields=[FieldRow(**_bits(part), lsb=part.lsb) for part in row.fields],
     )

@@ -31,6 +31,15 @@ class FieldRow(Answer):
     )
 
 
+class DriverPlaceRow(Answer):
+    """What a module's parameter is in its driver chip: `raw` there is `raw * step + offset` here."""
+
+    name: str = Field(description="of the register")
+    field: str = Field(description="empty where the whole register is one value")
+    step: int
+    offset: int
+
+
 class RegisterRow(Answer):
     name: str
     address: int
@@ -54,6 +63,9 @@ class RegisterRow(Answer):
     )
     internal_range: list[int] | None = Field(
         default=None, description="of a parameter in pps: lowest and highest in units of the TMC5160 (AP 255 = 0)"
+    )
+    driver: DriverPlaceRow | None = Field(
+        default=None, description="of a module's parameter: the register of its driver chip that it sets"
     )
     read_clears: bool = Field(default=False, description="reading it sets it to zero")
     source: str
@@ -142,6 +154,7 @@ class CatalogEntry(Answer):
         description="of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several"
     )
     nodes: int = Field(description="how many node addresses its UART has; 0: as many as a datagram can say")
+    driver: str = Field(default="", description="the driver chip in a module, as calculators name it")
     current_scale: Literal["", "sense_resistor", "full_scale"] = Field(
         description="what a soft limit of its current needs beside it; empty where it sets no current"
     )

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from functools import partial
 
+from ..capabilities import Capability
 from ..entry import Model
 from . import pd42
 from .tmcm1161 import TMCM1161
 
 FAMILY = "tmcl"
 
+_CAPABILITIES: frozenset[Capability] = frozenset(
+    {"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store", "programs"}
+)
 _module = partial(
     Model,
     family=FAMILY,
     description="a module with parameters",
-    capabilities=frozenset(
-        {"parameters", "motion", "current", "encoder", "stallguard", "home_switch", "store", "programs"}
-    ),
     current_scale="full_scale",
     kind="module",
     datagram_bits=0,
@@ -31,6 +32,8 @@ MODELS = (
         table=pd42.PD42,
         clock_hz_default=pd42.CLOCK_HZ,
         clock_hz_max=pd42.CLOCK_HZ,
+        capabilities=_CAPABILITIES | {"ramp.sixpoint", "chopper"},
+        driver="tmc5160",
         wires=frozenset({"emulator", "serial", "tcp", "can"}),
     ),
     _module(
@@ -41,6 +44,7 @@ MODELS = (
         table=TMCM1161.table,
         clock_hz_default=TMCM1161.clock_hz,
         clock_hz_max=TMCM1161.clock_hz,
+        capabilities=_CAPABILITIES,
         wires=frozenset({"emulator", "serial", "tcp"}),
     ),
 )

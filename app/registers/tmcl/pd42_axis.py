@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from ..build import RW, R
-from ..model import Field, Particulars, Register
+from ..model import DriverPlace, Field, Particulars, Register
 from .build import Parameters
 
 NO_RIPPLE = "the emulated chopper is a lag of first order without ripple"
@@ -59,7 +59,7 @@ def _bit(lsb: int, name: str, help_: str) -> Field:
     return Field(name=name, width=1, help=help_, lsb=lsb, access=R, reset=None)
 
 
-AXIS_PARAMETERS = (
+_ROWS = (
     # --- motion -----------------------------------------------------------------------------------
     _motion(
         0, "target_position", RW, INT32, "where a positioning move goes; writing it starts one, as MVP does"
@@ -300,3 +300,38 @@ AXIS_PARAMETERS = (
     _step_dir.switch(161, "double_edge_steps", "1: both edges of the step input count", reset=0),
     _step_dir.switch(254, "step_direction_mode", "1: inputs move the motor; ROR, ROL, MVP and MST do nothing", reset=0),
 )
+
+_DRIVER = {
+    4: DriverPlace("VMAX"),
+    5: DriverPlace("AMAX"),
+    6: DriverPlace("IHOLD_IRUN", "IRUN", 8),
+    7: DriverPlace("IHOLD_IRUN", "IHOLD", 8),
+    15: DriverPlace("A1"),
+    16: DriverPlace("V1"),
+    17: DriverPlace("DMAX"),
+    18: DriverPlace("D1"),
+    19: DriverPlace("VSTART"),
+    20: DriverPlace("VSTOP"),
+    21: DriverPlace("TZEROWAIT"),
+    22: DriverPlace("THIGH"),
+    27: DriverPlace("CHOPCONF", "vhighchm"),
+    28: DriverPlace("CHOPCONF", "vhighfs"),
+    31: DriverPlace("IHOLD_IRUN", "IHOLDDELAY"),
+    162: DriverPlace("CHOPCONF", "tbl"),
+    163: DriverPlace("CHOPCONF", "chm"),
+    165: DriverPlace("CHOPCONF", "hend"),
+    166: DriverPlace("CHOPCONF", "hstrt", offset=1),
+    167: DriverPlace("CHOPCONF", "toff"),
+    178: DriverPlace("GLOBAL_SCALER"),
+    182: DriverPlace("TCOOLTHRS"),
+    185: DriverPlace("CHOPCONF", "tpfd"),
+    186: DriverPlace("TPWMTHRS"),
+    187: DriverPlace("PWMCONF", "PWM_GRAD"),
+    188: DriverPlace("PWMCONF", "PWM_OFS"),
+    191: DriverPlace("PWMCONF", "pwm_freq"),
+    192: DriverPlace("PWMCONF", "pwm_autoscale"),
+}
+"""Registers of the TMC5160 by parameter, as names and units of both tell (AP 6 and 7: 32 steps
+of 8; AP 166 counts from 1; AP 185: bits 20..23 of CHOPCONF)."""
+
+AXIS_PARAMETERS = tuple(replace(row, driver=_DRIVER.get(row.address)) for row in _ROWS)

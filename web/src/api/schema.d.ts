@@ -3144,6 +3144,12 @@ export interface components {
              */
             nodes: number;
             /**
+             * Driver
+             * @description the driver chip in a module, as calculators name it
+             * @default
+             */
+            driver: string;
+            /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
              * @enum {string}
@@ -3231,6 +3237,12 @@ export interface components {
              * @description how many node addresses its UART has; 0: as many as a datagram can say
              */
             nodes: number;
+            /**
+             * Driver
+             * @description the driver chip in a module, as calculators name it
+             * @default
+             */
+            driver: string;
             /**
              * Current Scale
              * @description what a soft limit of its current needs beside it; empty where it sets no current
@@ -4662,6 +4674,26 @@ export interface components {
              * @description an error of the driver, or a stall
              */
             diag: boolean;
+        };
+        /**
+         * DriverPlaceRow
+         * @description What a module's parameter is in its driver chip: `raw` there is `raw * step + offset` here.
+         */
+        DriverPlaceRow: {
+            /**
+             * Name
+             * @description of the register
+             */
+            name: string;
+            /**
+             * Field
+             * @description empty where the whole register is one value
+             */
+            field: string;
+            /** Step */
+            step: number;
+            /** Offset */
+            offset: number;
         };
         /** DriverSpecIn */
         DriverSpecIn: {
@@ -9898,6 +9930,8 @@ export interface components {
              * @description of a parameter in pps: lowest and highest in units of the TMC5160 (AP 255 = 0)
              */
             internal_range: number[] | null;
+            /** @description of a module's parameter: the register of its driver chip that it sets */
+            driver: components["schemas"]["DriverPlaceRow"] | null;
             /**
              * Read Clears
              * @description reading it sets it to zero

@@ -9,6 +9,7 @@ import { Card } from "../Card";
 import { fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { useWork } from "../useWork";
+import type { Dialect } from "./chip";
 import { changedOf, type Difference, writesFor } from "./differences";
 
 type Batch = Schemas["RegisterBatchResult"];
@@ -19,6 +20,8 @@ interface Props {
   connected: boolean;
   /** null while the registers of the design are not known */
   differences: readonly Difference[] | null;
+  /** of a module: whose parameters the registers are */
+  dialect?: Dialect | null;
   /** why they are not */
   unknown: string;
   /** what device to add where there is none */
@@ -53,7 +56,10 @@ export function SendPanel(props: Props) {
   async function write(): Promise<boolean> {
     const writes = writesFor(changed, axis);
     if (writes.length === 0) return true;
-    const answer = await api.POST("/api/v1/devices/{device}/registers", { path: { device: id }, body: { writes } });
+    const answer = await api.POST("/api/v1/devices/{device}/registers", {
+      path: { device: id },
+      body: { writes: props.dialect ? writes.map(props.dialect.write) : writes },
+    });
     setResult({ sent: writes.map((entry) => entry.name), answer });
     void queries.invalidateQueries({ queryKey: ["registers", id] });
     void queries.invalidateQueries({ queryKey: ["devices"] });
@@ -175,7 +181,7 @@ export function SendPanel(props: Props) {
                   {shown(row, row.to)}
                 </td>
                 <td>
-                  <Outcome row={row} result={result} shown={shown} />
+                  <Outcome row={row} result={result} shown={shown} raw={props.dialect?.raw} />
                 </td>
               </tr>
             ))}
@@ -212,10 +218,11 @@ interface OutcomeProps {
   row: Difference;
   result: { sent: string[]; answer: Batch } | null;
   shown: (row: Difference, value: number | null) => string;
+  raw: Dialect["raw"] | undefined;
 }
 
 /** How the register of a row fared in the last batch. */
-function Outcome({ row, result, shown }: OutcomeProps) {
+function Outcome({ row, result, shown, raw }: OutcomeProps) {
   const index = result?.sent.indexOf(row.register) ?? -1;
   if (!result || index < 0) return <span className="hint">–</span>;
   const written = result.answer.done[index];
@@ -223,7 +230,8 @@ function Outcome({ row, result, shown }: OutcomeProps) {
     const failed = index === result.answer.done.length && result.answer.failed !== null;
     return <span className="fault text-12">{failed ? "refused" : "not tried"}</span>;
   }
-  const value = row.field === null ? written.value : written.fields[row.field];
+  const told = row.field === null ? written.value : written.fields[row.field];
+  const value = told !== undefined && raw ? raw(row.register, told) : told;
   const good = written.verified !== false;
   return (
     <span className={good ? "good text-12" : "fault text-12"} title={written.note || undefined}>

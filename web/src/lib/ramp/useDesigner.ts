@@ -1,9 +1,9 @@
 import { useCallback, useEffect, useMemo } from "react";
-import type { Device } from "../../api/queries";
+import { can, type Device, useCatalogModel } from "../../api/queries";
 import { scaleOf } from "../units";
 import { useSessionKept } from "../useKept";
 import type { Kind } from "./answer";
-import { type ChipRamp, chipRamp } from "./chip";
+import { type ChipRamp, chipRamp, dialectOf } from "./chip";
 import { MOTOR, type Motor } from "./motor";
 import { unitsOf } from "./scales";
 import { useAxisRegisters } from "./useAxisRegisters";
@@ -48,7 +48,14 @@ export function useDesigner<Design, Lock, More>(
   const clockHz = device?.clock_hz ?? CLOCK_HZ;
   const info = device?.axes[axis];
   const { connected, readings } = useAxisRegisters(device, axis, rules.groups);
-  const told = useMemo(() => (readings.data ? chipRamp(readings.data) : null), [readings.data]);
+  const module = can(device, "parameters");
+  const rows = useCatalogModel(module ? device?.model : undefined).data?.rows;
+  const microsteps = info?.microsteps_per_full_step ?? MICROSTEPS;
+  const { told, dialect } = useMemo(() => {
+    if (!readings.data || (module && !rows)) return { told: null, dialect: null };
+    const dialect = module && rows ? dialectOf(rows, readings.data, { clockHz, microsteps }) : null;
+    return { told: dialect?.chip ?? chipRamp(readings.data), dialect };
+  }, [readings.data, module, rows, clockHz, microsteps]);
   const chip = connected ? told : null;
   const own = `${device?.id ?? "-"}.${axis}`;
   const { sketch, latest, change, isFresh } = useSketch(`stepscope.${rules.name}.sketch.${own}`, rules.fresh);
@@ -99,7 +106,7 @@ export function useDesigner<Design, Lock, More>(
   const units = useMemo(() => unitsOf(unitKey, scale), [unitKey, scale]);
   const way: 1 | -1 = sketch.distance < 0 ? -1 : 1;
   return {
-    ...{ device, axis, connected, readings, chip, clockHz, scale, units, setUnits, motor, onMotor, way },
+    ...{ device, axis, connected, readings, chip, dialect, clockHz, scale, units, setUnits, motor, onMotor, way },
     ...{ kinds: rules.kinds, sketch, latest, change, take, onChange, onLock, onMore, onDistance },
     onRead: held === null ? null : read,
     live: useLive(rules.kinds),

@@ -43,6 +43,7 @@ export function register(name: string, width: number, more: Partial<RegisterRow>
     untold: [],
     stored: "",
     internal_range: null,
+    driver: null,
     read_clears: false,
     source: "data sheet 8",
     values: {},

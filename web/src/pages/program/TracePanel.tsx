@@ -1,4 +1,4 @@
-import { Text } from "@mantine/core";
+import { Anchor, Text } from "@mantine/core";
 import { Link } from "wouter";
 import { Card } from "../../lib/Card";
 import { placeName } from "./lines";
@@ -34,7 +34,11 @@ export function TracePanel({ watch, labels }: { watch: WatchState; labels: Reado
         title="Run log"
         note={
           <>
-            device time: starts, halts and ends are marks on the <Link to="/">scope</Link>, too
+            device time: starts, halts and ends are marks on the{" "}
+            <Anchor component={Link} href="/" inherit>
+              scope
+            </Anchor>
+            , too
           </>
         }
       >

@@ -38,7 +38,9 @@ export function Chopper({ chip, chopper, disabled }: Props) {
   const { motor, setMotor, runRmsA, answer } = chopper;
   const { result, stale, error, retry } = answer;
   const differs = (setting: Setting) => chip.planned(setting.name, setting.field) !== setting.value;
-  const left = (result?.settings ?? []).filter(differs);
+  // a module has parameters for most of them
+  const settings = (result?.settings ?? []).filter(({ name, field }) => disabled || chip.spot(name, field) !== null);
+  const left = settings.filter(differs);
   const put = (settings: readonly Setting[]) => {
     for (const { name, field, value } of settings) chip.put(name, field, value);
   };
@@ -77,7 +79,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
       {result && (
         <div data-stale={stale} className="grid gap-8 mt-8 fades">
           <ul className="list" aria-label="Settings">
-            {result.settings.map((setting) => (
+            {settings.map((setting) => (
               <li
                 key={`${setting.name}.${setting.field}`}
                 className={`${classes.setting} grid rule-top mid`}

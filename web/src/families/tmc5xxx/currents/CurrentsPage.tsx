@@ -1,12 +1,13 @@
 import { Select, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import { can, type Device } from "../../../api/queries";
+import { can, type Device, useCatalogModel } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
+import { asDriver } from "../../../lib/rows/driver";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
@@ -23,15 +24,18 @@ import type { SpeedScale } from "./speed";
 import { Thresholds } from "./Thresholds";
 import { useChopper } from "./useChopper";
 
-const GROUPS = ["general", "current", "thresholds", "driver", "stealthchop"] as const;
+/** of chips, and of modules, which keep the same in parameters */
+const GROUPS = ["general", "current", "thresholds", "driver", "stealthchop", "chopper", "coolstep", "motor"] as const;
 const DEFAULT_CLOCK = 16e6;
 const RATE_HZ = 20;
 
 /** What the coils get, at which speed the driver does what, and how its chopper is best set. */
 export default function CurrentsPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
-  if (waiting) return <Waiting page="Currents" />;
-  const model = can(device, "chopper") ? modelOf(device?.model) : null;
+  const module = can(device, "parameters");
+  const catalog = useCatalogModel(module ? device?.model : undefined);
+  if (waiting || (module && catalog.isPending)) return <Waiting page="Currents" />;
+  const model = can(device, "chopper") ? modelOf(module ? catalog.data?.driver : device?.model) : null;
   if (device === undefined || entry === undefined || model === null) return <OnPaper />;
   return <OfChip key={key} device={device} axis={entry} model={model} />;
 }
@@ -41,9 +45,21 @@ function OfChip({ device, axis, model }: { device: Device; axis: Device["axes"][
   const channel = `velocity.${axis.index}`;
   const { buffer, link } = useTelemetry(device.id, [channel], Math.min(RATE_HZ, device.rate_max_hz), 2);
   const connected = device.state === "connected";
+  const scale = {
+    clockHz: device.clock_hz ?? DEFAULT_CLOCK,
+    microsteps: axis.microsteps_per_full_step ?? 256,
+    fullStepsPerTurn: axis.full_steps_per_rev,
+  };
+  const module = can(device, "parameters");
   return (
     <Page name="Currents">
       <DeviceNotice device={device} />
+      {module && (
+        <Text className="hint">
+          Shown as registers of the driver chip in {device.name}, {model.toUpperCase()}; what is staged goes to the
+          parameters that set them.
+        </Text>
+      )}
       {chip.live.catalog.isError && (
         <ProblemAlert
           error={chip.live.catalog.error}
@@ -55,14 +71,10 @@ function OfChip({ device, axis, model }: { device: Device; axis: Device["axes"][
         <ProblemAlert error={chip.live.readings.error} doing="Reading the registers" />
       )}
       <Parts
-        chip={chip}
+        chip={module ? asDriver(chip, { ...scale, inPps: chip.held("unit_mode") !== 0 }) : chip}
         known={chip.known}
         model={model}
-        scale={{
-          clockHz: device.clock_hz ?? DEFAULT_CLOCK,
-          microsteps: axis.microsteps_per_full_step ?? 256,
-          fullStepsPerTurn: axis.full_steps_per_rev,
-        }}
+        scale={scale}
         now={() => (link.phase === "live" ? buffer.last(channel) : Number.NaN)}
         of={`${device.id}.${axis.index}`}
       />

@@ -38,7 +38,9 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
   const modes = {
     stealth:
       kind === "tstep"
-        ? flag("GCONF", "en_pwm_mode") || chip.planned("GCONF", "en_spreadcycle") === 0
+        ? flag("GCONF", "en_pwm_mode") ||
+          chip.planned("GCONF", "en_spreadcycle") === 0 ||
+          (chip.spot("GCONF", "en_pwm_mode") === null && (chip.planned("PWMCONF", "PWM_GRAD") ?? 0) > 0)
         : (chip.planned("PWMCONF", "PWM_AMPL") ?? 0) > 0,
     stealthBelow: ppsAt(names.stealth),
     coolAbove: ppsAt(names.cool),
@@ -107,6 +109,16 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
             label="StealthChop"
             disabled={disabled}
             physical={(value) => (value === 0 ? "0: off" : "on below VCOOLTHRS")}
+          />
+        )}
+        {chip.spot("GCONF", "en_pwm_mode") === null && chip.spot("GCONF", "en_spreadcycle") === null && (
+          <ChipField
+            chip={chip}
+            register="PWMCONF"
+            field="PWM_GRAD"
+            label="StealthChop"
+            disabled={disabled}
+            physical={(value) => (value === 0 ? "0: off" : "on below TPWMTHRS")}
           />
         )}
         <ChipField chip={chip} register="GCONF" field="en_pwm_mode" label="StealthChop" disabled={disabled} />

@@ -45,7 +45,7 @@ const SAMPLES = 800;
 const RIVAL_SAMPLES = 240;
 const RULES: RampRules<Design, Lock, More> = {
   name: "sixpoint",
-  groups: ["ramp"],
+  groups: ["ramp", "motor"], // of a module its unit mode is in the second
   kinds: ["position", "velocity", "acceleration"],
   fresh: {
     design: START,
@@ -188,7 +188,7 @@ function Designer({ device, axis }: Props) {
           findings={findings}
           onRead={designer.onRead}
           unread={
-            connected && chip && designer.onRead === null
+            connected && chip && !designer.dialect && designer.onRead === null
               ? "The chip does not tell its ramp registers, and nobody here has written all of them yet"
               : ""
           }
@@ -201,6 +201,7 @@ function Designer({ device, axis }: Props) {
           axis={axis}
           connected={connected}
           chip={chip}
+          dialect={designer.dialect}
           differences={differences}
           mode={shown.more.mode}
           vmax={raws.vmax * unitOf("vmax", clockHz)}
