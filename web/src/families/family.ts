@@ -64,9 +64,10 @@ export interface Family {
   pages: readonly FamilyPage[];
   /** the plant of an emulated one */
   Controls: ComponentType<ControlsProps>;
-  top: TopRegister;
+  /** null where no register says it */
+  top: TopRegister | ((device: Device, axis: number) => TopRegister | null);
   /** writes that call the present position zero, while the motor stands and without moving it */
-  zero: (device: Device) => readonly Write[] | Promise<readonly Write[]>;
+  zero: (device: Device, axis: number) => readonly Write[] | Promise<readonly Write[]>;
   /** the registers whose bits are its events */
   events: readonly string[];
   /** what its data sheets call the phase that has the sine of a microstep table, and the one that has the cosine */

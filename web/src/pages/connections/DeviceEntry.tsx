@@ -54,14 +54,16 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           >
             {up ? "Disconnect" : "Connect"}
           </Button>
-          <StartUpButton
-            size="compact-xs"
-            variant="default"
-            disabled={device.state !== "connected"}
-            device={device.id}
-            axes={null}
-            axisNames={device.axes.map((axis) => axis.name)}
-          />
+          {device.about.tier === "full" && (
+            <StartUpButton
+              size="compact-xs"
+              variant="default"
+              disabled={device.state !== "connected"}
+              device={device.id}
+              axes={null}
+              axisNames={device.axes.map((axis) => axis.name)}
+            />
+          )}
           <Button size="compact-xs" variant="default" onClick={onEdit}>
             Edit
           </Button>

@@ -4,6 +4,7 @@ import { IconCamera, IconFileImport, IconFileStack } from "@tabler/icons-react";
 import { useRef, useState } from "react";
 import { Link } from "wouter";
 import type { Problem, Schemas } from "../../api/client";
+import { can } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
@@ -76,7 +77,12 @@ export function SavedProfiles({ selected, onSelect }: Props) {
           )}
         </FileButton>
       </Group>
-      {device?.about.tier === "names" && (
+      {device?.about.tier === "names" && !can(device, "parameters") && (
+        <p className="hint m-0 mb-8">
+          Of registers whose access no list tells, a profile has those that were written here and read back.
+        </p>
+      )}
+      {device?.about.tier === "names" && can(device, "parameters") && (
         <div className="mb-8">
           <p className="hint m-0">
             Of its parameters no list tells which can be set. A profile has those that {device.name} was seen to take.

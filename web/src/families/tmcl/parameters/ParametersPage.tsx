@@ -39,7 +39,7 @@ export default function ParametersPage() {
   const rowOf = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
   const groups = useMemo(() => subjectsOf(rows ?? [], query), [rows, query]);
   const staged = useStaged(id);
-  const isFolded = (key: string) => view.isFolded(key, foldedAtFirst(key));
+  const isFolded = (key: string) => view.isFolded(key, foldedAtFirst(key, axis));
   // A slow wire is asked only for what is looked at, for what edits wait in, and for what tells units.
   const asking = new Set(["units", "motor", "current"]);
   for (const group of groups) if (!isFolded(group.key)) asking.add(group.key);

@@ -153,7 +153,8 @@ describe("subjects", () => {
 
   it("are called as the manual does", () => {
     expect(nameText("maximum_positioning_speed")).toBe("Maximum positioning speed");
-    expect(foldedAtFirst("variables")).toBe(true);
-    expect(foldedAtFirst("ramp")).toBe(false);
+    expect(foldedAtFirst("variables", 0)).toBe(true);
+    expect(foldedAtFirst("ramp", 0)).toBe(false);
+    expect([0, 1, 2].map((axis) => foldedAtFirst("axis 1", axis))).toEqual([true, false, true]);
   });
 });

@@ -14,8 +14,9 @@ export function subjectTitle(group: string): string {
 }
 
 /** Many of a kind, seldom looked at, and each costs a question on the wire: folded until asked for. */
-export function foldedAtFirst(group: string): boolean {
-  return group === "variables" || group === "coordinates" || group === "interrupts" || /^axis [1-9]/.test(group);
+export function foldedAtFirst(group: string, axis: number): boolean {
+  if (/^axis \d/.test(group)) return group !== `axis ${axis}`;
+  return group === "variables" || group === "coordinates" || group === "interrupts";
 }
 
 /** "maximum_positioning_speed" as the manual writes it. */

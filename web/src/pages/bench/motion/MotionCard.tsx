@@ -139,7 +139,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
               <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
             </Tabs.Panel>
             <Tabs.Panel value="reference">
-              {can(device, "parameters") ? (
+              {can(device, "parameters") && can(device, "home_switch") ? (
                 <ModuleSearch
                   key={`${device.id}/${axis.index}`}
                   at={at}

@@ -18,7 +18,18 @@ export async function setZero({ device, axis }: AxisAddress, of: Device): Promis
       remedies: [],
       instance: null,
     });
-  const writes = (await familyOf(of)?.zero(of)) ?? [];
+  const writes = (await familyOf(of)?.zero(of, axis)) ?? [];
+  if (writes.length === 0)
+    throw new ApiError({
+      type: "/problems/wrong-state",
+      title: "Zero cannot be set here",
+      status: 409,
+      detail: `Which registers of ${of.name} hold its position is not known by their names.`,
+      way_out: "Write them on the page Registers, as the chip's manual says.",
+      facts: {},
+      remedies: [],
+      instance: null,
+    });
   const result = await api.POST("/api/v1/devices/{device}/registers", {
     path: { device },
     body: { writes: writes.map((write) => ({ ...write, axis })) },

@@ -25,15 +25,16 @@ async function look({ device, axis }: AxisAddress, { name, kept }: TopRegister) 
 
 /** The fastest that the axis is set to go [pps]: V_MAX or VMAX of a chip, AP 4 of a module; looked at now and then. */
 export function useTopSpeed(at: AxisAddress, device: Device, scale: AxisScale, enabled: boolean): number {
-  const top = familyOf(device)?.top ?? USUAL;
+  const said = familyOf(device)?.top ?? USUAL;
+  const top = typeof said === "function" ? said(device, at.axis) : said;
   const register = useQuery({
-    queryKey: ["register", at.device, at.axis, top.name],
-    queryFn: () => look(at, top),
-    enabled,
+    queryKey: ["register", at.device, at.axis, top?.name],
+    queryFn: () => (top ? look(at, top) : null),
+    enabled: enabled && top !== null,
     refetchInterval: 5000,
   });
   const value = register.data?.value ?? Number.NaN;
-  const chip = top.pps ? Math.abs(value) * top.pps(scale.clockHz) : toSteps(value, "chip", scale, "velocity");
+  const chip = top?.pps ? Math.abs(value) * top.pps(scale.clockHz) : toSteps(value, "chip", scale, "velocity");
   const pps = register.data?.unit === "pps" ? value : chip;
   return Number.isFinite(pps) && pps > 0 ? pps : CAREFUL_PPS;
 }

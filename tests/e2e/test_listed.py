@@ -1,4 +1,4 @@
-"""A module of which names alone are known, in a browser: found on a port, staged, compared, applied, brought back."""
+"""Modules and chips of which names alone are known, in a browser: found, staged, compared, applied, brought back."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -19,8 +20,10 @@ from app.registers.listed.modules import role_of
 from app.registers.model import Register, Space
 from tests.e2e.conftest import DESKTOP, PHONE
 from tests.e2e.modules import select
+from tests.e2e.motor import wait_for
 
 MODEL = max((model for model in catalog.listings() if model.kind == "module"), key=lambda model: model.axes)
+SEVERAL_AXES = [model.name for model in catalog.listings() if model.kind == "chip" and model.axes > 1]
 TABLE = catalog.find_model(MODEL.name).table
 SPEED = next(row for row in TABLE if row.axis == 0 and role_of(row) == "max_speed")
 OUTPUT = next(row for row in TABLE if row.space is Space.OUTPUT)
@@ -37,7 +40,8 @@ def module(api: httpx.Client) -> Iterator[str]:
     body = {"name": "drive", "model": MODEL.name, "link": {"kind": "emulator", "unknown_parameters": [LACKING.address]}}
     api.post("/devices", json=body).raise_for_status()
     yield "drive"
-    api.delete("/devices/drive")
+    for device in ("drive", NAME):
+        api.delete(f"/devices/{device}")
 
 
 @pytest.fixture
@@ -105,6 +109,25 @@ def test_a_profile_is_captured_compared_and_brought_back(page: Page, api: httpx.
     assert held(api, SPEED) == 2000
 
 
+@pytest.mark.parametrize("model", [MODEL.name, *SEVERAL_AXES])
+def test_zero_is_set_for_one_axis_alone_and_nothing_moves(page: Page, api: httpx.Client, model: str) -> None:
+    api.post("/devices", json={"name": NAME, "model": model, "link": {"kind": "emulator"}}).raise_for_status()
+    for axis in (0, 1):
+        api.post(f"/devices/{NAME}/axes/{axis}/move", json={"target": 300}).raise_for_status()
+        wait_for(lambda axis=axis: state(api, axis)["position"] == 300, "it is there")  # type: ignore[misc]
+    select(page, NAME, 1)
+    page.goto("/")
+    page.get_by_role("tab", name="Zero").click()
+    page.get_by_test_id("set-zero").click()
+    wait_for(lambda: state(api, 1)["position"] == 0, "the count is zero")
+    assert (state(api, 0)["position"], state(api, 1)["moving"]) == (300, False)
+
+
+def state(api: httpx.Client, axis: int) -> dict[str, Any]:
+    answer: dict[str, Any] = api.get(f"/devices/{NAME}/axes/{axis}").raise_for_status().json()
+    return answer
+
+
 @contextlib.contextmanager
 def far_module() -> Iterator[int]:
     """One in another process: the port that it is behind."""
@@ -122,7 +145,7 @@ def far_module() -> Iterator[int]:
         process.stdout.close()
 
 
-def test_a_search_names_what_answers_and_proposes_it(page: Page, api: httpx.Client) -> None:
+def test_a_search_names_what_answers_and_proposes_it(page: Page) -> None:
     with far_module() as port:
         page.goto("/connections")
         search = page.get_by_role("region", name="Look for modules")
@@ -140,7 +163,9 @@ def test_a_search_names_what_answers_and_proposes_it(page: Page, api: httpx.Clie
         entry = page.get_by_role("region", name=NAME)
         expect(entry).to_have_attribute("data-state", "connected")
         expect(entry).to_contain_text("names only")
-        api.delete(f"/devices/{NAME}").raise_for_status()
+        expect(entry.get_by_role("button", name="Start up")).to_have_count(0)
+        entry.get_by_role("button", name="Remove").click()
+        page.get_by_role("dialog").get_by_role("button", name="Remove").click()
         expect(entry).to_have_count(0)
 
 
