@@ -6,14 +6,17 @@ in step.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 
-from ..errors import BadReply, LinkTimeout, WrongState
+from ..errors import BadReply, LinkTimeout, UnreadableModel, WrongState
+from ..registers import catalog
 from ..registers.catalog import MODELS
 from ..registers.evaluation_board import ADDRESS as BOARD_ADDRESS
+from ..registers.listed.chips import tells_version
 from ..registers.tmcl.commands import Opcode
 from .datagram_uart import UartForm
 from .evaluation_board import Board, board_name, identify
@@ -56,6 +59,9 @@ class FoundModule:
     """The node of a chip on a UART; None also of one that has none."""
     uart: bool = False
     """Whether it is a chip on a UART."""
+    candidates: tuple[str, ...] = ()
+    """Models that it may be as well, or one of which it is where none is known by that version: those of lists and
+    register maps that have a version at that place, and do not tell which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,14 +158,40 @@ async def probe_chips(
                 answer = await _ask_chip(port_of_chip, node)
             done += 1
             if answer is not None:
-                version, chip = answer
-                text = f"version {version:#04x}"
-                found.append(FoundModule(port, baud, node or 0, version, text, "", chip, node, uart=True))
+                text = f"version {answer.version:#04x}"
+                may_be = await asyncio.to_thread(
+                    _candidates, answer, node
+                )  # reading lists takes some tenths of a second
+                found.append(
+                    FoundModule(port, baud, node or 0, answer.version, text, "", answer.chip, node, True, may_be)
+                )
         if found:
             break
     done = total
     tell("")
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Version:
+    """What a chip showed for a version, where that may be, and who is known by that."""
+
+    addresses: tuple[int, ...]
+    version: int
+    chip: str = ""
+
+
+def _candidates(seen: _Version, node: int | None) -> tuple[str, ...]:
+    """Models of lists and of register maps that may show that."""
+    uart = "plain" if node is None else "node"
+    found: list[str] = []
+    for listed in (*catalog.maps(), *catalog.listings()):
+        if listed.uart == uart and listed.kind == "chip":
+            with contextlib.suppress(UnreadableModel):
+                table = catalog.find_model(listed.name).table
+                if any(tells_version(table, address, seen.version) for address in seen.addresses):
+                    found.append(listed.name)
+    return tuple(found)
 
 
 def _chip_of(version: int, address: int, node: int | None) -> str:
@@ -184,9 +216,9 @@ def _rates(url: str, line: Line, bauds: Sequence[int] | None, usual: Sequence[in
     return [line.baud]
 
 
-async def _ask_chip(chip: UartPort, node: int | None) -> tuple[int, str] | None:
+async def _ask_chip(chip: UartPort, node: int | None) -> _Version | None:
     """The version of the chip, and its model where one is known by that; None where nobody answers."""
-    first: int | None = None
+    seen: _Version | None = None
     for address in INPUTS:
         try:
             reply = await LinkQueue(chip).exchange(chip.form.read(address), Priority.SAMPLE)
@@ -194,9 +226,10 @@ async def _ask_chip(chip: UartPort, node: int | None) -> tuple[int, str] | None:
         except (LinkTimeout, BadReply):
             break
         if known := _chip_of(version, address, node):
-            return version, known
-        first = version if first is None else first
-    return None if first is None else (first, "")
+            return _Version((address,), version, known)
+        if seen is None or (version and not seen.version):  # what has no version there reads 0
+            seen = _Version((address,) if version else INPUTS, version)
+    return seen
 
 
 async def _ask(module: LinePort) -> tuple[int, str, Board | None] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -39,7 +40,7 @@ async def test_chips_are_found_by_their_version_and_nothing_is_written(echo: boo
     with served(uart_line(chips, clock, nodes=(0, 2), echo=echo), tmp_path / "uart"):
         progress: list[ProbeProgress] = []
         found = await probe_chips(where, [115_200, 9600], [0, 1, 2], progress.append)
-        assert found == [
+        assert [replace(one, candidates=()) for one in found] == [
             FoundModule(where, 115_200, 0, 0x30, "version 0x30", "", "TMC5160", 0, uart=True),
             FoundModule(where, 115_200, 2, 0x10, "version 0x10", "", "TMC5072", 2, uart=True),
         ]

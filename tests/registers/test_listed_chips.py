@@ -23,7 +23,6 @@ from app.registers.listed.models import BESIDE
 from app.registers.listed.ramp import ramps_of
 from app.registers.model import Access
 from app.registers.spi_format import SpiFormat, TaggedFormat
-from tests.test_house import without_words
 
 ROOT = Path(__file__).parent.parent.parent
 CLASSES: dict[str, type[Any]] = {
@@ -168,27 +167,3 @@ def test_nothing_is_imported_until_a_chip_is_asked_for() -> None:
         "catalog.find_model(found[0].name); assert 'pytrinamic.ic' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT, timeout=120)
-
-
-ALSO_OTHERWISE = {
-    "app/registers/evaluation_board.py": "the maker's numbers of boards, by what they carry",
-    "app/emulators/board/tmc2660.py": "the driver on the board of another chip",
-    "app/emulators/board/tmc4361.py": "the driver on the board of this chip",
-    "app/registers/tmc4361/output.py": "what drivers this chip can talk to",
-    "app/registers/tmc4361/events.py": "what another driver's status means",
-    "app/calc/tmc5xxx/chips.py": "a driver whose current stage is the same",
-    "app/api/links/schemas.py": "an example of what a search finds",
-}
-"""Files that name one of these chips, and for which other reason than that it is listed."""
-
-
-def test_no_file_of_ours_names_one_of_them() -> None:
-    named = re.compile("|".join(rf"(?<![a-z0-9]){name}(?![0-9])" for name in READABLE), re.IGNORECASE)
-    found = {
-        path.relative_to(ROOT).as_posix()
-        for folder, suffixes in (("app", {".py"}), ("web/src", {".ts", ".tsx"}))
-        for path in (ROOT / folder).rglob("*")
-        if path.suffix in suffixes and not path.name.endswith("schema.d.ts") and ".test." not in path.name
-        if named.search(without_words(path))
-    }
-    assert found == ALSO_OTHERWISE.keys()

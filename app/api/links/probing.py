@@ -109,7 +109,8 @@ def _module(number: int) -> str | None:
 
 def _found(module: FoundModule) -> ProbeFound:
     if module.uart:
-        model = UART_CHIPS.get(module.chip)
+        alone = module.candidates[0] if len(module.candidates) == 1 else None
+        model = UART_CHIPS.get(module.chip) or alone
     else:
         model = evaluation_board.chip_of(module.chip) if module.board else _module(module.number)
     return ProbeFound(
@@ -121,4 +122,5 @@ def _found(module: FoundModule) -> ProbeFound:
         board=module.board or None,
         module=module.number,
         version=module.version,
+        candidates=list(module.candidates),
     )

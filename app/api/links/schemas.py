@@ -87,7 +87,7 @@ class ProbeStart(Body):
         default=None, description="null: the first ones; modules have 1..255, nodes of chips are 0..254"
     )
     kind: Literal["modules", "chips"] = Field(
-        default="modules", description="modules and evaluation boards, which speak TMCL; or TMC5xxx on a UART"
+        default="modules", description="modules and evaluation boards, which speak TMCL; or chips on a UART"
     )
 
 
@@ -104,11 +104,15 @@ class ProbeFound(Answer):
         description="the module's, or that of the chip on the board; null where stepscope has no driver for it"
     )
     board: str | None = Field(
-        description='null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind '
-        "landungsbruecke"
+        description='null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke'
     )
     module: int = Field(description="the number that the module calls itself by, e.g. 1241; of a chip its version")
     version: str = Field(description='as the module tells it, e.g. "1241V144"; of a chip "version 0x30"')
+    candidates: list[str] = Field(
+        default=[],
+        description="of a chip on a UART: further models whose lists have a version at that place and do not tell "
+        "which number it is; of these one has to choose",
+    )
 
 
 class ProbeState(Answer):

@@ -6,6 +6,7 @@ counter of its writes, its datagrams on SPI by what addresses and words they hol
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Literal
 
@@ -22,6 +23,9 @@ CLOCK_HZ = 16e6
 ADDRESS_MAX = 0x7F
 """What a datagram of the UART can ask for."""
 UART_BITS = 32
+VERSION = 24, 8
+"""Lowest bit and width of a chip's version in its register of inputs."""
+_VERSION = re.compile(r"(?:^|_)version$", re.IGNORECASE)
 DESCRIPTION = "a chip whose registers are known by name"
 
 
@@ -90,6 +94,16 @@ def word_bits(spi: Spi | None, *, uart: bool) -> int:
     if spi is None:
         return UART_BITS
     return min(spi.word_bits, UART_BITS if uart else WORD_BITS_MAX)
+
+
+def tells_version(table: RegisterTable, address: int, version: int) -> bool:
+    """Whether a chip of this table may show `version` in bits 31..24 of the register at `address`: it names them so,
+    and does not say that they are another number."""
+    row = table.at(address)
+    if row is None:
+        return False
+    part = next((part for part in row.fields if (part.lsb, part.width) == VERSION and _VERSION.search(part.name)), None)
+    return part is not None and (row.reset is None or part.unpack(row.reset) == version)
 
 
 def harmless(table: RegisterTable) -> int:

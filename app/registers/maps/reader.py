@@ -185,7 +185,7 @@ class _Check:
             reset=shape.reset,
             group=shape.group or ("chip" if shape.axis is None else f"axis {shape.axis}"),
             source="your register map",
-            role=shape.role,
+            role=shape.role or "",
             volatile=shape.volatile,
             read_clears=shape.read_clears,
             untold=frozenset[Untold]({"reset"}) if shape.reset is None else frozenset[Untold](),
@@ -272,7 +272,7 @@ def _field(shape: FieldShape, values: dict[int, str]) -> Field:
         range=_range(shape),
         values=values,
         lsb=shape.lsb,
-        role=shape.role,
+        role=shape.role or "",
         access=Access(shape.access),
         reset=None,
     )

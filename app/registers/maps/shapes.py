@@ -49,7 +49,6 @@ class BitsShape(Shape):
     range: Annotated[list[Whole], Field(min_length=2, max_length=2)] | None = None
     values: Annotated[dict[str, Line], Field(max_length=VALUES_MAX)] = {}
     help: Text = ""
-    role: str = ""
 
 
 class FieldShape(BitsShape):
@@ -58,7 +57,7 @@ class FieldShape(BitsShape):
     lsb: Annotated[int, Field(strict=True, ge=0, lt=WORD_BITS_MAX)]
     width: Annotated[int, Field(strict=True, ge=1, le=WORD_BITS_MAX)] = 1
     access: Literal["R", "RW"] = "RW"
-    role: Literal["", "mode"] = ""
+    role: Literal["mode"] | None = None
 
 
 class RegisterShape(BitsShape):
@@ -69,9 +68,10 @@ class RegisterShape(BitsShape):
     width: Annotated[int, Field(strict=True, ge=1)] | None = None
     """None: as many as a datagram has, 32 at most."""
     access: Access = "RW"
-    role: Literal[
-        "", "mode", "target", "position", "velocity", "max_velocity", "acceleration", "deceleration", "status"
-    ] = ""
+    role: (
+        Literal["mode", "target", "position", "velocity", "max_velocity", "acceleration", "deceleration", "status"]
+        | None
+    ) = None
     reset: Whole | None = None
     group: Line = ""
     volatile: bool = False

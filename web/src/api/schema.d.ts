@@ -7926,7 +7926,7 @@ export interface components {
             model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
-             * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
+             * @description null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke
              */
             board: string | null;
             /**
@@ -7939,6 +7939,12 @@ export interface components {
              * @description as the module tells it, e.g. "1241V144"; of a chip "version 0x30"
              */
             version: string;
+            /**
+             * Candidates
+             * @description of a chip on a UART: further models whose lists have a version at that place and do not tell which number it is; of these one has to choose
+             * @default []
+             */
+            candidates: string[];
         };
         /**
          * ProbeStart
@@ -7962,7 +7968,7 @@ export interface components {
             addresses?: number[] | null;
             /**
              * Kind
-             * @description modules and evaluation boards, which speak TMCL; or TMC5xxx on a UART
+             * @description modules and evaluation boards, which speak TMCL; or chips on a UART
              * @default modules
              * @enum {string}
              */

@@ -9,6 +9,7 @@ import { axisConfigs, clockField, type Draft, linkOf, linkValues, problemsOf, wi
 import { AxisFold, AxisTable, type Entry, FieldInput, type Row } from "./fields";
 import { axisForm, linkForm, NAME, needed, type Values } from "./form";
 import { LinkFields } from "./LinkFields";
+import { MapFile } from "./MapFile";
 import { inMechanics } from "./mechanics";
 import { axesText, type Kind, kindsOf, TIERS } from "./models";
 import { TestResult } from "./TestResult";
@@ -125,6 +126,9 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           }}
         />
       </div>
+      {device === null && (
+        <MapFile models={catalog.data ?? []} onModel={(chosen) => setDraft((now) => withModel(now, chosen))} />
+      )}
       <fieldset className={`${css.group} stack gap-8 m-0 mt-12 rule-top`}>
         <legend>Link</legend>
         <SegmentedControl

@@ -33,6 +33,16 @@ export function Found({ onAdd, names, models }: Props) {
     const draft = newDraft(model, "serial", { port, baud: rate ?? "", address: node ?? "" });
     onAdd({ ...draft, name: freeName(shortName(model), names) });
   };
+  const addUart = (model: Model | undefined, port: string, baud?: number, node?: number) => {
+    if (!model) return;
+    const rate = baud === undefined ? "" : String(baud);
+    const draft = newDraft(model, "uart", {
+      port,
+      baud: rate,
+      ...(model.uart === "node" ? { node: String(node) } : {}),
+    });
+    onAdd({ ...draft, name: freeName(shortName(model), names) });
+  };
   const addBoard = (model: Model | undefined, port: string) => {
     const kind = model?.wires.find(({ frames }) => frames === "board")?.kind;
     if (!model || !kind) return;
@@ -78,11 +88,12 @@ export function Found({ onAdd, names, models }: Props) {
         )}
       </section>
       <Probe
-        onAdd={(found) =>
-          found.board === null
-            ? addSerial(named(found.model) ?? module, found.port, found.baud ?? undefined, found.address)
-            : addBoard(named(found.model) ?? boards, found.port)
-        }
+        titleOf={(name) => named(name)?.title ?? name}
+        onAdd={(found, chosen) => {
+          if (found.kind === "chip") addUart(named(chosen), found.port, found.baud ?? undefined, found.address);
+          else if (found.board !== null) addBoard(named(chosen) ?? boards, found.port);
+          else addSerial(named(chosen) ?? module, found.port, found.baud ?? undefined, found.address);
+        }}
       />
       <section className={`${css.box} pad card`} aria-label="A device in another process">
         <h2>A device in another process</h2>

@@ -1,4 +1,4 @@
-import { Button, Chip, Group, Progress, TextInput } from "@mantine/core";
+import { Button, Chip, Group, NativeSelect, Progress, SegmentedControl, TextInput } from "@mantine/core";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
@@ -10,18 +10,31 @@ import { PortField } from "./PortField";
 import { useProbe } from "./useConnections";
 
 type Found = Schemas["ProbeFound"];
+type Kind = "modules" | "chips";
+
+/** Of chips on a UART; modules have none 0. */
+const NODES = { lowest: 0, highest: 254 };
 
 /** What is asked unless one chooses: the rate at delivery, and the fastest that the manual names. */
 const USUAL = ["9600", "115200"];
 
-/** Asks a port for modules, rate by rate and address by address, and lists what answers. */
-export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
+interface Props {
+  /** a device is to be made of it, as that model */
+  onAdd: (found: Found, model: string | null) => void;
+  /** what people call a model */
+  titleOf: (model: string) => string;
+}
+
+/** Asks a port for modules, or for chips on a UART, rate by rate and address by address, and lists what answers. */
+export function Probe({ onAdd, titleOf }: Props) {
   const { state, start, abort } = useProbe();
   const [port, setPort] = useState("");
   const [bauds, setBauds] = useState<string[]>(USUAL);
   const [text, setText] = useState("1");
+  const [kind, setKind] = useState<Kind>("modules");
+  const chips = kind === "chips";
   const [asked, setAsked] = useState(false);
-  const addresses = parseAddresses(text);
+  const addresses = parseAddresses(text, chips ? NODES : undefined);
   const probe = state.data;
   const running = probe?.running === true;
   const wrongPort = asked && port.trim() === "" ? "Choose a port, or type a device name or address" : undefined;
@@ -38,10 +51,25 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
             port: port.trim(),
             bauds: bauds.map(Number).sort((a, b) => a - b),
             addresses: addresses.list.length > 0 ? addresses.list : null,
+            kind,
           });
         }}
         noValidate
       >
+        <SegmentedControl
+          size="xs"
+          aria-label="Whom to look for"
+          data={[
+            { value: "modules", label: "Modules and boards" },
+            { value: "chips", label: "Chips on a UART" },
+          ]}
+          value={kind}
+          onChange={(value) => {
+            setKind(value as Kind);
+            setText(value === "chips" ? "0-3" : "1");
+            setBauds(value === "chips" ? ["115200"] : USUAL);
+          }}
+        />
         <PortField label="Port or address" value={port} error={wrongPort} onChange={setPort} />
         <fieldset className={css.bauds}>
           <legend className="hint regular">Baud rates</legend>
@@ -57,8 +85,8 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
           {asked && bauds.length === 0 && <p className="m-0 mt-4 fault text-12">Choose at least one rate</p>}
         </fieldset>
         <TextInput
-          label="Addresses"
-          placeholder="1-4, 7"
+          label={chips ? "Nodes" : "Addresses"}
+          placeholder={chips ? "0-3" : "1-4, 7"}
           classNames={{ input: "num", label: "hint regular" }}
           value={text}
           error={addresses.ok ? undefined : addresses.why}
@@ -111,7 +139,7 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
                   <b className="num">{found.version}</b>
                   {found.board !== null && <span className="hint block">{found.board}</span>}
                   <span className="hint block">
-                    address <span className="num">{found.address}</span>,{" "}
+                    {found.kind === "chip" ? "node" : "address"} <span className="num">{found.address}</span>,{" "}
                     {found.baud === null ? (
                       "no baud rate"
                     ) : (
@@ -119,22 +147,52 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
                         <span className="num">{fixed(found.baud)}</span> baud
                       </>
                     )}
-                    {found.model === null && ", no driver for it here"}
+                    {found.model === null && found.candidates.length === 0 && ", no driver for it here"}
                   </span>
                 </span>
-                <Button
-                  size="compact-xs"
-                  disabled={found.model === null}
-                  aria-label={`Add ${found.version} at address ${found.address}`}
-                  onClick={() => onAdd(found)}
-                >
-                  Add
-                </Button>
+                <Answered found={found} titleOf={titleOf} onAdd={(model) => onAdd(found, model)} />
               </li>
             ))}
           </ul>
         </div>
       )}
     </section>
+  );
+}
+
+/** What answered as a device: of a chip that may be several the user says which. */
+function Answered({
+  found,
+  titleOf,
+  onAdd,
+}: {
+  found: Found;
+  titleOf: Props["titleOf"];
+  onAdd: (model: string) => void;
+}) {
+  const models = [...new Set([...(found.model === null ? [] : [found.model]), ...found.candidates])];
+  const [model, setModel] = useState(models[0] ?? null);
+  const where = `${found.version} at ${found.kind === "chip" ? "node" : "address"} ${found.address}`;
+  return (
+    <Group gap={6} wrap="nowrap">
+      {models.length > 1 && (
+        <NativeSelect
+          size="xs"
+          aria-label={`Which chip is ${where}`}
+          title="Their lists have a version there and do not tell which number it is"
+          data={models.map((name) => ({ value: name, label: titleOf(name) }))}
+          value={model ?? ""}
+          onChange={(event) => setModel(event.currentTarget.value)}
+        />
+      )}
+      <Button
+        size="compact-xs"
+        disabled={model === null}
+        aria-label={`Add ${where}`}
+        onClick={() => model !== null && onAdd(model)}
+      >
+        Add
+      </Button>
+    </Group>
   );
 }

@@ -1,12 +1,12 @@
 import { Button, FileButton, Group, Text } from "@mantine/core";
 import { IconFileImport } from "@tabler/icons-react";
 import { useEffect, useRef, useState } from "react";
-import { ApiError } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { saveText } from "../../lib/files";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "./connections.module.css";
-import { type Finding, fetchMap, type RegisterMap, useChangeMaps, useRegisterMaps } from "./useRegisterMaps";
+import { Findings, findingsOf } from "./MapFindings";
+import { fetchMap, type RegisterMap, useChangeMaps, useRegisterMaps } from "./useRegisterMaps";
 
 interface Props {
   /** opens the form for a device of that model */
@@ -31,7 +31,6 @@ export function RegisterMaps({ onAdd }: Props) {
     }
   };
   const dropping = useDropped((files) => void take(files));
-  const findings = keep.error instanceof ApiError ? findingsOf(keep.error.problem.facts) : [];
   return (
     <Card
       title="Your register maps"
@@ -63,7 +62,7 @@ export function RegisterMaps({ onAdd }: Props) {
             doing={keep.variables ? `Reading ${keep.variables.name}` : "Reading the file"}
             onClose={() => keep.reset()}
           />
-          {keep.variables && <Findings findings={findings} of={keep.variables.name} />}
+          {keep.variables && <Findings findings={findingsOf(keep.error)} of={keep.variables.name} />}
         </div>
       )}
       {keep.isSuccess && keep.variables && (
@@ -163,26 +162,6 @@ function Entry({ map, deleting, onAdd, onDelete, onDownload }: EntryProps) {
       <Findings findings={map.findings} more={map.more} of={map.name} />
     </div>
   );
-}
-
-/** What is wrong with a map, line by line. */
-function Findings({ findings, more = 0, of }: { findings: readonly Finding[]; more?: number; of: string }) {
-  if (findings.length === 0) return null;
-  return (
-    <ul className={`${css.findings} list`} aria-label={`Mistakes in ${of}`}>
-      {findings.map((each) => (
-        <li key={`${each.line} ${each.where} ${each.what}`}>
-          <b className="num">line {each.line}</b> {each.where && <>{each.where}: </>}
-          {each.what}
-        </li>
-      ))}
-      {more > 0 && <li>and {more} more</li>}
-    </ul>
-  );
-}
-
-function findingsOf(facts: Record<string, unknown>): Finding[] {
-  return Array.isArray(facts.findings) ? (facts.findings as Finding[]) : [];
 }
 
 /** Files that are dropped anywhere onto the page; whether some are held over it. */
