@@ -55,9 +55,9 @@ class Motor:
 
 
 @contextmanager
-def a_motor(api: httpx.Client, name: str) -> Iterator[Motor]:
-    """Add a module, and take it away again: the other tests count the devices."""
-    body = {"name": name, "model": "pd42-1241", "link": {"kind": "emulator"}}
+def a_motor(api: httpx.Client, name: str, **options: object) -> Iterator[Motor]:
+    """Add a module with these options of its emulator, and take it away again: the other tests count the devices."""
+    body = {"name": name, "model": "pd42-1241", "link": {"kind": "emulator", **options}}
     device = api.post("/devices", json=body).raise_for_status().json()["id"]
     motor = Motor(api, device)
     try:

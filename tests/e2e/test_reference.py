@@ -142,3 +142,30 @@ def test_the_bench_is_open_to_everybody(bench: Page, check_axe: Callable[[Page],
     check_axe(bench)
     sideways = bench.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
     assert sideways <= 0, f"can be scrolled sideways by {sideways} px"
+
+
+def test_an_end_is_found_by_stall_and_drawn_as_other_searches_are(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    ends = {"left_end_fullsteps": -300, "right_end_fullsteps": 2000}
+    beyond = {"left_at_fullsteps": -3000, "right_at_fullsteps": 3000}
+    with a_motor(api, "stalling motor", stage={**ends, **beyond}) as motor:
+        select(page, motor)
+        page.goto("/")
+        expect(page.get_by_test_id("link-readout").first).to_contain_text("live")
+        page.get_by_role("tab", name="Stall").click()
+        steps = page.get_by_label("What the search does")
+        expect(steps).to_contain_text("the motor stalls at the end")
+        expect(steps).to_contain_text("it stalls again; this and the way back 2 times")
+        page.get_by_test_id("stall-hits").fill("2")
+        page.get_by_test_id("stall-hits").press("Enter")
+        expect(steps).not_to_contain_text("times")
+        page.get_by_test_id("stall-search").click()
+        expect(page.get_by_test_id("stall-state")).to_have_attribute("data-state", "running")
+        expect(page.get_by_test_id("search-hit")).to_have_count(2, timeout=60_000)
+        expect(page.get_by_test_id("stall-state")).to_have_attribute("data-state", "done", timeout=30_000)
+        expect(page.get_by_text(re.compile("Zero at the end of the stage"))).to_be_visible()
+        at = motor.emulator()["stage"]["position_fullsteps"]
+        assert at == pytest.approx(-300, abs=1), "the true place of zero"
+        check_axe(page)
+        page.goto("/connections")  # before the module is gone

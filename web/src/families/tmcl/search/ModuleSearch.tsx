@@ -1,4 +1,4 @@
-import { Box, Button, Group, Select, Switch, Text } from "@mantine/core";
+import { Button, Group, Select, Switch, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
@@ -8,6 +8,7 @@ import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../../../pages/bench/bench.module.css";
 import { SearchProgress } from "../../../pages/bench/motion/SearchProgress";
+import { SearchSteps } from "../../../pages/bench/motion/SearchSteps";
 import { setZero } from "../../../pages/bench/motion/setZero";
 import type { Action } from "../../../pages/bench/motion/useAction";
 import { searchKey, useSearch } from "../../../pages/bench/motion/useSearch";
@@ -94,16 +95,7 @@ export function ModuleSearch({ at, device, action, disabled }: Props) {
       />
       {speed("Search", "fast", fast)}
       {speed("Switch", "slow", slow)}
-      <Box component="ol" mih={80} className="indent hint m-0 tight" aria-label="What the search does">
-        {stepsOf(choice).map((step, index) => (
-          <li key={`${step.to}${step.until}`} value={index + 1}>
-            <span className="mono ink" aria-hidden>
-              {step.to === "left" ? "←" : step.to === "right" ? "→" : "0"}
-            </span>{" "}
-            {step.fast ? "fast" : "slowly"} until {step.until}
-          </li>
-        ))}
-      </Box>
+      <SearchSteps steps={stepsOf(choice)} />
       {openOf(choice) !== "" && (
         <Text size="xs" c="dimmed">
           {openOf(choice)}

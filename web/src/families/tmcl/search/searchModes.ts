@@ -1,3 +1,5 @@
+import type { SearchStep } from "../../../pages/bench/motion/SearchSteps";
+
 /** Reference search of a PD42-1241 (document FM-PD42-1241 7.1): its modes as words, for AP 193. */
 export const MIRRORED = 64;
 export const HOME_INVERTED = 128;
@@ -32,13 +34,6 @@ export function choiceOf(code: number): Choice | null {
   return { base: base as BaseMode, mirrored: extra === MIRRORED, inverted: extra === HOME_INVERTED };
 }
 
-/** One part of a search: which way, how fast, until what. */
-export interface SearchStep {
-  to: "left" | "right" | "zero";
-  fast: boolean;
-  until: string;
-}
-
 const OTHER = { left: "right", right: "left" } as const;
 
 /** What the motor is going to do, in order. Modes 7 and 8 differ by their direction (TMCL-RS; the manual names one for both). */
@@ -68,8 +63,10 @@ export function stepsOf({ base, mirrored }: Choice): SearchStep[] {
 
 /** What of the mode no public source tells; empty where all of it is known. */
 export function openOf({ base }: Choice): string {
-  return base === 3 || base === 4
-    ? "Manuals say “from both sides”, and not which edges count: the emulated module takes the middle of where the switch opened and closed again."
+  if (base === 3 || base === 4)
+    return "Manuals say “from both sides”, and not which edges count: the emulated module takes the middle of where the switch opened and closed again.";
+  return base >= 7
+    ? "The manual names one direction for modes 7 and 8: they differ here as in tables of sister modules. Try it slowly first."
     : "";
 }
 

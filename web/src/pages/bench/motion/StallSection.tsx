@@ -7,6 +7,7 @@ import { optionsOf } from "../../../lib/choices";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "../bench.module.css";
 import { SearchProgress } from "./SearchProgress";
+import { type SearchStep, SearchSteps } from "./SearchSteps";
 import type { Action } from "./useAction";
 import { searchKey, useSearch } from "./useSearch";
 
@@ -19,6 +20,27 @@ interface Props {
 type Stall = NonNullable<Schemas["ReferenceSearchStart"]["stall"]>;
 
 const SPEED_MAX = 7_999_774;
+
+/** What it is going to do; the back-off lies between two hits. */
+function stepsOf({ side, hits }: Stall): SearchStep[] {
+  const away = side === "left" ? "right" : "left";
+  const again = (hits ?? 3) - 1;
+  return [
+    { to: away, fast: true, until: "StallGuard was seen to work at that speed" },
+    { to: side, fast: true, until: "the motor stalls at the end" },
+    ...(again > 0
+      ? [
+          { to: away, fast: true, until: "it is up to speed on its way back" } as const,
+          {
+            to: side,
+            fast: true,
+            until: again === 1 ? "it stalls again" : `it stalls again; this and the way back ${again} times`,
+          } as const,
+        ]
+      : []),
+    { to: "zero", fast: true, until: "it stands where the rotor met the end" },
+  ];
+}
 
 /** Zero at the end of the stage, found without a switch: by the stall that the driver measures. */
 export function StallSection({ at, action, disabled }: Props) {
@@ -62,11 +84,12 @@ export function StallSection({ at, action, disabled }: Props) {
       {field("Threshold", "threshold", "", [-64, 63, 1], "found by itself")}
       {field("Current", "current_percent", "%", [1, 100, 5], "as it is set")}
       {field("Hits", "hits", "", [1, 10, 1], "3")}
+      <SearchSteps steps={stepsOf(wanted)} />
       <SearchProgress
         search={search.data}
         label="Search by stall"
         testId="stall-state"
-        idle="Goes away from the end to see whether StallGuard works at that speed, then runs against it."
+        idle="It asks for no switch: the load that StallGuard measures tells the end."
         running={({ phase, edges }) => (edges.length > 0 ? `${phase}; ${edges.length} hits so far` : phase)}
       />
       <Group gap={6} grow wrap="nowrap">
