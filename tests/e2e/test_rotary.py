@@ -12,6 +12,8 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.e2e.chips import a_chip, set_up
+from tests.e2e.chips import select as select_chip
 from tests.e2e.conftest import PHONE, Errors
 from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
 
@@ -339,6 +341,33 @@ def test_a_finger_turns_the_hand_on_the_rim_and_scrolls_on_the_face(
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     check_axe(page)
     assert not errors.unexpected()
+
+
+def test_a_position_beyond_the_counter_is_compared_and_one_is_latched(page: Page, api: httpx.Client) -> None:
+    with a_chip(api, "comparing") as chip:
+        set_up(chip)
+        path = f"/devices/{chip.device}/axes/0/extended-position"
+        api.put(path, json={"microsteps_per_turn": TURN}).raise_for_status()
+        select_chip(page, chip)
+        page.goto("/rotary")
+        expect(page.get_by_test_id("state")).to_have_text("stands")
+        expect(page.get_by_test_id("compare-off")).to_be_disabled()
+
+        fill(page, "compare", 5_000_000_000)
+        expect(page.get_by_test_id("compare-state")).to_contain_text("X_COMPARE waits")
+        fill(page, "compare", 20_000)
+        expect(page.get_by_test_id("compare-state")).to_contain_text("X_COMPARE holds it")
+        assert chip.register("X_COMPARE")["value"] == 20_000
+        api.put(path, json={"target": 20_000}).raise_for_status()
+        wait_for(lambda: api.get(path).json()["state"] == "idle", "it is there", 30)
+        assert chip.emulator()["position_compare"]["output"]
+
+        page.get_by_test_id("read-latched").click()
+        expect(page.get_by_test_id("latched")).to_have_text("0")  # no switch has latched anything
+
+        page.get_by_test_id("compare-off").click()
+        expect(page.get_by_test_id("compare-state")).to_have_count(0)
+        expect(page.get_by_test_id("compare")).to_have_value("")
 
 
 def test_it_is_open_to_everybody(rotary: Page, check_axe: Callable[[Page], None]) -> None:

@@ -3,7 +3,7 @@ import { useClipboard, useLocalStorage } from "@mantine/hooks";
 import { useMutation } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
 import { motion } from "../../api/motion";
-import type { Device } from "../../api/queries";
+import { can, type Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { Page } from "../../lib/Page";
@@ -16,6 +16,7 @@ import { LiveText } from "../../live/LiveText";
 import { useTelemetry } from "../../live/useTelemetry";
 import { useTopSpeed } from "../bench/motion/useMotionLimits";
 import { LiveNumber } from "../module/LiveNumber";
+import { CompareAndLatch } from "./CompareAndLatch";
 import { Dial, type Now } from "./Dial";
 import { wayText } from "./dial";
 import { abs, fromNumber, grouped, type Ratio, toNumber } from "./exact";
@@ -286,7 +287,18 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           />
           <HistoryPlot at={at} source={source} seen={seen} connected={connected} />
         </div>
-        <div className="column controls">{answer.watching ? [longMove, setup] : [setup, longMove]}</div>
+        <div className="column controls">
+          {answer.watching ? [longMove, setup] : [setup, longMove]}
+          <CompareAndLatch
+            key={`${at.device} ${at.axis}`}
+            at={at}
+            seen={seen}
+            compares={can(device, "position_compare")}
+            disabled={!usable}
+            busy={going}
+            onChange={(body) => void change("Setting what is compared", body)}
+          />
+        </div>
       </div>
     </Page>
   );

@@ -4,6 +4,8 @@ import { follow, type Turn } from "./turn";
 
 export type Answer = Schemas["ExtendedPosition"];
 export type Change = Schemas["ExtendedPositionChange"];
+export const ROUTE = "/api/v1/devices/{device}/axes/{axis}/extended-position";
+export const LATCHED_ROUTE = `${ROUTE}/latched` as const;
 
 /** What the server says of an extended position, as numbers that lose nothing. */
 export interface Extended {
@@ -66,4 +68,12 @@ export function liveEncoder(seen: Extended | null, count: number, encoderCount: 
   const { counter_bits: bits } = seen.answer;
   if (Number.isNaN(count) || Number.isNaN(encoderCount) || bits === null) return seen.encoder;
   return follow(actual, count, encoderCount, bits);
+}
+
+/** What the counter shows where the compare register is to tell; null where it is not armed. */
+export function compareCount({ compare, actual_text, counter }: Answer): number | null {
+  const actual = wholeOf(actual_text);
+  const position = wholeOf(compare?.position_text);
+  if (compare === null || !compare.armed || actual === null || position === null || counter === null) return null;
+  return counter + Number(position - actual);
 }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { arc, arrow, between, wayText } from "./dial";
 import { fromNumber, grouped, mod, parseRatio, ratio, ratioText, ratioWire, rounded, toNumber, wholeOf } from "./exact";
-import { type Answer, extendedOf, liveActual, liveEncoder } from "./extended";
+import { type Answer, compareCount, extendedOf, liveActual, liveEncoder } from "./extended";
 import { pair } from "./gears";
 import { longTime, Pace, pieceCount, viewOf } from "./pieces";
 import { broken, liveColumns, lookColumns, tooFast, unwound } from "./traces";
@@ -284,6 +284,20 @@ describe("an answer of the server", () => {
   it("has no start once it is there", () => {
     expect(extendedOf({ ...ANSWER, progress: 1 } as Answer).start).toBeNull();
     expect(extendedOf({ ...ANSWER, actual_text: null } as Answer)).toMatchObject({ actual: null, start: null });
+  });
+});
+
+describe("the compare register on a plot of the counter", () => {
+  const armed = { compare: { position_text: "5000000100", armed: true }, actual_text: "5000000000", counter: -7 };
+
+  it("is as far from what the counter shows as from the axis", () => {
+    expect(compareCount(armed as unknown as Answer)).toBe(93);
+  });
+
+  it("is not drawn while it waits, or where nothing is known", () => {
+    const waits = { ...armed, compare: { ...armed.compare, armed: false } };
+    for (const answer of [waits, { ...armed, compare: null }, { ...armed, actual_text: null }])
+      expect(compareCount(answer as unknown as Answer)).toBeNull();
   });
 });
 

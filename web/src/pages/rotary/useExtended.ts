@@ -2,11 +2,11 @@ import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo } from "react";
 import { api } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
-import { type Answer, type Change, extendedOf } from "./extended";
+import { type Answer, type Change, compareCount, extendedOf, ROUTE } from "./extended";
 
 /** A few times a second while the page is seen; the digits between come from the samples. */
 const PERIOD_MS = 300;
-const ROUTE = "/api/v1/devices/{device}/axes/{axis}/extended-position";
+const COMPARE_PERIOD_MS = 3000;
 
 /** Where an axis is beyond its counter, and what changes that. */
 export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
@@ -39,6 +39,18 @@ export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
 }
 
 export type ExtendedAxis = ReturnType<typeof useExtended>;
+
+/** Where the axis' compare register tells, as its counter counts; null where it does not. Asked for now and then. */
+export function useCompareCount({ device, axis }: AxisAddress, enabled: boolean): number | null {
+  const query = useQuery({
+    queryKey: ["extended-position", device, axis],
+    queryFn: () => api.GET(ROUTE, { path: { device, axis } }),
+    enabled,
+    refetchInterval: COMPARE_PERIOD_MS,
+    retry: false,
+  });
+  return enabled && query.data ? compareCount(query.data) : null;
+}
 
 /** What was seen of it in the last `seconds`; asked for less often the longer that is. */
 export function useHistory({ device, axis }: AxisAddress, seconds: number, enabled: boolean) {

@@ -142,6 +142,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
                 legend={false}
                 handle={(plot) => scope.setPlot(row.id, plot)}
                 overlays={() => scope.overlays(row.id)}
+                levels={scope.levels(scopeRow)}
                 marks={scope.marks(index === 0)}
                 onMark={scope.moveMark}
                 onWindow={scope.changeWindow}

@@ -1,12 +1,13 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
-import type { Device } from "../../../api/queries";
+import { can, type Device } from "../../../api/queries";
 import { useScheme } from "../../../lib/useScheme";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
 import { cut, type Trace } from "../../../live/window";
 import { type PlotData, resampled } from "../../../plots/series";
-import type { Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
+import type { Level, Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
 import { flagsOf } from "../../recordings/flags";
+import { useCompareCount } from "../../rotary/useExtended";
 import { type AxisRef, buildRows, requestsFor, type ScopeRow, type ScopeTrace } from "./model";
 import { PredictionKeeper } from "./predictions";
 import type { RowId } from "./rows";
@@ -38,6 +39,8 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   const now = useRef<{ overlays: Map<RowId, Overlay[]> }>({ overlays: new Map() });
   const keeper = useMemo(() => new PredictionKeeper(main.device, main.axis), [main.device, main.axis]);
   const source = sources[0];
+  const mainDevice = devices.find(({ id }) => id === main.device);
+  const compared = useCompareCount(main, can(mainDevice, "position_compare") && mainDevice?.state === "connected");
 
   useEffect(() => view.set(settings.spanS, settings.trigger), [view, settings.spanS, settings.trigger]);
 
@@ -57,7 +60,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   // biome-ignore lint/correctness/useExhaustiveDependencies: the source is what the view looks at
   useEffect(run, [run, source]);
 
-  const moves = devices.find(({ id }) => id === main.device)?.axes.length !== 0;
+  const moves = mainDevice?.axes.length !== 0;
   useEffect(() => {
     if (!moves) return;
     void keeper.fetch();
@@ -180,6 +183,13 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     );
     return flags([from, to], named);
   };
+  /** Where the chip tells that the axis comes by. */
+  const levels = ({ row, traces }: ScopeRow): readonly Level[] => {
+    const position = traces.find(({ quantity, main: own }) => own && quantity === "position");
+    if (row.id !== "position" || compared === null || !position) return [];
+    const { color } = position.series;
+    return [{ id: "compare", y: compared / position.divisor, color, label: "compare", fixed: true }];
+  };
   const marks = (named: boolean) => (): readonly Mark[] => {
     const colors = MARK_COLORS[scheme];
     const at = view.triggerTime;
@@ -200,6 +210,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     pause,
     valueAt,
     marks,
+    levels,
     markColors: MARK_COLORS[scheme],
     overlays: (row: RowId): readonly Overlay[] => now.current.overlays.get(row) ?? [],
     /** the latest thing that the program did, as its mark says it */
