@@ -73,6 +73,10 @@ async def test_a_model_has_every_row_as_the_table_has_it(client: httpx.AsyncClie
     for row, register in zip(rows, table, strict=True):
         assert (row["minimum"], row["maximum"], row["access"]) == (register.minimum, register.maximum, register.access)
         assert [field["name"] for field in row["fields"]] == [field.name for field in register.fields]
+        assert [row["behaviour"], *(field["behaviour"] for field in row["fields"])] == [
+            register.behaviour,
+            *(field.behaviour for field in register.fields),
+        ]
         assert row["help"]
         assert row["source"]
         for field in row["fields"]:

@@ -15,6 +15,7 @@ from .application import wrapped
 from .models import Played
 from .parameters import (
     ACCELERATION,
+    DOUBLE_EDGE,
     RAMP_MODE,
     SEARCH_MODE,
     SEARCH_SPEED,
@@ -146,12 +147,14 @@ class Axis:
     def feed_pulses(self, pulses: int, rate_hz: float) -> None:
         """Pulses on the step input; without step/direction mode nobody listens.
 
-        The input counts at once and without ramp, so here it is a move without one. On which counter the module shows
-        them is open; it is parameter 1.
+        The input counts at once and without ramp, so here it is a move without one; with parameter 161 both edges of
+        a pulse count. On which counter the module shows them is open; it is parameter 1.
         """
         if not self.parameters.values[STEP_DIR]:
             return
         self._forgive()
+        edges = 2 if self.parameters.values[DOUBLE_EDGE] else 1
+        pulses, rate_hz = edges * pulses, edges * rate_hz
         rate = max(units.velocity_to_chip(round(rate_hz)), 1)
         write = self.drive.write
         for register in ("A1", "AMAX", "DMAX", "D1"):

@@ -103,8 +103,9 @@ def _rows() -> Iterator[Register]:
     # --- motor ------------------------------------------------------------------------------------
     yield _as_there(140, reset=8, source="FM-TMCM-1161 6.2")
     # --- chopper ----------------------------------------------------------------------------------
-    for number in (160, 162, 163):
-        yield _as_there(number)
+    yield _as_there(160)
+    yield _as_there(162, behaviour=NO_RIPPLE)
+    yield _as_there(163)
     yield _chopper(
         164,
         "chopper_hysteresis_decrement",

@@ -101,6 +101,7 @@ def value_of(message: CanMessage) -> int:
 # --- messages -----------------------------------------------------------------------------------
 
 
+@pytest.mark.sheet("FM-PD42-1241", "3.1")
 def test_seven_bytes_there_and_back(one: Bus) -> None:
     """The examples of the frame table: ID 001h there, ID 002h back, the module's identifier in front."""
     assert one.ask(Opcode.SAP, 4, value=51_200) == CanMessage(2, bytes.fromhex("0164050000c800"))
@@ -232,6 +233,7 @@ def arrived(one: Bus, position: int) -> CanMessage | None:
     return None
 
 
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_the_second_reply_comes_on_the_bus_when_the_motor_has_arrived(one: Bus) -> None:
     assert one.ask(Opcode.REQUEST_EVENT, 1, value=1) == CanMessage(2, bytes.fromhex("01648a00000001"))
     for position in (5000, -5000):
@@ -251,6 +253,7 @@ def test_the_second_reply_of_the_next_move_only(one: Bus) -> None:
 # --- heartbeat ----------------------------------------------------------------------------------
 
 
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_the_motor_stops_when_no_message_came_for_so_long(one: Bus) -> None:
     one.ask(Opcode.SGP, 82, 0, 200)
     one.ask(Opcode.ROR, value=51_200)

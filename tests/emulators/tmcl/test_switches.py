@@ -198,6 +198,15 @@ def test_pulses_move_the_motor_in_step_direction_mode() -> None:
 
 
 @pytest.mark.sheet("FM-PD42-1241", "6.4")
+def test_with_double_edges_each_pulse_counts_twice() -> None:
+    bench = Bench()
+    bench.sap(254, 1)
+    bench.sap(161, 1)
+    bench.patch(step_dir={"pulses": 5000, "rate_hz": 10_000})
+    bench.run(2.0)
+    assert bench.gap(1) == 10_000
+
+
 def test_a_deviation_does_not_end_step_direction_mode() -> None:
     bench = Bench()
     bench.sap(254, 1)
