@@ -14,7 +14,7 @@ from app.emulators.server import serve_tcp
 from app.registers.catalog import MODELS
 
 CHIPS = [name for name, model in MODELS.items() if model.kind == "chip" and model.counts_position]
-STEPPED = [name for name, model in MODELS.items() if not model.counts_position]
+STEPPED = [name for name, model in MODELS.items() if model.can("own_velocity")]
 """They are ready to turn after power-on, and count no position."""
 
 

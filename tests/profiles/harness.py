@@ -20,7 +20,7 @@ from app.devices.tmc4361 import start_up as start_4361
 from app.emulators.build import build_emulator, options_of
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
-from app.emulators.tmcdrivers import EmulatedDriver
+from app.emulators.tmcdrivers import EmulatedDriver, TmcDriverPatch
 from app.errors import OutOfRange
 from app.links import datagram32, tmcl
 from app.links.emulator import EmulatorPort
@@ -75,6 +75,12 @@ class Bench:
     @property
     def wire(self) -> TappedWire:
         return cast("TappedWire", cast("EmulatorPort", self.device.session.port).wire)
+
+    def stepped(self, hz: float) -> None:
+        """Steps come in at a driver from now on."""
+        port = cast("EmulatorPort", self.device.session.port)
+        change = TmcDriverPatch.model_validate({"pins": {"step_hz": hz}})
+        cast("EmulatedDriver", self.wire.emulator).patch(change, port.take_turn())
 
     def truth(self) -> dict[Key, int]:
         """What the emulator holds of its configuration, past wire and driver."""

@@ -14,7 +14,7 @@ from app.registers.model import Access, Field, Register, RegisterTable, Space
 
 SOURCE = re.compile(
     r"(DS-TMC(4210|428|429|4361)|FM-PD42-1241|FM-TMCM-1161) |(TMC4361A|STEPPYR|TOM4361|PyTrinamic TMCM1161)\b"
-    r"|DS-TMC(5031|5062|5072|5130|5160|2209) (p\. )?[0-9]|FIELDS-TMC5240; "
+    r"|DS-TMC(5031|5062|5072|5130|5160|2209) (p\. )?[0-9]|FIELDS-TMC5240; |API; PY\b"
 )
 """Begins with a data sheet and its section; what DS-TMC4361 does not tell, with one of the later public sources."""
 

@@ -213,7 +213,9 @@ Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | Landungsbruec
 SixPointLink = Annotated[
     SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
 ]
-DriverLink = Annotated[DriverEmulatorLink | UartLink, Field(discriminator="kind")]
+DriverLink = Annotated[
+    DriverEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
+]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]

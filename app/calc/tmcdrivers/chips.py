@@ -5,6 +5,14 @@ from __future__ import annotations
 from ..tmc5xxx.chips import Chip, Sensing, Sheet
 
 CHIPS = {
+    # of the smaller package 1.2 A; its chopper is a TMC5130's: fields are the same
+    "tmc2130": Chip(
+        Sensing((0.32, 0.18), 0.02, 1.4, "KLIPPER-TMC2130; DS-TMC2130"),
+        Sheet("gradient", 8, "DS-TMC5130 8", "DS-TMC5130 7"),
+        one_axis=True,
+        dcstep=False,
+        reference=True,
+    ),
     "tmc2209": Chip(
         Sensing((0.325, 0.18), 0.02, 2.0, "DS-TMC2209 8"),
         Sheet("tuned", 8, "DS-TMC2209 7", "DS-TMC2209 6"),

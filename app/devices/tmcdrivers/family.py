@@ -25,6 +25,7 @@ from .limits import DriverRules
 from .memory import DriverMemory
 from .monitor import FlagClearing, Monitor, PlaceInTable
 from .motion import DriverMotion
+from .mslut import MicrostepTables
 from .reader import Reader
 from .resets import Resets
 from .roles import DriverRoles
@@ -47,16 +48,17 @@ def compose(
     writes = Writes(link, memory, resets)
     registers = RegisterFile(link, writes, session.family.axes, READ_AT_ONCE)
     session.state_hooks.append(memory.heard_state)
+    tables = (MicrostepTables(session, link, memory, writes),) if memory.rows.mslut else ()
     parts = Parts(
         identity=DriverIdentity(reader),
         registers=registers,
-        raw=RawDatagrams(link, writes, DatagramsByHand(memory)),
+        raw=RawDatagrams(link, writes, DatagramsByHand(memory, resets)),
         motion=DriverMotion(session, link, memory, reader),
         monitor=Monitor(session, memory, reader, resets),
         counter=PlaceInTable(session, memory, reader, resets),
         telemetry=DriverTelemetry(link, memory),
         configuration=Configuration(memory, registers),
-        others=(memory, reader, FlagClearing(memory, registers)),
+        others=(memory, reader, FlagClearing(memory, registers), *tables),
     )
     return Device(session, parts)
 

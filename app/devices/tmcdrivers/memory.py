@@ -56,11 +56,15 @@ class DriverMemory:
         if not register.access.readable:
             self._unread[register.address] = word & register.mask
 
+    def written(self, register: Register) -> int | None:
+        """What was written through here since the chip's reset; of a register that can be read what it was seen to
+        hold."""
+        return (self._known if register.access.readable else self._unread).get(register.address)
+
     def word(self, register: Register) -> int | None:
         """What the chip holds as far as is known: read, written through here, or as after the reset that was seen."""
-        if register.access.readable:
-            return self._known.get(register.address)
-        return self._unread.get(register.address, register.reset if self.fresh else None)
+        found = self.written(register)
+        return register.reset if found is None and self.fresh and not register.access.readable else found
 
     def remembered_word(self, address: int) -> int | None:
         """`word` of the register that is written at `address`."""

@@ -93,11 +93,13 @@ class PlaceInTable(PositionCounter):
 
 @dataclass(frozen=True, slots=True)
 class FlagClearing(LatchedFlags):
-    """Writes the 1s to GSTAT that it shows."""
+    """Writes the 1s to GSTAT that it shows, or reads it, where that clears it."""
 
     memory: DriverMemory
     registers: Registers
 
     async def clear_flags(self, axis: int, /) -> None:
-        name = self.memory.rows.gstat.name
-        await self.registers.write(name, None, value=(await self.registers.read(name, None)).value)
+        row = self.memory.rows.gstat
+        shown = await self.registers.read(row.name, None)
+        if not row.read_clears:
+            await self.registers.write(row.name, None, value=shown.value)

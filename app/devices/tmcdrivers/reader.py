@@ -62,4 +62,5 @@ class Reader:
         velocity = memory.velocity
         if velocity:
             return speed if velocity > 0 else -speed
-        return -speed if held.fields(memory.rows.inputs).get("DIR") else speed
+        rows = memory.rows
+        return -speed if rows.direction_pin.unpack(held.word(rows.inputs)) else speed

@@ -1,4 +1,7 @@
-"""GSTAT.reset: seen by the driver, cleared so that it can be seen again, and kept for whoever reads GSTAT by name."""
+"""GSTAT.reset: seen by the driver, cleared so that it can be seen again, and kept for whoever reads GSTAT by name.
+
+Of chips whose reading clears GSTAT all of it is kept.
+"""
 
 from __future__ import annotations
 
@@ -22,11 +25,23 @@ class Resets:
 
     async def check(self, io: RegisterIO, gstat: int) -> None:
         """GSTAT was read: take notice of a reset. Raises LinkError."""
+        self.heard(gstat)
+        if self._row.read_clears:
+            self._owed |= gstat & self._row.mask
+        elif gstat & self._bit:
+            self._owed |= self._bit
+            await io.write(self._row, self._bit)
+
+    def heard(self, gstat: int) -> None:
+        """The same of a reading that its user gets."""
         if gstat & self._bit:
             self.seen += 1
             self._memory.was_reset()
-            self._owed |= self._bit
-            await io.write(self._row, self._bit)
+
+    def delivered(self, register: Register) -> None:
+        """Its user gets what reading has cleared."""
+        if register is self._row and register.read_clears:
+            self._owed = 0
 
     def shown(self, register: Register, word: int) -> int:
         """`word` with what the driver has cleared of it."""

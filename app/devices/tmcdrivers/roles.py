@@ -40,7 +40,12 @@ class DriverRoles:
     @cached_property
     def disable_pin(self) -> str:
         """The bit of `inputs` that is 1 while a pin switches the bridges off."""
-        return next(part.name for part in self.inputs.fields if part.name.upper().split("_")[-1] == "ENN")
+        return _pin(self.inputs, "ENN")
+
+    @cached_property
+    def direction_pin(self) -> Field:
+        """The bit of `inputs` that is 1 while the motor is stepped the other way."""
+        return part(self.inputs, _pin(self.inputs, "DIR"))
 
     chopconf = row_named("CHOPCONF")
     ihold_irun = row_named("IHOLD_IRUN")
@@ -50,6 +55,23 @@ class DriverRoles:
     drv_status = row_named("DRV_STATUS")
     mscnt = row_named("MSCNT")
     mscuract = row_named("MSCURACT")
+
+    @cached_property
+    def mslut(self) -> tuple[Register, ...]:
+        """The microstep table in the order of its addresses; none where the chip has a fixed one."""
+        names = (*(f"MSLUT[{n}]" for n in range(8)), "MSLUTSEL", "MSLUTSTART")
+        return tuple(row for name in names if (row := self.find(name)) is not None)
+
+    @cached_property
+    def sine(self) -> tuple[str, str]:
+        """The fields of `mscuract` that have the sine and the cosine of the microstep table."""
+        low, high = sorted(self.mscuract.fields, key=lambda each: each.lsb)
+        return low.name, high.name
+
+    @cached_property
+    def stalled(self) -> Field | None:
+        """The bit that tells of a stall; None of a driver that shows it at a pin alone."""
+        return self.drv_status.field_named("StallGuard")
 
     @cached_property
     def load(self) -> tuple[Register, Field | None]:
@@ -71,6 +93,11 @@ class DriverRoles:
             pins = self.inputs.unpack(inputs)
             return BY_PINS[pins["MS1"] | pins["MS2"] << 1]
         return FINEST >> min(part(self.chopconf, "mres").unpack(chopconf), 8)
+
+
+def _pin(inputs: Register, name: str) -> str:
+    """The bit of a pin, whatever else the pin is."""
+    return next(each.name for each in inputs.fields if name in each.name.upper().split("_"))
 
 
 def part(register: Register, name: str) -> Field:

@@ -1,6 +1,7 @@
 """Getting a driver to run after power-on: who sets its microsteps, currents, and the chopper that lets them flow.
 
-Chopper and StealthChop are as after a reset, which suits most motors (DS-TMC2209 5.5): toff 3, hstrt 5, hend 0.
+Chopper and StealthChop are as after a reset, which suits most motors (DS-TMC2209 5.5): toff 3, hstrt 5, hend 0. A chip
+that resets to no hysteresis gets what the maker's host code begins with (NOTES-TMC5XXX 9): toff 5, hstrt 5, hend 3.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ from collections.abc import Sequence
 
 from ...calc.tmc5xxx.coil import CurrentStage, nearest_hold
 from ...errors import OutOfRange, UsageError
+from ...registers.model import Register
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
 from .limits import full_scale_a
 
-CHOPPER: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 0, "tbl": 2}
+TBL = 2
 IRUN = 16
 HOLD_DELAY, TPOWERDOWN = 1, 20
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
@@ -36,15 +38,31 @@ async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
         microsteps = one.microsteps(DEFAULT_MICROSTEPS, MICROSTEPS)
         irun, ihold, vsense = _currents(device.model, one)
         vactual = device.family.table.find("VACTUAL", one.axis)
-        chopper = {**CHOPPER, "mres": MICROSTEPS.index(microsteps), **({} if vsense is None else {"vsense": vsense})}
+        by_register: dict[str, int | str] = {
+            name: 1
+            for name in ("pdn_disable", "mstep_reg_select")
+            if device.family.table.get("GCONF").field_named(name) is not None
+        }
+        chopper = _chopper(device.family.table.get("CHOPCONF", one.axis)) | {"mres": MICROSTEPS.index(microsteps)}
+        chopper |= {} if vsense is None else {"vsense": vsense}
         items += [
             *([WriteItem("VACTUAL", one.axis, 0)] if vactual is not None else []),
-            WriteItem("GCONF", None, fields={"pdn_disable": 1, "mstep_reg_select": 1}),
+            *([WriteItem("GCONF", None, fields=by_register)] if by_register else []),
             WriteItem("TPOWERDOWN", one.axis, TPOWERDOWN),
+            # first what makes all currents smaller: scales may be beyond a limit without it
+            *([WriteItem("CHOPCONF", one.axis, fields={"vsense": 1})] if vsense else []),
             WriteItem("IHOLD_IRUN", one.axis, fields={"IHOLD": ihold, "IRUN": irun, "IHOLDDELAY": HOLD_DELAY}),
             WriteItem("CHOPCONF", one.axis, fields=chopper),
         ]
     return StartPlan(items)
+
+
+def _chopper(row: Register) -> dict[str, int | str]:
+    """CHOPCONF's part of SpreadCycle."""
+    after = row.unpack(row.reset or 0)
+    toff, hstrt, hend = (3, after["hstrt"], after["hend"]) if after["hstrt"] else (5, 5, 3)
+    kind: dict[str, int | str] = {"chm": 0} if "chm" in after else {}
+    return {"toff": toff, "hstrt": hstrt, "hend": hend, "tbl": TBL, **kind}
 
 
 def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None]:

@@ -73,7 +73,6 @@ class DriverTelemetry(RowTelemetry):
         """By TSTEP; its direction is that of VACTUAL, else of DIR."""
         rows = self._memory.rows
         tstep, inputs = asked.column(rows.tstep), asked.column(rows.inputs)
-        direction = rows.inputs.field_named("DIR")
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             del times_s, status
@@ -83,15 +82,15 @@ class DriverTelemetry(RowTelemetry):
             velocity = self._memory.velocity
             if velocity:
                 return speed if velocity > 0 else -speed
-            back = np.zeros(len(words), dtype=np.int64) if direction is None else words[:, inputs] & direction.mask
-            return np.where(back != 0, -speed, speed)
+            return np.where(words[:, inputs] & rows.direction_pin.mask, -speed, speed)
 
         return decode
 
     def _flags(self, asked: Asked) -> Decoder:
         row = self._memory.rows.drv_status
         column = asked.column(row)
-        found = [(bit, part.lsb) for bit, name in enumerate(DRIVER_FLAGS) if (part := row.field_named(name))]
+        fields = [self._memory.rows.stalled, *(row.field_named(name) for name in DRIVER_FLAGS[1:])]
+        found = [(bit, part.lsb) for bit, part in enumerate(fields) if part is not None]
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             del times_s, status

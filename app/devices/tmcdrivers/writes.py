@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...links import datagram40
 from ...registers.model import Register
 from ..core.raw_datagrams import RawRules
 from ..core.register_file import RegisterRules
@@ -36,6 +37,19 @@ class Writes(RegisterRules):
 
     def shown(self, register: Register, word: int) -> int:
         return self.resets.shown(register, word)
+
+    def delivered(self, register: Register) -> None:
+        self.resets.delivered(register)
+
+    async def read_alone(self, register: Register) -> int | None:
+        if not register.read_clears:
+            return None
+        # Never asked twice: the answer may be all that was lost.
+        async with self.link.turn() as turn:
+            replies = await turn.exchange_many(self.link.access.read_frames((register.address,)))
+        word = self.link.access.words(replies)[0]
+        self.resets.heard(word)
+        return word
 
     def kept_word(self, register: Register) -> int | None:
         return self.memory.word(register)
@@ -74,9 +88,16 @@ class DatagramsByHand(RawRules):
     """What single datagrams do to the chip."""
 
     memory: DriverMemory
+    resets: Resets
+
+    def behind(self, frame: bytes, register: Register) -> bytes | None:
+        # What a reading clears is asked for once, and something harmless brings the answer.
+        return datagram40.fetch_of(self.memory.rows.model.name) if register.read_clears else frame
 
     def read_by_hand(self, register: Register, data: int, time_s: float) -> None:
         del time_s
+        if register.read_clears:
+            self.resets.heard(data)
         self.memory.saw_word(register, data)
 
     def known_word(self, register: Register) -> int | None:

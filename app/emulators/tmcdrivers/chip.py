@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
+from ...errors import OutOfRange
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
@@ -23,7 +24,7 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
 
     def __init__(self, model: DriverModel, clock: Clock, options: TmcDriverOptions | None = None) -> None:
         """A chip that has just been switched on and lives by `clock`."""
-        self.options = options = options or TmcDriverOptions()
+        self.options = options = (options or TmcDriverOptions()).for_clock(CHIPS[model].clock_hz)
         self._model: DriverModel = model
         super().__init__(clock, options.time_scale, Chip(model, options), options.clock_hz, options.seed)
 
@@ -39,6 +40,9 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
 
     def _check(self, change: TmcDriverPatch) -> None:
         require_physics(self.options.rigid, change)
+        steps, most = change.pins.step_hz, self.options.clock_hz / 2
+        if steps is not None and abs(steps) >= most:
+            raise OutOfRange("step_hz", steps, -most, most, "less than half of the chip's clock")
 
     def _change(self, change: TmcDriverPatch) -> None:
         chip, plant = self._chip, self._chip.drive.plant
@@ -46,6 +50,8 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
             self._power_cycle()
         if change.pins.enn is not None:
             chip.enn = change.pins.enn
+        if change.pins.step_hz is not None:
+            chip.step_hz = change.pins.step_hz
         if change.supply_v is not None:
             plant.supply_v = change.supply_v
         change_load(plant, change)
@@ -67,7 +73,9 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
             blocked=plant.blocked,
             friction=plant.extra_friction_nm,
             truth=truth_state(drive.plant_state),
-            uart=DriverUartState(node=chip.pins, reply_delay_bits=self.reply_delay_bits, writes=chip.ifcnt),
-            pins=DriverPinsState(enn=chip.enn, diag=chip.diag),
+            uart=DriverUartState(node=chip.pins, reply_delay_bits=self.reply_delay_bits, writes=chip.ifcnt)
+            if chip.has_uart
+            else None,
+            pins=DriverPinsState(enn=chip.enn, diag=chip.diag, step_hz=chip.step_hz),
             faults=ChipFaultsState(**asdict(self.faults)),
         )

@@ -11,7 +11,8 @@ from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
 from ..drive.options import DriveOptions
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 
-DriverModel = Literal["tmc2209"]
+STEP_HZ_MAX = 9e6
+DriverModel = Literal["tmc2130", "tmc2209"]
 MODELS: tuple[DriverModel, ...] = get_args(DriverModel)
 
 
@@ -28,12 +29,16 @@ class TmcDriverOptions(MotorDocument):
         "mstep_reg_select says otherwise",
         where={"nodes": [4]},
     )
-    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=16e6, allow_inf_nan=False)] = rest_only(
-        12e6, "fCLK, which velocities and delays hang on [Hz]"
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = rest_only(
+        12e6, "fCLK, which velocities and delays hang on [Hz]; left out, each chip has its own"
     )
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = rest_only(
         None, "peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]"
     )
+
+    def for_clock(self, clock_hz: float) -> TmcDriverOptions:
+        """The same with the clock that a chip has by itself, where nobody has said another."""
+        return self if "clock_hz" in self.model_fields_set else self.model_copy(update={"clock_hz": clock_hz})
 
     def drive(self, full_scale_a: float) -> DriveOptions:
         """The part that motor and bridges are made with; `full_scale_a` [A] is what the chip has by itself."""
@@ -58,6 +63,10 @@ class DriverPinsChange(Closed):
     """Levels from outside: true is high."""
 
     enn: Flag | None = Field(default=None, description="level at ENN: high switches the bridges off")
+    step_hz: Annotated[float, Field(strict=True, ge=-STEP_HZ_MAX, le=STEP_HZ_MAX, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]",
+    )
 
 
 class TmcDriverPatch(LoadChange):

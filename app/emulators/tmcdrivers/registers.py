@@ -10,6 +10,7 @@ from functools import partial
 
 from ...registers.catalog import MODELS
 from ...registers.model import Access, Register
+from ...registers.tmc5xxx.driver import DRV_STATUS_5160
 from ..drive import Drive
 from ..drive.registers import WRITABLE
 from ..drive.units import bits, signed
@@ -25,9 +26,9 @@ _HEAT = (120.0, 143.0, 150.0, 157.0)
 _CLOCK_TRIM = 0x10
 """What the factory has burnt: the middle (a reading: it differs from chip to chip)."""
 _DRV_ERR = 2
-FROM_INSIDE = {"otpw": 26, "ot": 25, "s2ga": 27, "s2gb": 28, "s2vsa": 12, "s2vsb": 13, "ola": 29, "olb": 30,
-               "stealth": 14, "stst": 31}  # fmt: skip
-"""Where the drive, which is a TMC5160's, has the bits of DRV_STATUS."""
+_GSTAT = 7
+INSIDE = {part.name: part for part in DRV_STATUS_5160.fields}
+"""The fields of DRV_STATUS as the drive has them, which is a TMC5160's."""
 
 
 class Chip:
@@ -40,10 +41,13 @@ class Chip:
         """Levels of MS1 (1) and MS2 (2)."""
         self.ifcnt = 0
         self.drive = Drive(options.drive(self.kind.full_scale_a))
-        self.drive.stall_guard_4 = True
+        self.drive.stall_guard_4 = self.kind.stall_guard_4
+        self.drive.stealth_chop = self.kind.stealth_chop
         self.drive.least_supply_v = self.kind.least_supply_v
         self._clock = 0
         self._enn = False
+        self._step_hz = 0.0
+        self._per_hz = (1 << 24) / options.clock_hz
         self._words: dict[int, int] = {}
         self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable}
         self.reset()
@@ -58,6 +62,7 @@ class Chip:
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C:
                 self._take(row, _CLOCK_TRIM if row.name == "FACTORY_CONF" else row.reset or 0, fresh=True)
+        self._turn()
 
     def advance(self, clock: int) -> None:
         """Catch up to `clock` clocks; never back."""
@@ -117,7 +122,7 @@ class Chip:
         read, mask = self.drive.read, row.mask
         match row.name:
             case "GSTAT":
-                return lambda: self.drive.gstat
+                return partial(self._flags, clears=row.read_clears)
             case "IFCNT":
                 return lambda: self.ifcnt
             case "IOIN":
@@ -136,7 +141,7 @@ class Chip:
         self._words[row.address] = word
         match row.name:
             case "GCONF":
-                self._configure(row.unpack(word))
+                self._configure(self._gconf())
                 self._write_chopper()
             case "CHOPCONF":
                 self._write_chopper()
@@ -147,18 +152,27 @@ class Chip:
                     self.drive.write("PWMCONF", word & ~_AUTOSCALE)
                 self.drive.write("PWMCONF", word)
             case "VACTUAL":
-                self.drive.turn_at(signed(word, 24))
-            case name if name in WRITABLE:
+                self._turn()
+            case "TPOWERDOWN":
+                self.drive.write("TPOWERDOWN", max(word - self.kind.power_down_less, 0))
+            case name if name in WRITABLE and not row.behaviour:
                 self.drive.write(name, word)
 
     def _configure(self, gconf: dict[str, int]) -> None:
-        self.drive.write("GCONF", (not gconf["en_spreadcycle"]) << 2 | gconf["shaft"] << 4)
+        stealth = gconf["en_pwm_mode"] if "en_pwm_mode" in gconf else not gconf["en_spreadcycle"]
+        self.drive.write("GCONF", stealth << 2 | gconf["shaft"] << 4)
+
+    def _turn(self) -> None:
+        """By VACTUAL where it is not 0, else by the steps that come in."""
+        row = self.table.find("VACTUAL", 0)
+        own = 0 if row is None else signed(self.held(row[0].address), 24)
+        self.drive.turn_at(own or round(self._step_hz * self._per_hz))
 
     def _write_chopper(self) -> None:
         """CHOPCONF, whose microsteps the pins may set."""
-        gconf, chopconf = self.table.get("GCONF"), self.table.get("CHOPCONF", 0)
+        chopconf = self.table.get("CHOPCONF", 0)
         word = self.held(chopconf.address)
-        if not gconf.unpack(self.held(gconf.address))["mstep_reg_select"]:
+        if not self._gconf().get("mstep_reg_select", 1):
             word = word & ~(0xF << _MRES) | PIN_MRES[self.pins] << _MRES
         self.drive.sense_share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
         self.drive.write("CHOPCONF", word)
@@ -177,24 +191,52 @@ class Chip:
 
     @property
     def diag(self) -> bool:
-        """Level at DIAG: an error of the driver, or a stall where TSTEP is within TCOOLTHRS (DS-TMC2209 5.3)."""
+        """Whether DIAG is active: an error of the driver, or a stall where TSTEP is within TCOOLTHRS (DS-TMC2209 5.3).
+        Of a chip with two such pins whether one is, each by what GCONF has it show."""
         tcoolthrs = self.held(self.table.get("TCOOLTHRS", 0).address)
         stalled = self.drive.standing_or_stalled[1] and self.drive.read("TSTEP") <= tcoolthrs
-        return bool(self.drive.gstat & _DRV_ERR) or stalled
+        failed, shows = bool(self.drive.gstat & _DRV_ERR), self._gconf()
+        if "diag0_error" not in shows:
+            return failed or stalled
+        warned = bool(INSIDE["otpw"].unpack(self.drive.read("DRV_STATUS")))
+        causes = (("diag0_error", failed), ("diag0_otpw", warned), ("diag0_stall", stalled), ("diag1_stall", stalled))
+        return any(shows[name] and cause for name, cause in causes)
+
+    @property
+    def step_hz(self) -> float:
+        """Steps a second that come in at STEP, negative with DIR high."""
+        return self._step_hz
+
+    @step_hz.setter
+    def step_hz(self, value: float) -> None:
+        self._step_hz = value
+        self._turn()
+
+    def _gconf(self) -> dict[str, int]:
+        row = self.table.get("GCONF")
+        return row.unpack(self.held(row.address))
+
+    def _flags(self, *, clears: bool) -> int:
+        """GSTAT, which reading may clear."""
+        word = self.drive.gstat
+        if clears:
+            self.drive.write("GSTAT", _GSTAT)
+        return word
 
     def _status(self, row: Register) -> int:
         inside, heat = self.drive.read("DRV_STATUS"), self.drive.plant.temperature_c
-        word = inside & 0x1F << 16  # CS_ACTUAL
+        word = 0
         for part in row.fields:
-            if part.name in FROM_INSIDE:
-                word |= (inside >> FROM_INSIDE[part.name] & 1) << part.lsb
+            if part.name in INSIDE:
+                word |= INSIDE[part.name].unpack(inside) << part.lsb
             elif part.name.startswith("t1"):
                 word |= (heat >= _HEAT[part.lsb - 8]) << part.lsb
         return word
 
     def _pin_levels(self, row: Register) -> int:
-        """IOIN: levels of the pins, and the version. PDN_UART idles high; nothing is wired to STEP and DIR."""
+        """IOIN: levels of the pins, and the version. PDN_UART idles high, STEP is seen between two steps."""
         levels = {"ENN": self.enn, "MS1": self.pins & 1, "MS2": self.pins >> 1, "DIAG": self.diag, "PDN_UART": True}
+        levels |= {"DRV_ENN_CFG6": self.enn} | dict.fromkeys(("DIR", "REFR_DIR"), self._step_hz < 0)
         word = 0
         for part in row.fields:
             word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb

@@ -21,7 +21,8 @@ class DriverPinsState(BaseModel):
     """Levels: true is high."""
 
     enn: bool
-    diag: bool = Field(description="an error of the driver, or a stall")
+    diag: bool = Field(description="DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall")
+    step_hz: float = Field(description="steps a second that come in at STEP, negative with DIR high")
 
 
 class TmcDriverState(EmulatedState):
@@ -36,6 +37,6 @@ class TmcDriverState(EmulatedState):
     blocked: bool
     friction: float = Field(description="friction on top of the motor's own [N m]")
     truth: TruthState
-    uart: DriverUartState
+    uart: DriverUartState | None = Field(description="null: it has none")
     pins: DriverPinsState
     faults: ChipFaultsState

@@ -16,6 +16,6 @@ RULES = ProfileRules(
     state=frozenset({"VACTUAL", "OTP_PROG", "FACTORY_CONF", "NODECONF"}),
     state_fields=frozenset({"test_mode"}),
     # Currents before the chopper that lets them flow (CHOPCONF.toff).
-    order=("current", "general", "thresholds", "stealthchop", "driver"),
+    order=("current", "microsteps", "general", "thresholds", "stealthchop", "driver"),
     physical=physical,
 )

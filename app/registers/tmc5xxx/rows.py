@@ -155,5 +155,7 @@ def sheet(model: str, name: str, group: str) -> str:
     if model in _WITHOUT_SHEET:
         return _WITHOUT_SHEET[model]
     places = _PLACES[model]
-    key = next(key for key in (name.partition("[")[0], group, "") if key in places)
-    return f"DS-{model.upper()} {places[key]}"
+    for key in (name.partition("[")[0], group, ""):
+        if key in places:
+            return f"DS-{model.upper()} {places[key]}"
+    raise KeyError(name)

@@ -9,16 +9,23 @@ from ..tmc5xxx import behaviour as inside
 
 NO_REFERENCE = "the bench sets the emulated full scale: what VREF and resistors make of it is not worked out"
 ONE_FILTER = "the emulated steps need no filter"
+STEPS_ALONE = "the emulated coils follow steps alone"
 ALWAYS_ITS = "the emulated PDN_UART is the UART's alone"
 
+DIAGNOSTICS = ("diag0_error", "diag0_otpw", "diag0_stall", "diag1_stall")
+"""What the emulated pins DIAG0 and DIAG1 show."""
 FIELDS = {
     "GCONF": {
+        **dict.fromkeys(DIAGNOSTICS, ""),
         **dict.fromkeys(("I_scale_analog", "internal_Rsense"), NO_REFERENCE),
         **dict.fromkeys(("index_otpw", "index_step"), inside.NO_PINS),
         "pdn_disable": ALWAYS_ITS,
-        "multistep_filt": ONE_FILTER,
+        **dict.fromkeys(("multistep_filt", "small_hysteresis"), ONE_FILTER),
+        "direct_mode": STEPS_ALONE,
         "test_mode": inside.FACTORY,
     },
+    "CHOPCONF": {"dedge": "the bench tells how many steps come in, whatever their edges"},
+    **dict.fromkeys(("XDIRECT", "DIRECT_MODE"), dict.fromkeys(("COIL_A", "COIL_B"), STEPS_ALONE)),
     "FACTORY_CONF": {"FCLKTRIM": inside.OWN_CLOCK, "OTTRIM": "the emulated limits of temperature do not move"},
 }
 

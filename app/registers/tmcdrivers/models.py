@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from ..capabilities import Capability
-from ..entry import Model
-from . import tmc2209
+from ..entry import Model, Slot
+from ..wires import Wire
+from . import tmc2130, tmc2209
 
 FAMILY = "tmcdrivers"
 DESCRIPTION = "a driver that follows step and direction"
@@ -12,8 +13,29 @@ DESCRIPTION = "a driver that follows step and direction"
 _COMMON: frozenset[Capability] = frozenset(
     {"registers", "motion", "step_input", "chopper", "flags", "current", "stallguard"}
 )
+_SPI: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev", "landungsbruecke"})
 
 MODELS = (
+    Model(
+        "tmc2130",
+        FAMILY,
+        "TMC2130",
+        "driver to 1.4 A for step and direction, with StealthChop, StallGuard2 and CoolStep; SPI",
+        DESCRIPTION,
+        1,
+        tmc2130.TABLE,
+        clock_hz_default=13.2e6,
+        clock_hz_min=4e6,
+        clock_hz_max=18e6,
+        capabilities=_COMMON | {"microsteps.mslut"},
+        wires=_SPI,
+        current_scale="sense_resistor",
+        datagram_bits=40,
+        board="TMC2130",
+        slot=Slot("driver"),
+        version=tmc2130.VERSION,
+        version_address=tmc2130.VERSION_ADDRESS,
+    ),
     Model(
         "tmc2209",
         FAMILY,

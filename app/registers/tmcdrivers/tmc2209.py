@@ -15,6 +15,7 @@ from ..model import Field, Register, RegisterTable
 from ..tmc5xxx import driver, general, motion
 from ..tmc5xxx.rows import CLOCKS, LOW_HIGH, VELOCITY_UNIT, VENDOR
 from .behaviour import with_behaviour
+from .rows import PLACE_ROWS
 
 VERSION = 0x21
 VERSION_ADDRESS = 0x06
@@ -126,20 +127,6 @@ CHOPCONF = replace(
     ),
 )
 _PWMCONF, _PWM_SCALE, _PWM_AUTO = driver.PWM_5160
-_PLACE_ROWS = (
-    replace(
-        driver.PLACE_ROWS[0], help="place of phase A in the microstep table now; phase B is 256 ahead", source=_PLACE
-    ),
-    replace(
-        driver.PLACE_ROWS[1],
-        source=_PLACE,
-        fields=(
-            Field("CUR_A", 9, "phase A: sine", signed=True, lsb=0),
-            Field("CUR_B", 9, "phase B: cosine", signed=True, lsb=16),
-        ),
-    ),
-)
-
 CHIP = (
     GCONF,
     replace(general.GSTAT_5160, source=_GENERAL),
@@ -178,7 +165,7 @@ AXIS = (
         0x41, "SG_RESULT", 10, "StallGuard4's value: the less, the more load; bits 0 and 9 are always 0"
     ).having(source=_STALL),
     _COOLCONF,
-    *_PLACE_ROWS,
+    *(replace(row, source=_PLACE) for row in PLACE_ROWS),
     CHOPCONF,
     DRV_STATUS,
     replace(_PWMCONF, access=RW, reset=0xC10D0024, source=f"{_CHOPPER}.2"),

@@ -154,13 +154,15 @@ class Oracle:
         yield Meaning("current", "IHOLD_IRUN", axis, stage.setting(scale, select).peak_a / math.sqrt(2))
 
     def _stepped(self) -> Iterator[Meaning]:
-        unit_pps = MODELS[self.model].clock_hz_default / (1 << 24)
-        yield Meaning("velocity", "VACTUAL", 0, abs(self.value("VACTUAL")) * unit_pps)
+        if MODELS[self.model].can("own_velocity"):
+            unit_pps = MODELS[self.model].clock_hz_default / (1 << 24)
+            yield Meaning("velocity", "VACTUAL", 0, abs(self.value("VACTUAL")) * unit_pps)
         resistor_ohm = self.limits.sense_resistor_ohm
         assert resistor_ohm is not None
         currents = self.row("IHOLD_IRUN").unpack(self.words[self.row("IHOLD_IRUN").address])
         vsense = self.row("CHOPCONF").unpack(self.words[self.row("CHOPCONF").address])["vsense"]
-        peak_a = (max(currents["IRUN"], currents["IHOLD"]) + 1) / 32 * (0.325, 0.18)[vsense] / (resistor_ohm + 0.02)
+        volts = 0.18 if vsense else 0.32 if self.model == "tmc2130" else 0.325
+        peak_a = (max(currents["IRUN"], currents["IHOLD"]) + 1) / 32 * volts / (resistor_ohm + 0.02)
         yield Meaning("current", "IHOLD_IRUN", 0, peak_a / math.sqrt(2))
 
     def _s_ramp(self) -> Iterator[Meaning]:

@@ -3562,7 +3562,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -3728,7 +3728,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209";
             /**
              * Clock Hz
              * @default 16000000
@@ -4214,7 +4214,7 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
@@ -4261,7 +4261,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4586,11 +4586,11 @@ export interface components {
             start_up?: boolean;
             /**
              * Model
-             * @constant
+             * @enum {string}
              */
-            model: "tmc2209";
+            model: "tmc2130" | "tmc2209";
             /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
         /**
          * DriverEmulatorLink
@@ -4636,7 +4636,7 @@ export interface components {
             node?: number;
             /**
              * Clock Hz
-             * @description fCLK, which velocities and delays hang on [Hz]
+             * @description fCLK, which velocities and delays hang on [Hz]; left out, each chip has its own
              * @default 12000000
              */
             clock_hz?: number;
@@ -4661,6 +4661,11 @@ export interface components {
              * @description level at ENN: high switches the bridges off
              */
             enn?: boolean | null;
+            /**
+             * Step Hz
+             * @description steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]
+             */
+            step_hz?: number | null;
         };
         /**
          * DriverPinsState
@@ -4671,9 +4676,14 @@ export interface components {
             enn: boolean;
             /**
              * Diag
-             * @description an error of the driver, or a stall
+             * @description DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall
              */
             diag: boolean;
+            /**
+             * Step Hz
+             * @description steps a second that come in at STEP, negative with DIR high
+             */
+            step_hz: number;
         };
         /**
          * DriverPlaceRow
@@ -4746,11 +4756,11 @@ export interface components {
         DriverTrial: {
             /**
              * Model
-             * @constant
+             * @enum {string}
              */
-            model: "tmc2209";
+            model: "tmc2130" | "tmc2209";
             /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["UartLink"];
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
         /**
          * DriverUartState
@@ -7270,7 +7280,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130";
             /**
              * Sigma
              * @default 0
@@ -7541,7 +7551,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130";
             /** Encodable */
             encodable: boolean;
             /**
@@ -7923,7 +7933,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke
@@ -11440,9 +11450,9 @@ export interface components {
         TmcDriverState: {
             /**
              * Model
-             * @constant
+             * @enum {string}
              */
-            model: "tmc2209";
+            model: "tmc2130" | "tmc2209";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
@@ -11472,7 +11482,8 @@ export interface components {
              */
             friction: number;
             truth: components["schemas"]["TruthState"];
-            uart: components["schemas"]["DriverUartState"];
+            /** @description null: it has none */
+            uart: components["schemas"]["DriverUartState"] | null;
             pins: components["schemas"]["DriverPinsState"];
             faults: components["schemas"]["ChipFaultsState"];
         };
@@ -12098,7 +12109,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2209" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there

@@ -1,11 +1,15 @@
 import { Switch, Text } from "@mantine/core";
 import type { Schemas } from "../../api/client";
+import { NumberField } from "../../lib/NumberField";
 import { EmulatorTime, Faults, Power } from "../../pages/bench/EmulatorParts";
 import { BridgesAt, Shaft, Supply } from "../../pages/bench/MotorParts";
 import type { ControlsProps } from "../family";
 
 type DriverState = Schemas["TmcDriverState"];
 type DriverPatch = Schemas["TmcDriverPatch"];
+
+/** beyond what the clock of the chip lets it take the server refuses */
+const STEP_HZ_MAX = 9e6;
 
 const FAULTS = [
   ["silence", "Silent: answers are lost"],
@@ -26,8 +30,18 @@ export function Controls({ ...emulator }: ControlsProps) {
       <Shaft plant={state} send={send}>
         <Supply volts={state.supply_v} send={send} />
       </Shaft>
+      <NumberField
+        label="Steps at STEP"
+        unit="1/s"
+        value={state.pins.step_hz}
+        min={-STEP_HZ_MAX}
+        max={STEP_HZ_MAX}
+        step={100}
+        description="negative: DIR is high"
+        onChange={(step_hz) => send({ pins: { step_hz } })}
+      />
       <Text size="xs" c="dimmed">
-        DIAG is {state.pins.diag ? "high: a stall, or the driver has shut down" : "low"}.
+        DIAG is {state.pins.diag ? "active: a stall, or the driver has shut down" : "at rest"}.
       </Text>
       <EmulatorTime state={state} send={send} />
       <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>

@@ -19,6 +19,7 @@ const BOARDS: Record<Model, Sensing> = {
   tmc5072: { senseOhm: 0.22, referenceOhm: 9100, ainV: 2.5 },
   tmc5130: { senseOhm: 0.15, referenceOhm: 9100, ainV: 2.5 },
   tmc5160: { senseOhm: 0.075, referenceOhm: 9100, ainV: 2.5 },
+  tmc2130: { senseOhm: 0.11, referenceOhm: 9100, ainV: 2.5 },
   tmc2209: { senseOhm: 0.11, referenceOhm: 9100, ainV: 2.5 },
   tmc5240: { senseOhm: 0.075, referenceOhm: 12_000, ainV: 2.5 },
 };
@@ -39,7 +40,7 @@ export interface CurrentFields {
 }
 
 /** Chips that can measure inside, and whose current a voltage can scale. */
-const REFERENCED: readonly Model[] = ["tmc5130", "tmc2209"];
+const REFERENCED: readonly Model[] = ["tmc5130", "tmc2130", "tmc2209"];
 
 /** Which ways of setting a current this chip has, as it is set. */
 export function fieldsOf(chip: Registers, model: Model): CurrentFields {
