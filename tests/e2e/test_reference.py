@@ -169,3 +169,25 @@ def test_an_end_is_found_by_stall_and_drawn_as_other_searches_are(
         assert at == pytest.approx(-300, abs=1), "the true place of zero"
         check_axe(page)
         page.goto("/connections")  # before the module is gone
+
+
+def test_inputs_and_step_pulses_reach_the_module(bench: Page, motor: Motor, check_axe: Callable[[Page], None]) -> None:
+    bench.get_by_role("button", name=re.compile("Emulator")).first.click()
+    in1 = bench.get_by_role("switch", name="IN1")
+    expect(in1).to_be_checked()  # open, and pulled up
+    for level in (0, 1):
+        in1.click()
+        wait_for(lambda level=level: motor.emulator()["inputs"]["in1"] == level, f"IN1 is {level}")  # type: ignore[misc]
+        assert motor.call("POST", "tmcl", {"command": "GIO", "type": 1, "motor": 0})["value"] == level
+    analog = bench.get_by_label("Analog, AIN0")
+    analog.fill("3000")
+    analog.press("Enter")
+    expect(bench.get_by_text("IN3 is 1")).to_be_visible()
+    motor.write("step_direction_mode", 1)
+    try:
+        before = motor.axis()["position"]
+        bench.get_by_role("button", name="Send pulses").click()
+        wait_for(lambda: motor.axis()["position"] == before + 256, "the pulses were counted")
+    finally:
+        motor.write("step_direction_mode", 0)
+    check_axe(bench)

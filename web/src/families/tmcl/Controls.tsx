@@ -1,4 +1,4 @@
-import { Button } from "@mantine/core";
+import { Button, Divider, Switch } from "@mantine/core";
 import { IconArrowBackUp } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
@@ -45,6 +45,7 @@ export function Controls({ ...emulator }: ControlsProps) {
         onSwitch={(name, value) => send({ switches: { [name]: value } })}
         onPlaces={(stage) => send({ stage })}
       />
+      <Inputs inputs={state.inputs} send={send} />
       <EmulatorTime state={state} send={send} />
       <Faults faults={faults} names={FAULTS} send={(change) => send({ faults: change })}>
         <NumberField
@@ -88,5 +89,47 @@ function FactoryDefault({ send }: { send: (patch: TmclPatch) => void }) {
     >
       {sure ? "Erase all?" : "Factory"}
     </Button>
+  );
+}
+
+/** What lies at the inputs of the connector: levels, the analog input, pulses of a generator on step and direction. */
+function Inputs({ inputs, send }: { inputs: TmclState["inputs"]; send: (patch: TmclPatch) => void }) {
+  const [pulses, setPulses] = useState(256);
+  return (
+    <>
+      <Divider label="Inputs" labelPosition="left" />
+      <div className="halves gap-6">
+        {(["in1", "in2"] as const).map((name) => (
+          <Switch
+            key={name}
+            size="sm"
+            label={name.toUpperCase()}
+            checked={inputs[name]}
+            onChange={(event) => send({ inputs: { [name]: event.currentTarget.checked } })}
+          />
+        ))}
+        <NumberField
+          label="Analog, AIN0"
+          description={`IN3 is ${inputs.in3 ? 1 : 0}`}
+          integer
+          value={inputs.analog}
+          min={0}
+          max={4095}
+          onChange={(analog) => send({ inputs: { analog } })}
+        />
+        <NumberField
+          label="Step pulses"
+          description="count with AP 254 on"
+          integer
+          value={pulses}
+          min={-(2 ** 24)}
+          max={2 ** 24}
+          onChange={setPulses}
+        />
+      </div>
+      <Button variant="default" onClick={() => send({ step_dir: { pulses, rate_hz: 1000 } })}>
+        Send pulses
+      </Button>
+    </>
   );
 }
