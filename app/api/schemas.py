@@ -248,6 +248,9 @@ class AxisInfo(Standing):
     microsteps_per_full_step: int | None = Field(description="as the chip is set now; null while unknown")
     pulse_div: int | None
     ramp_div: int | None
+    rates_known: bool = Field(
+        description="false: velocities and accelerations are the device's own numbers, of no known unit"
+    )
 
 
 class ChannelInfo(Answer):

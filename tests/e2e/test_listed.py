@@ -117,6 +117,8 @@ def test_zero_is_set_for_one_axis_alone_and_nothing_moves(page: Page, api: httpx
         wait_for(lambda axis=axis: state(api, axis)["position"] == 300, "it is there")  # type: ignore[misc]
     select(page, NAME, 1)
     page.goto("/")
+    expect(page.get_by_test_id("scope")).to_contain_text("internal")  # of its speeds nobody knows the unit
+    expect(page.get_by_test_id("scope")).not_to_contain_text("pps")
     page.get_by_role("tab", name="Zero").click()
     page.get_by_test_id("set-zero").click()
     wait_for(lambda: state(api, 1)["position"] == 0, "the count is zero")

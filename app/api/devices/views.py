@@ -186,6 +186,11 @@ def _axis_info(device: Device, axis: Axis, standing: AxisAssessment) -> AxisInfo
         microsteps_per_full_step=axis.microsteps_per_full_step,
         pulse_div=axis.pulse_div,
         ramp_div=axis.ramp_div,
+        rates_known=all(
+            channel.unit
+            for channel in device.telemetry.channels()
+            if channel.quantity == "velocity" and channel.axis == axis.index
+        ),
     )
 
 

@@ -2708,6 +2708,11 @@ export interface components {
             pulse_div: number | null;
             /** Ramp Div */
             ramp_div: number | null;
+            /**
+             * Rates Known
+             * @description false: velocities and accelerations are the device's own numbers, of no known unit
+             */
+            rates_known: boolean;
         };
         /**
          * AxisLimits

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { exactText } from "./format";
-import { type AxisScale, entryIn, fromSteps, toSteps, unitsFor } from "./units";
+import { type AxisScale, entryIn, fromSteps, ratesOf, toSteps, unitsFor } from "./units";
 
 const stage: AxisScale = {
   fullStepsPerRev: 200,
@@ -51,6 +51,11 @@ describe("units", () => {
     const unknown: AxisScale = { ...stage, microstepsPerFullStep: null, travelMmPerRev: null, pulseDiv: null };
     expect(unitsFor("position", unknown)).toEqual(["microsteps"]);
     expect(unitsFor("velocity", unknown)).toEqual(["pps"]);
+    const own = { ...stage, ratesKnown: false };
+    expect(unitsFor("velocity", own)).toEqual([]);
+    expect(ratesOf("mm", own)).toEqual({ velocity: "internal", acceleration: "internal" });
+    expect([fromSteps(7, "internal", own, "velocity"), toSteps(7, "internal", own, "velocity")]).toEqual([7, 7]);
+    expect(fromSteps(1, "pps", own, "velocity")).toBeNaN();
     expect(fromSteps(1, "mm", { ...stage, travelMmPerRev: null }, "position")).toBeNaN();
     expect(fromSteps(1, "rpm", stage, "position")).toBeNaN();
   });

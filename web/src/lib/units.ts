@@ -15,6 +15,7 @@ const SYMBOLS: Record<string, string> = {
   mm: "mm",
   pps: "pps",
   chip: "chip",
+  internal: "internal",
   fullsteps_per_s: "fs/s",
   rpm: "rpm",
   rev_per_s: "rev/s",
@@ -52,6 +53,8 @@ export interface AxisScale {
   pulseDiv: number | null;
   rampDiv: number | null;
   clockHz: number;
+  /** false: velocities and accelerations are the device's own numbers, shown as they are */
+  ratesKnown?: boolean;
 }
 
 export function scaleOf(axis: Schemas["AxisInfo"] | undefined, clockHz: number | undefined): AxisScale {
@@ -63,6 +66,7 @@ export function scaleOf(axis: Schemas["AxisInfo"] | undefined, clockHz: number |
     pulseDiv: axis?.pulse_div ?? null,
     rampDiv: axis?.ramp_div ?? null,
     clockHz: clockHz ?? 16e6,
+    ratesKnown: axis?.rates_known ?? true,
   };
 }
 
@@ -137,6 +141,7 @@ const ROWS: Record<string, UnitRow> = {
  * null: this axis cannot say (no travel, or the chip's setting is not known yet).
  */
 export function factorOf(unit: string, scale: AxisScale, motion: Motion): number | null {
+  if (scale.ratesKnown === false && motion !== "position") return unit === "internal" ? 1 : null;
   if (unit === "chip") {
     if (motion === "velocity") return velocityUnit(scale);
     return motion === "acceleration" ? accelerationUnit(scale) : 1;
@@ -179,8 +184,12 @@ export function unitsFor(motion: Exclude<Motion, "jerk">, scale: AxisScale): str
   return all.filter((unit) => factorOf(unit, scale, motion) !== null);
 }
 
-/** The velocity and acceleration that go with a position unit. */
-export function ratesOf(position: string): { velocity: string; acceleration: string } {
+/** The velocity and acceleration that go with a position unit; the device's own numbers where their unit is not known. */
+export function ratesOf(
+  position: string,
+  { ratesKnown }: Pick<AxisScale, "ratesKnown">,
+): { velocity: string; acceleration: string } {
+  if (ratesKnown === false) return { velocity: "internal", acceleration: "internal" };
   switch (position) {
     case "fullsteps":
       return { velocity: "fullsteps_per_s", acceleration: "fullsteps_per_s2" };

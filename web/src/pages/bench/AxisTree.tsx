@@ -105,7 +105,7 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   const scale = scaleOf(axis, device.clock_hz);
   const known = !Number.isNaN(fromSteps(1, unit, scale, "position"));
   const shown = known ? unit : "microsteps";
-  const rate = ratesOf(shown).velocity;
+  const rate = ratesOf(shown, scale).velocity;
   const decimals = shown === "microsteps" ? 0 : 2;
   return (
     <UnstyledButton

@@ -53,7 +53,7 @@ export function LimitLine({ device, axis, live, unit }: Props) {
     const shown = fromSteps(value, unit, scale, "position");
     return Number.isNaN(shown) ? withUnit(value, "microsteps") : withUnit(shown, unit);
   };
-  const rate = ratesOf(unit).velocity;
+  const rate = ratesOf(unit, scale).velocity;
   const fastest = speed === null ? Number.NaN : fromSteps(speed, rate, scale, "velocity");
   return (
     <section

@@ -23,7 +23,7 @@ interface Props {
 export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: Props) {
   const [chosen, setChosen] = useLocalKept<number | null>(`stepscope.jog-pps.${at.device}.${at.axis}`, null);
   const [wrong, setWrong] = useState(false);
-  const rate = ratesOf(unit).velocity;
+  const rate = ratesOf(unit, scale).velocity;
   const speed = chosen ?? topSpeedPps / 4;
   const jog = useJog(at, speed, (error) => action.fail("Jogging", error));
   const rotate = (sign: number) =>

@@ -41,7 +41,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const units = unitsFor("position", scale);
   const shown = units.includes(unit) ? unit : "microsteps";
-  const rate = ratesOf(shown).velocity;
+  const rate = ratesOf(shown, scale).velocity;
   const decimals = shown === "microsteps" ? 0 : 3;
   const topSpeed = useTopSpeed(at, device, scale, connected);
   const action = useAction();

@@ -42,6 +42,7 @@ function device(id: string, axes: number, rate: number): Device {
       microsteps_per_full_step: 64,
       pulse_div: 5,
       ramp_div: 7,
+      rates_known: true,
       condition: { kind: "ready", cause: "", evidence: [], remedies: [], remedy: null, since_s: null },
       referenced: null,
       ground_truth: null,

@@ -84,9 +84,10 @@ export function buildRows(
   const mainAxis = find(devices, main);
   return rowsOf(mainAxis?.device, main.axis, settings.more).flatMap((row) => {
     if (row.id !== "more" && !settings.rows.includes(row.id)) return [];
-    const wanted = unitOf(row, settings.unit);
+    const rates = mainAxis?.scale ?? {};
+    const wanted = unitOf(row, settings.unit, rates);
     const known = mainAxis && row.motion ? factorOf(wanted, mainAxis.scale, row.motion) !== null : true;
-    const unit = known ? wanted : unitOf(row, "microsteps");
+    const unit = known ? wanted : unitOf(row, "microsteps", rates);
     const traces = all.flatMap((ref, index) => {
       const found = find(devices, ref);
       if (!found) return [];

@@ -1,6 +1,6 @@
 import type { Device } from "../../../api/queries";
 import type { Quantity } from "../../../lib/palette";
-import { ratesOf } from "../../../lib/units";
+import { type AxisScale, ratesOf } from "../../../lib/units";
 
 export type RowId =
   | "position"
@@ -156,14 +156,14 @@ export function moreRow(chosen: readonly string[]): Row {
 }
 
 /** The unit of a row, where positions are shown in `unit`. */
-export function unitOf(row: Row, unit: string): string {
+export function unitOf(row: Row, unit: string, scale: Pick<AxisScale, "ratesKnown">): string {
   switch (row.motion) {
     case "position":
       return unit;
     case "velocity":
-      return ratesOf(unit).velocity;
+      return ratesOf(unit, scale).velocity;
     case "acceleration":
-      return ratesOf(unit).acceleration;
+      return ratesOf(unit, scale).acceleration;
     default:
       if (row.id === "angle") return "deg";
       return row.id === "residual" || row.id === "deviation" ? "microsteps" : "";
