@@ -16,6 +16,8 @@ describe("pages", () => {
     expect(names("module")).toEqual([
       "Bench",
       "Parameters",
+      "SixPoint ramp",
+      "Currents",
       "Encoder",
       "StallGuard",
       "Rotary",
@@ -104,7 +106,7 @@ describe("pages", () => {
     };
     expect(from("/ramps", "sramp")).toBe("/sramp");
     expect(from("/ramps", "sixpoint")).toBe("/sixpoint");
-    expect(from("/sramp", "module")).toBe("/parameters");
+    expect(from("/sramp", "module")).toBe("/sixpoint");
     expect(from("/closed-loop", "sixpoint")).toBe("/encoder");
     expect(from("/closed-loop", "pmul")).toBe("/registers");
     expect(from("/encoder", "sramp")).toBe("/closed-loop");

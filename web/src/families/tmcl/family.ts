@@ -5,7 +5,7 @@ import { type Family, page } from "../family";
 export const tmcl: Family = {
   pages: [
     {
-      ...page(70, "/parameters", "Parameters", "Params", IconAdjustments, {
+      ...page(11, "/parameters", "Parameters", "Params", IconAdjustments, {
         needs: ["parameters"],
         topic: "settings",
       }),
