@@ -20,12 +20,10 @@ NAMES = {
 }
 BOARDS = {
     "tmc2100",
-    "tmc2130",
     "tmc2160",
     "tmc2208",
     "tmc2224",
     "tmc2225",
-    "tmc2240",
     "tmc2660",
     "tmc4671",
     "tmc5041",
@@ -41,10 +39,7 @@ OTHERWISE: dict[str, tuple[frozenset[str], str]] = {
     ),
     "app/emulators/board/tmc2660.py": (frozenset({"tmc2660"}), "the driver on the board of another chip"),
     "app/emulators/board/tmc4361.py": (frozenset({"tmc2660"}), "the driver on the board of this chip"),
-    "app/registers/tmc4361/output.py": (frozenset({"tmc2130"}), "what drivers this chip can talk to"),
-    "app/registers/tmc4361/events.py": (frozenset({"tmc2130"}), "what another driver's status means"),
     "app/registers/tmcl/commands.py": (frozenset({"tmcm-1290"}), "a source"),
-    "app/calc/tmc5xxx/chips.py": (frozenset({"tmc2240"}), "a source"),
 }
 """Files that name one for something else than that it is listed, which, and for what."""
 

@@ -20,4 +20,10 @@ CHIPS = {
         dcstep=False,
         reference=True,
     ),
+    "tmc2240": Chip(
+        Sensing((), 0.0, 2.1, "KLIPPER; DS-TMC2240", (11_750.0, 24_000.0, 36_000.0, 36_000.0)),
+        Sheet("tuned", 8, "DS-TMC5160 8", "DS-TMC5160 7"),
+        one_axis=True,
+        dcstep=False,
+    ),
 }

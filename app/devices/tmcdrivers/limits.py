@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ...calc.families import CHIPS
-from ...calc.tmc5xxx.coil import SCALES, CurrentStage
+from ...calc.tmc5xxx.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View
@@ -43,20 +43,34 @@ class DriverRules(ChipRules):
     def _currents(self, limits: AxisLimits) -> Quantity:
         rows, row = self._memory.rows, self._memory.rows.ihold_irun
         run, hold = part(row, "IRUN"), part(row, "IHOLD")
-        vsense = part(rows.chopconf, "vsense")
+        vsense, scaler, ranges, model = rows.chopconf.field_named("vsense"), rows.scaler, rows.current_range, rows.model
 
         def full_a(view: View) -> float:
-            word = view(rows.chopconf.address)
-            return full_scale_a(self._memory.rows.model.name, limits, 0 if word is None else vsense.unpack(word))
+            if scaler is None or ranges is None:
+                word = view(rows.chopconf.address)
+                return full_scale_a(model.name, limits, 0 if word is None or vsense is None else vsense.unpack(word))
+            word = view(scaler.address)
+            # 1..31 are not allowed; whatever a chip makes of them is not above the least that is
+            full = full_scale_a(model.name, limits, max((word or SCALER_FULL), SCALER_LEAST))
+            word = view(ranges[0].address)
+            return full if word is None else full * range_share(model.name, ranges[1].unpack(word))
 
         def scale(word: int) -> float:
             return (max(run.unpack(word), hold.unpack(word)) + 1) / SCALES
 
         def advice(share: float) -> str:
             count = int(share * SCALES) - 1
-            return f"write IRUN and IHOLD {count} or less" if count >= 0 else "set vsense"
+            return (
+                f"write IRUN and IHOLD {count} or less"
+                if count >= 0
+                else f"lower {scaler.name}"
+                if scaler
+                else "set vsense"
+            )
 
         others = frozenset({rows.chopconf.address})
+        if scaler is not None and ranges is not None:
+            others = frozenset({scaler.address, ranges[0].address})
         return Quantity("current", row.name, row.address, scale, full_a, 1.0, others, advice=advice)
 
     def positions_of(self, axis: int) -> Iterable[PositionRegister]:
@@ -87,9 +101,17 @@ class DriverRules(ChipRules):
         return 0.0  # VACTUAL 0 stops the field at once
 
 
-def full_scale_a(model: str, limits: AxisLimits, vsense: int) -> float:
-    """RMS at scale 31 [A]."""
+def range_share(model: str, index: int) -> float:
+    """Of the current in the widest CURRENT_RANGE: the current in that one."""
+    values = CHIPS[model].sensing.range_va
+    return values[index] / max(values)
+
+
+def full_scale_a(model: str, limits: AxisLimits, select: int) -> float:
+    """RMS at scale 31 and a vsense, or a scaler of 256 in the widest range [A]."""
     sensing = CHIPS[model].sensing
     if limits.current_full_scale_a is not None:
-        return limits.current_full_scale_a * sensing.full_scale_v[vsense] / sensing.full_scale_v[0]
-    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(vsense) / math.sqrt(2)
+        if sensing.scaled:
+            return limits.current_full_scale_a * select / SCALER_FULL
+        return limits.current_full_scale_a * sensing.full_scale_v[select] / sensing.full_scale_v[0]
+    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(select) / math.sqrt(2)

@@ -30,8 +30,11 @@ class MicrostepTables(MslutTable):
         self.session.axis(axis)
         self.session.require_connected()
         rows = self.memory.rows
+        table = [row for row in rows.mslut if row.access.readable]
         async with self.link.turn() as turn:
-            mscnt, currents = await self.link.io(turn).read_many((rows.mscnt, rows.mscuract))
+            mscnt, currents, *held = await self.link.io(turn).read_many((rows.mscnt, rows.mscuract, *table))
+        for row, word in zip(table, held, strict=True):
+            self.memory.saw_word(row, word)
         shown = rows.mscuract.unpack(currents)
         written = [self.memory.written(row) for row in rows.mslut]
         words = [(row.reset or 0) if word is None else word for row, word in zip(rows.mslut, written, strict=True)]

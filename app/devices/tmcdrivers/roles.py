@@ -52,6 +52,16 @@ class DriverRoles:
     vactual = row_named_if_any("VACTUAL")
     """None where the driver turns by STEP alone."""
     tstep = row_named("TSTEP")
+    scaler = row_named_if_any("GLOBAL_SCALER")
+    """None where vsense takes its place."""
+
+    @cached_property
+    def current_range(self) -> tuple[Register, Field] | None:
+        """The register and field of the range of full scale, of those that have several."""
+        row = self.find("DRV_CONF")
+        field = None if row is None else row.field_named("CURRENT_RANGE")
+        return None if row is None or field is None else (row, field)
+
     drv_status = row_named("DRV_STATUS")
     mscnt = row_named("MSCNT")
     mscuract = row_named("MSCURACT")
@@ -84,7 +94,8 @@ class DriverRoles:
     @cached_property
     def remembered(self) -> tuple[Register, ...]:
         """What can be read and decides what other numbers mean."""
-        return (self.gconf, self.chopconf)
+        more = (self.ihold_irun, self.scaler, None if self.current_range is None else self.current_range[0])
+        return (self.gconf, self.chopconf, *(row for row in more if row is not None and row.access.readable))
 
     def microsteps(self, gconf: int, chopconf: int, inputs: int) -> int:
         """Microsteps a full step, by CHOPCONF.mres or the pins."""

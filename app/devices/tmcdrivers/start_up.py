@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ...calc.tmc5xxx.coil import CurrentStage, nearest_hold
+from ...calc.families import CHIPS
+from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage, nearest_hold
 from ...errors import OutOfRange, UsageError
 from ...registers.model import Register
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
-from .limits import full_scale_a
+from .limits import full_scale_a, range_share
 
 TBL = 2
 IRUN = 16
@@ -36,7 +37,7 @@ async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
             if getattr(one.figures, name) is not None:
                 raise UsageError(f"a {device.family.title} has no ramp: leave {name} out")
         microsteps = one.microsteps(DEFAULT_MICROSTEPS, MICROSTEPS)
-        irun, ihold, vsense = _currents(device.model, one)
+        irun, ihold, vsense, current_range = _currents(device.model, one)
         vactual = device.family.table.find("VACTUAL", one.axis)
         by_register: dict[str, int | str] = {
             name: 1
@@ -52,9 +53,20 @@ async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
             # first what makes all currents smaller: scales may be beyond a limit without it
             *([WriteItem("CHOPCONF", one.axis, fields={"vsense": 1})] if vsense else []),
             WriteItem("IHOLD_IRUN", one.axis, fields={"IHOLD": ihold, "IRUN": irun, "IHOLDDELAY": HOLD_DELAY}),
+            *_ranged(one.axis, current_range),
             WriteItem("CHOPCONF", one.axis, fields=chopper),
         ]
     return StartPlan(items)
+
+
+def _ranged(axis: int, current_range: int | None) -> list[WriteItem]:
+    """All of a range of full scale."""
+    if current_range is None:
+        return []
+    return [
+        WriteItem("GLOBAL_SCALER", axis, 0),
+        WriteItem("DRV_CONF", axis, fields={"CURRENT_RANGE": current_range}),
+    ]
 
 
 def _chopper(row: Register) -> dict[str, int | str]:
@@ -65,12 +77,12 @@ def _chopper(row: Register) -> dict[str, int | str]:
     return {"toff": toff, "hstrt": hstrt, "hend": hend, "tbl": TBL, **kind}
 
 
-def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None]:
-    """IRUN, IHOLD and vsense, nearest to the amperes asked for, else cautious ones. vsense None: as it is set.
+def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int | None]:
+    """IRUN, IHOLD, vsense and range, nearest to the amperes asked for, else cautious ones. None: as it is set.
 
     Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.
     """
-    limits, run_a = one.settings.limits, one.run_current_a()
+    limits, run_a, ranges = one.settings.limits, one.run_current_a(), CHIPS[model].sensing.range_va
     if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
         stage = CurrentStage(model, limits.sense_resistor_ohm)
         full_a = stage.full_scale_a(0) / math.sqrt(2)
@@ -80,13 +92,18 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None]:
         least = min(stage.settings(), key=lambda setting: setting.peak_a)
         within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
         run = within[0] if within else least
-        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select
+        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select, None
     shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
     if shares is not None:
-        irun, ihold = (scale_of(share, MOST) for share in shares)
-        return irun, ihold, 0
+        enough = (n for n in range(len(ranges)) if range_share(model, n) >= max(shares))
+        current_range = next(enough, None)
+        of_range = 1.0 if current_range is None else range_share(model, current_range)
+        irun, ihold = (scale_of(share / of_range, MOST) for share in shares)
+        return irun, ihold, None if ranges else 0, current_range
     irun = IRUN
     known = limits.current_full_scale_a is not None or limits.sense_resistor_ohm is not None
     if limits.current_max_a is not None and known:
-        irun = min(irun, scale_of(limits.current_max_a / full_scale_a(model, limits, 0), MOST))
-    return (*one.scales(MOST, irun, int(irun * HOLD_SHARE)), None)
+        irun = min(
+            irun, scale_of(limits.current_max_a / full_scale_a(model, limits, SCALER_FULL if ranges else 0), MOST)
+        )
+    return (*one.scales(MOST, irun, int(irun * HOLD_SHARE)), None, None)

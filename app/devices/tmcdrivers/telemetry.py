@@ -13,6 +13,8 @@ from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
 from .memory import DriverMemory
 from .roles import FINEST, STANDS, part
 
+SUPPLY_V, ZERO_C, PER_C = 9.732e-3, 2038, 7.7
+"""The ADC's steps (KLIPPER)."""
 QUANTITIES = {
     "velocity": "pps",
     "target_velocity": "pps",
@@ -25,6 +27,12 @@ QUANTITIES = {
     "driver_flags": "bits",
 }
 """Every channel quantity and its unit."""
+OF_SOME = {
+    "stallguard4": ("SG4_RESULT", ""),
+    "chip_temperature": ("ADC_TEMP", "degC"),
+    "supply": ("ADC_VSUPPLY_AIN", "V"),
+}
+"""What only chips have that measure it: the register, and the unit."""
 DRIVER_FLAGS = ("stall", "ot", "otpw", "s2ga", "s2gb", "ola", "olb", "stst")
 """Bits of the channel, as a TMCL module tells them; a driver that shows a stall at a pin alone has none of that."""
 
@@ -33,7 +41,8 @@ class DriverTelemetry(RowTelemetry):
     """The channels of the axis."""
 
     def __init__(self, link: RegisterLink, memory: DriverMemory) -> None:
-        super().__init__(link.session, [QUANTITIES])
+        found = {name: unit for name, (row, unit) in OF_SOME.items() if memory.rows.find(row) is not None}
+        super().__init__(link.session, [QUANTITIES | found])
         self._access = link.access
         self._memory = memory
 
@@ -62,7 +71,19 @@ class DriverTelemetry(RowTelemetry):
             return field(asked.column(rows.mscuract), part(rows.mscuract, quantity.replace("current", "CUR")))
         if quantity == "tstep":
             return number(asked.column(rows.tstep), rows.tstep)
+        if quantity in OF_SOME:
+            return self._measured(quantity, asked)
         return self._flags(asked)
+
+    def _measured(self, quantity: str, asked: Asked) -> Decoder:
+        row = self._memory.rows.get(OF_SOME[quantity][0])
+        column = asked.column(row)
+        if quantity == "stallguard4":
+            return number(column, row)
+        raw = number(column, row) if quantity == "chip_temperature" else field(column, part(row, "ADC_VSUPPLY"))
+        if quantity == "supply":
+            return lambda *sample: raw(*sample) * SUPPLY_V
+        return lambda *sample: (raw(*sample) - ZERO_C) / PER_C
 
     def _target_pps(self) -> float:
         """NaN where the motor is stepped from outside, or nobody knows."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...registers.model import Register
-from ..drive import Drive
+from ..drive import Drive, adc
 from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
 from ..drive.units import bits
 from .chips import Kind
@@ -17,8 +17,6 @@ LIVE = READ_ONLY | ADC_NAMES | {"XACTUAL", "XTARGET", "X_ENC", "RAMP_STAT", "ENC
 _NAMES = ALIASES | {"PWM_STATUS": "PWM_SCALE"}
 _MRES, _INTPOL, _VSENSE, _LATCH_NOW = 24, 28, 17, 11
 _OTPW, _WARN_AT = 1 << 26, 16
-_SUPPLY_V, _ZERO_C, _PER_C, _ADC_MOST = 9.732e-3, 2038, 7.7, (1 << 13) - 1
-"""The ADC's steps (KLIPPER, of the TMC2240, which measures alike)."""
 
 
 class Axis:
@@ -48,7 +46,7 @@ class Axis:
         read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
         match row.name:
             case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
-                return lambda: _measured(self.drive.plant.supply_v / _SUPPLY_V)
+                return lambda: adc.supply(self.drive.plant.supply_v)
             case "ADC_TEMP":
                 return self._temperature
             case "DRV_STATUS":
@@ -58,7 +56,7 @@ class Axis:
         return lambda: read(name) & mask
 
     def _temperature(self) -> int:
-        return _measured(_ZERO_C + _PER_C * self.drive.plant.temperature_c)
+        return adc.temperature(self.drive.plant.temperature_c)
 
     def _warned(self, status: int) -> int:
         """DRV_STATUS, whose warning of temperature a register may say."""
@@ -126,8 +124,3 @@ class Axis:
 def _with_finer_sum(word: int, more_bits: int) -> int:
     """PWM_SCALE whose sum, alone of its parts, has more bits."""
     return word & ~0xFF | (word & 0xFF) << more_bits
-
-
-def _measured(value: float) -> int:
-    """What the ADC makes of it."""
-    return min(max(round(value), 0), _ADC_MOST)

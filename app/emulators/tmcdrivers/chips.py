@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...registers.tmcdrivers import tmc2130, tmc2209
+from ...registers.tmcdrivers import tmc2130, tmc2209, tmc2240
 from ..drive.kernel import AMPLITUDE, TUNED
 from .options import DriverModel
 
@@ -28,6 +28,10 @@ class Kind:
     """Its kind, as the kernel names them."""
     stall_guard_4: bool = False
     """Load is measured with StealthChop too."""
+    ranges: tuple[float, ...] = (1.0,)
+    """Share of full scale that the coils get, by DRV_CONF.CURRENT_RANGE."""
+    scale_shift: int = 0
+    """Bits that PWM_SCALE_SUM has more than eight."""
     power_down_less: int = 0
     """Delays of 2^18 clocks that TPOWERDOWN counts too many."""
 
@@ -55,5 +59,18 @@ CHIPS: dict[DriverModel, Kind] = {
         vsense=0.18 / 0.325,
         least_supply_v=4.75,
         stall_guard_4=True,
+    ),
+    # 12 kOhm at IREF: 36 kOhm A over them (KLIPPER). Least supply: the headline of the data sheet (PY)
+    "tmc2240": Kind(
+        tmc2240.VERSION,
+        uart=True,
+        spi=True,
+        clock_hz=12.5e6,
+        full_scale_a=3.0,
+        vsense=1.0,
+        least_supply_v=4.5,
+        stall_guard_4=True,
+        ranges=(11.75 / 36, 24 / 36, 1.0, 1.0),
+        scale_shift=2,
     ),
 }

@@ -12,7 +12,7 @@ from ..drive.options import DriveOptions
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 
 STEP_HZ_MAX = 9e6
-DriverModel = Literal["tmc2130", "tmc2209"]
+DriverModel = Literal["tmc2130", "tmc2209", "tmc2240"]
 MODELS: tuple[DriverModel, ...] = get_args(DriverModel)
 
 

@@ -11,8 +11,8 @@ from functools import partial
 from ...registers.catalog import MODELS
 from ...registers.model import Access, Register
 from ...registers.tmc5xxx.driver import DRV_STATUS_5160
-from ..drive import Drive
-from ..drive.registers import WRITABLE
+from ..drive import Drive, adc
+from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
 from ..drive.units import bits, signed
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions
@@ -27,6 +27,10 @@ _CLOCK_TRIM = 0x10
 """What the factory has burnt: the middle (a reading: it differs from chip to chip)."""
 _DRV_ERR = 2
 _GSTAT = 7
+_REGISTER_RESET, _VM_UVLO = 8, 16
+"""What GSTAT of a TMC2240 has besides a drive's: after power-on the first (a reading), and whether its supply was too
+low."""
+_WARN_AT, _SUM = 16, 0xFF
 INSIDE = {part.name: part for part in DRV_STATUS_5160.fields}
 """The fields of DRV_STATUS as the drive has them, which is a TMC5160's."""
 
@@ -46,6 +50,8 @@ class Chip:
         self.drive.least_supply_v = self.kind.least_supply_v
         self._clock = 0
         self._enn = False
+        self._gstat_more = 0
+        self._external_clock = options.clock_hz != self.kind.clock_hz
         self._step_hz = 0.0
         self._per_hz = (1 << 24) / options.clock_hz
         self._words: dict[int, int] = {}
@@ -58,6 +64,7 @@ class Chip:
         """Registers as after power-on; the plant stays, and time goes on."""
         self._words = {}
         self.ifcnt = 0
+        self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask
         self.drive.power_cycle()
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C:
@@ -83,7 +90,9 @@ class Chip:
 
     @property
     def node(self) -> int | None:
-        return self.pins
+        """Its address: the levels of two pins, and what NODECONF adds to them, where it can."""
+        part = self.table.get("NODECONF").field_named("NODEADDR") if self.kind.uart else None
+        return self.pins + (0 if part is None else part.unpack(self.held(NODECONF))) & 0xFF
 
     @property
     def send_delay(self) -> int:
@@ -93,7 +102,7 @@ class Chip:
     def spi_status(self) -> int:
         """The first byte of every SPI reply; of a driver without SPI nobody sees it."""
         standing, stalled = self.drive.standing_or_stalled
-        return self.drive.gstat & 3 | stalled << 2 | standing << 3
+        return self._gstat() & 3 | stalled << 2 | standing << 3
 
     def read(self, address: int) -> int:
         """The word at `address`; 0 where nothing can be read."""
@@ -107,6 +116,7 @@ class Chip:
             return
         word &= row.write_mask
         if row.access is Access.R_W1C:
+            self._gstat_more &= ~word if row.name == "GSTAT" else -1
             self.drive.write(row.name, word)
         else:
             self._take(row, word)
@@ -133,8 +143,14 @@ class Chip:
                 return partial(self._status, row)
             case "SG_RESULT":
                 return lambda: read("SG4_RESULT") & mask
-            case "TSTEP" | "MSCNT" | "MSCURACT" | "PWM_SCALE" | "PWM_AUTO":
-                return lambda: read(row.name) & mask
+            case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
+                return lambda: adc.supply(self.drive.plant.supply_v)
+            case "ADC_TEMP":
+                return lambda: adc.temperature(self.drive.plant.temperature_c)
+            case "PWM_SCALE":
+                return partial(self._pwm_scale, mask)
+            case name if name in READ_ONLY or name in ("X_ENC", "ENC_STATUS"):
+                return lambda: read(name) & mask
         return partial(self.held, row.address)
 
     def _take(self, row: Register, word: int, *, fresh: bool = False) -> None:
@@ -155,12 +171,14 @@ class Chip:
                 self._turn()
             case "TPOWERDOWN":
                 self.drive.write("TPOWERDOWN", max(word - self.kind.power_down_less, 0))
-            case name if name in WRITABLE and not row.behaviour:
+            case "DRV_CONF":
+                self.drive.sense_share = self.kind.ranges[bits(word, 0, 2)]
+            case name if ALIASES.get(name, name) in WRITABLE and not row.behaviour:
                 self.drive.write(name, word)
 
     def _configure(self, gconf: dict[str, int]) -> None:
         stealth = gconf["en_pwm_mode"] if "en_pwm_mode" in gconf else not gconf["en_spreadcycle"]
-        self.drive.write("GCONF", stealth << 2 | gconf["shaft"] << 4)
+        self.drive.write("GCONF", gconf.get("faststandstill", 0) << 1 | stealth << 2 | gconf["shaft"] << 4)
 
     def _turn(self) -> None:
         """By VACTUAL where it is not 0, else by the steps that come in."""
@@ -174,7 +192,8 @@ class Chip:
         word = self.held(chopconf.address)
         if not self._gconf().get("mstep_reg_select", 1):
             word = word & ~(0xF << _MRES) | PIN_MRES[self.pins] << _MRES
-        self.drive.sense_share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
+        if chopconf.field_named("vsense") is not None:
+            self.drive.sense_share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
         self.drive.write("CHOPCONF", word)
 
     # --- pins and status -------------------------------------------------------------------------
@@ -198,7 +217,8 @@ class Chip:
         failed, shows = bool(self.drive.gstat & _DRV_ERR), self._gconf()
         if "diag0_error" not in shows:
             return failed or stalled
-        warned = bool(INSIDE["otpw"].unpack(self.drive.read("DRV_STATUS")))
+        status = self.table.get("DRV_STATUS", 0)
+        warned = bool(status.unpack(self._status(status))["otpw"])
         causes = (("diag0_error", failed), ("diag0_otpw", warned), ("diag0_stall", stalled), ("diag1_stall", stalled))
         return any(shows[name] and cause for name, cause in causes)
 
@@ -218,10 +238,20 @@ class Chip:
 
     def _flags(self, *, clears: bool) -> int:
         """GSTAT, which reading may clear."""
-        word = self.drive.gstat
+        word = self._gstat()
         if clears:
             self.drive.write("GSTAT", _GSTAT)
         return word
+
+    def _gstat(self) -> int:
+        if self.drive.undervoltage:
+            self._gstat_more |= _VM_UVLO & self.table.get("GSTAT").mask
+        return self.drive.gstat | self._gstat_more
+
+    def _pwm_scale(self, mask: int) -> int:
+        """PWM_SCALE, whose sum, alone of its parts, may have more bits."""
+        word = self.drive.read("PWM_SCALE")
+        return (word & ~_SUM | (word & _SUM) << self.kind.scale_shift) & mask
 
     def _status(self, row: Register) -> int:
         inside, heat = self.drive.read("DRV_STATUS"), self.drive.plant.temperature_c
@@ -231,12 +261,18 @@ class Chip:
                 word |= INSIDE[part.name].unpack(inside) << part.lsb
             elif part.name.startswith("t1"):
                 word |= (heat >= _HEAT[part.lsb - 8]) << part.lsb
+        warning = self.table.find("OTW_OV_VTH", 0)
+        if warning is not None:
+            hot = adc.temperature(heat) >= bits(self.held(warning[0].address), _WARN_AT, 13)
+            word = row.field_named("otpw").pack(hot, over=word)  # type: ignore[union-attr]
         return word
 
     def _pin_levels(self, row: Register) -> int:
         """IOIN: levels of the pins, and the version. PDN_UART idles high, STEP is seen between two steps."""
         levels = {"ENN": self.enn, "MS1": self.pins & 1, "MS2": self.pins >> 1, "DIAG": self.diag, "PDN_UART": True}
-        levels |= {"DRV_ENN_CFG6": self.enn} | dict.fromkeys(("DIR", "REFR_DIR"), self._step_hz < 0)
+        levels |= dict.fromkeys(("DRV_ENN_CFG6", "DRV_ENN"), self.enn)
+        levels |= {"EXT_RES_DET": True, "EXT_CLK": self._external_clock, "OUTPUT": bits(self.held(row.address), 12, 1)}
+        levels |= dict.fromkeys(("DIR", "REFR_DIR"), self._step_hz < 0)
         word = 0
         for part in row.fields:
             word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb

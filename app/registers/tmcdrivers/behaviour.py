@@ -25,7 +25,8 @@ FIELDS = {
         "test_mode": inside.FACTORY,
     },
     "CHOPCONF": {"dedge": "the bench tells how many steps come in, whatever their edges"},
-    **dict.fromkeys(("XDIRECT", "DIRECT_MODE"), dict.fromkeys(("COIL_A", "COIL_B"), STEPS_ALONE)),
+    "XDIRECT": dict.fromkeys(("COIL_A", "COIL_B"), STEPS_ALONE),
+    "DIRECT_MODE": dict.fromkeys(("DIRECT_COIL_A", "DIRECT_COIL_B"), STEPS_ALONE),
     "FACTORY_CONF": {"FCLKTRIM": inside.OWN_CLOCK, "OTTRIM": "the emulated limits of temperature do not move"},
 }
 

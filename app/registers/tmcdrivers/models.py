@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..capabilities import Capability
 from ..entry import Model, Slot
 from ..wires import Wire
-from . import tmc2130, tmc2209
+from . import tmc2130, tmc2209, tmc2240
 
 FAMILY = "tmcdrivers"
 DESCRIPTION = "a driver that follows step and direction"
@@ -55,5 +55,26 @@ MODELS = (
         nodes=4,
         version=tmc2209.VERSION,
         version_address=tmc2209.VERSION_ADDRESS,
+    ),
+    Model(
+        "tmc2240",
+        FAMILY,
+        "TMC2240",
+        "driver to 2.1 A for step and direction, with StealthChop, StallGuard2 and 4, CoolStep, ADC; SPI, UART",
+        DESCRIPTION,
+        1,
+        tmc2240.TABLE,
+        clock_hz_default=12.5e6,
+        clock_hz_min=4e6,
+        clock_hz_max=18e6,
+        capabilities=_COMMON | {"microsteps.mslut"},
+        wires=_SPI | {"uart"},
+        current_scale="full_scale",
+        datagram_bits=40,
+        uart="node",
+        board="TMC2240",
+        slot=Slot("driver"),
+        version=tmc2240.VERSION,
+        version_address=tmc2240.VERSION_ADDRESS,
     ),
 )

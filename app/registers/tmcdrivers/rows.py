@@ -40,7 +40,7 @@ def table_like(model: str, sister: str, chip: Iterable[Register], axis: Iterable
     with the same driver inside. `chip` are rows of the whole chip, `axis` those of its motor."""
 
     def row(one: Register, axis: int | None) -> Register:
-        own = one.source.removeprefix(VENDOR).strip("; ")
+        own = one.source.removeprefix(VENDOR).strip(";, ")
         try:
             told = f"as {sheet(sister, one.name, one.group)}"
         except KeyError:  # the sister's sheet tells no such register

@@ -35,6 +35,8 @@ def limits_of(model: str, limits: AxisLimits = LIMITS) -> AxisLimits:
     """`limits` as far as `model` can keep them."""
     if not MODELS[model].counts_position:  # nor has it a ramp
         limits = replace(limits, position_min=None, position_max=None, acceleration_max_pps2=None)
+        if MODELS[model].current_scale == "full_scale":
+            return replace(limits, sense_resistor_ohm=None, current_max_a=0.4)
         return replace(limits, current_full_scale_a=None)
     if model == "tmc4210":
         return replace(limits, current_max_a=None)

@@ -139,9 +139,7 @@ class Oracle:
         yield from self._positions(axis, "XTARGET", "XACTUAL")
         currents = self.row("IHOLD_IRUN", axis).unpack(self.words[self.row("IHOLD_IRUN", axis).address])
         if self.model == "tmc5240":
-            share = (11.75 / 36, 24 / 36, 1.0, 1.0)[self.value("DRV_CONF") & 3]
-            share *= max(self.value("GLOBAL_SCALER") or 256, 32) / 256 * (max(currents["IRUN"], currents["IHOLD"]) + 1)
-            yield Meaning("current", "IHOLD_IRUN", axis, share / 32 * (self.limits.current_full_scale_a or 0.0))
+            yield self._ranged(currents)
             return
         if self.model == "tmc5160":
             select = self.value("GLOBAL_SCALER") or 256
@@ -153,13 +151,21 @@ class Oracle:
         scale = max(currents["IRUN"], currents["IHOLD"])
         yield Meaning("current", "IHOLD_IRUN", axis, stage.setting(scale, select).peak_a / math.sqrt(2))
 
+    def _ranged(self, currents: dict[str, int]) -> Meaning:
+        share = (11.75 / 36, 24 / 36, 1.0, 1.0)[self.value("DRV_CONF") & 3]
+        share *= max(self.value("GLOBAL_SCALER") or 256, 32) / 256 * (max(currents["IRUN"], currents["IHOLD"]) + 1)
+        return Meaning("current", "IHOLD_IRUN", 0, share / 32 * (self.limits.current_full_scale_a or 0.0))
+
     def _stepped(self) -> Iterator[Meaning]:
         if MODELS[self.model].can("own_velocity"):
             unit_pps = MODELS[self.model].clock_hz_default / (1 << 24)
             yield Meaning("velocity", "VACTUAL", 0, abs(self.value("VACTUAL")) * unit_pps)
+        currents = self.row("IHOLD_IRUN").unpack(self.words[self.row("IHOLD_IRUN").address])
+        if self.model == "tmc2240":
+            yield self._ranged(currents)
+            return
         resistor_ohm = self.limits.sense_resistor_ohm
         assert resistor_ohm is not None
-        currents = self.row("IHOLD_IRUN").unpack(self.words[self.row("IHOLD_IRUN").address])
         vsense = self.row("CHOPCONF").unpack(self.words[self.row("CHOPCONF").address])["vsense"]
         volts = 0.18 if vsense else 0.32 if self.model == "tmc2130" else 0.325
         peak_a = (max(currents["IRUN"], currents["IHOLD"]) + 1) / 32 * volts / (resistor_ohm + 0.02)

@@ -126,11 +126,12 @@ async def test_conditions(change: dict[str, object], kind: str, words: str) -> N
         assert (found.kind, words in found.cause) == (kind, True), found
 
 
-async def test_the_microstep_table_is_written_and_told() -> None:
-    async with bench(MODEL) as b:
+@pytest.mark.parametrize(("model", "readable"), [(MODEL, False), ("tmc2240", True)])
+async def test_the_microstep_table_is_written_and_told(model: str, readable: bool) -> None:
+    async with bench(model) as b:
         table = b.device.need(MslutTable)
         held = await table.read_mslut()
-        assert (held.written, held.registers.words[0], held.registers.start) == (False, 0xAAAAB554, 0xF70000)
+        assert (held.written, held.registers.words[0], held.registers.start) == (readable, 0xAAAAB554, 0xF70000)
         changed = type(held.registers)((*held.registers.words[:7], 0x404223), held.registers.select, 0xF80001)
         held = await table.write_mslut(changed)
         assert (held.written, held.registers, b.held("MSLUT[7]")) == (True, changed, 0x404223)
@@ -151,3 +152,32 @@ async def test_start_up_by_amperes_and_the_limit_of_current() -> None:
         assert b.chip.ground_truth(0).shaft_fullsteps == pytest.approx(50, abs=2)
         with pytest.raises(SoftLimit):
             await b.device.registers.write("CHOPCONF", None, fields={"vsense": 0})
+
+
+async def test_a_tmc2240_measures_its_load_temperature_and_supply() -> None:
+    async with bench("tmc2240") as b:
+        assert await b.device.identity.probe() == "a TMC2240 answers, version 0x40"
+        await b.put(GCONF=0xC, IHOLD_IRUN=0x1F_08, CHOPCONF=0x1041_0153, DRV_CONF=2)
+        b.patch(supply_v=30.0, motor={"temperature_c": 55.0})
+        await stepped(b, 51_200.0)
+        samples = b.device.telemetry.sample_plan(["stallguard4.0", "chip_temperature.0", "supply.0"])
+        taken = await b.device.telemetry.take_samples(samples)
+        load, celsius, volts = samples.decode(np.asarray(taken.times_s), b"".join(taken.replies))[0]
+        assert load == await b.value("SG4_RESULT") > 0
+        assert celsius == pytest.approx(55, abs=0.1)
+        assert volts == pytest.approx(30, abs=0.01)
+
+
+async def test_a_tmc2240_starts_up_in_the_lowest_range_that_will_do_and_keeps_its_limit() -> None:
+    limits = AxisLimits(current_full_scale_a=2.1, current_max_a=1.2)
+    async with bench("tmc2240", AxisSettings("x", limits=limits)) as b:
+        wanted = AxisStartUp(0, b.device.axes[0].settings, Figures(run_current_a=1.0, microsteps=16))
+        done = await b.device.registers.write_many((await plan(b.device, [wanted])).items)
+        assert done.failed is None
+        assert (b.held("DRV_CONF") & 3, b.held("GLOBAL_SCALER")) == (1, 0)
+        rms = 2.1 * 24 / 36 * ((b.held("IHOLD_IRUN") >> 8 & 31) + 1) / 32
+        assert rms == pytest.approx(1.0, rel=0.04)
+        with pytest.raises(SoftLimit):
+            await b.device.registers.write("DRV_CONF", None, fields={"CURRENT_RANGE": 2})
+        with pytest.raises(SoftLimit):
+            await b.device.registers.write("IHOLD_IRUN", None, fields={"IRUN": 31})

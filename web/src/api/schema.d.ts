@@ -3567,7 +3567,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240";
             /**
              * Clock Hz
              * @default 16000000
@@ -3733,7 +3733,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240";
             /**
              * Clock Hz
              * @default 16000000
@@ -4219,7 +4219,7 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
@@ -4266,7 +4266,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4593,7 +4593,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -4763,7 +4763,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -7285,7 +7285,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2240";
             /**
              * Sigma
              * @default 0
@@ -7556,7 +7556,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2240";
             /** Encodable */
             encodable: boolean;
             /**
@@ -7938,7 +7938,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke
@@ -11457,7 +11457,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
@@ -12114,7 +12114,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there

@@ -59,6 +59,12 @@ export interface ControlsProps {
   send: (patch: EmulatorPatch) => void;
 }
 
+/** Fields of the currents of the microstep table, of the phase with its sine and of that with its cosine. */
+export interface Phases {
+  sine: string;
+  cosine: string;
+}
+
 /** What a family of chips or modules has for itself, and how it does what every family does in its own way. */
 export interface Family {
   pages: readonly FamilyPage[];
@@ -71,5 +77,5 @@ export interface Family {
   /** the registers whose bits are its events */
   events: readonly string[];
   /** what its data sheets call the phase that has the sine of a microstep table, and the one that has the cosine */
-  phases?: { sine: string; cosine: string };
+  phases?: Phases | ((model: string) => Phases);
 }

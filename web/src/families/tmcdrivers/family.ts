@@ -10,6 +10,6 @@ export const tmcdrivers: Family = {
   /** They count no position. */
   zero: () => [],
   events: [],
-  /** MSCURACT of a TMC2209 */
-  phases: { sine: "CUR_A", cosine: "CUR_B" },
+  /** MSCURACT: the lower field is the sine, which a TMC2240 calls otherwise than its sisters */
+  phases: (model) => (model === "tmc2240" ? { sine: "CUR_B", cosine: "CUR_A" } : { sine: "CUR_A", cosine: "CUR_B" }),
 };

@@ -12,6 +12,7 @@ export const MODELS: readonly Model[] = [
   "tmc5240",
   "tmc2130",
   "tmc2209",
+  "tmc2240",
 ];
 
 export function modelOf(model: string | undefined): Model | null {

@@ -20,6 +20,7 @@ const BOARDS: Record<Model, Sensing> = {
   tmc5130: { senseOhm: 0.15, referenceOhm: 9100, ainV: 2.5 },
   tmc5160: { senseOhm: 0.075, referenceOhm: 9100, ainV: 2.5 },
   tmc2130: { senseOhm: 0.11, referenceOhm: 9100, ainV: 2.5 },
+  tmc2240: { senseOhm: 0.075, referenceOhm: 12_000, ainV: 2.5 },
   tmc2209: { senseOhm: 0.11, referenceOhm: 9100, ainV: 2.5 },
   tmc5240: { senseOhm: 0.075, referenceOhm: 12_000, ainV: 2.5 },
 };
@@ -42,14 +43,17 @@ export interface CurrentFields {
 /** Chips that can measure inside, and whose current a voltage can scale. */
 const REFERENCED: readonly Model[] = ["tmc5130", "tmc2130", "tmc2209"];
 
+/** Chips that measure inside, in one of several ranges. */
+const RANGED: readonly Model[] = ["tmc5240", "tmc2240"];
+
 /** Which ways of setting a current this chip has, as it is set. */
 export function fieldsOf(chip: Registers, model: Model): CurrentFields {
   const internal = REFERENCED.includes(model) && chip.planned("GCONF", "internal_Rsense") === 1;
   return {
     internal,
     analog: REFERENCED.includes(model) && !internal && chip.planned("GCONF", "I_scale_analog") === 1,
-    scaled: model === "tmc5160" || model === "tmc5240",
-    ranged: model === "tmc5240",
+    scaled: model === "tmc5160" || RANGED.includes(model),
+    ranged: RANGED.includes(model),
     waits: chip.spot("TPOWERDOWN") !== null,
   };
 }

@@ -58,7 +58,7 @@ export function MslutEditor({
   const catalog = useCatalog();
   const about = device?.about ?? catalog.data?.find(({ capabilities }) => capabilities.includes("microsteps.mslut"));
   const model = about?.name as Design["chip"];
-  const phases = phasesOf(about?.family);
+  const phases = phasesOf(about?.family, about?.name);
   const connected = device?.state === "connected";
   const scheme = useScheme();
   const drafting = useDraft<Draft>(`mslut ${device?.id}`, { kind: "formula", formula: DEFAULT });

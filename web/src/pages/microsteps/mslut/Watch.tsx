@@ -25,7 +25,7 @@ const TOLD_EVERY_MS = 300;
 
 /** Collects what the chip shows of its wave while the motor turns. */
 export function Watch({ device, axis, held, seen, onCount }: Props) {
-  const sine = phasesOf(device.about.family).sine === "CUR_B" ? "b" : "a";
+  const sine = phasesOf(device.about.family, device.model).sine === "CUR_B" ? "b" : "a";
   const channels = ["mscnt", `current_${sine}`, `current_${sine === "a" ? "b" : "a"}`].map((each) => `${each}.${axis}`);
   const { buffer, link } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
   const from = useRef(Number.NaN);

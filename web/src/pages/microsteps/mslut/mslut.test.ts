@@ -37,6 +37,8 @@ describe("the phases", () => {
   it("bear the names of the chip's data sheet", () => {
     expect(phasesOf("tmc4361").sine).toBe("phase A");
     expect(phasesOf("tmc5xxx")).toEqual({ sine: "CUR_B", cosine: "CUR_A" });
+    expect(phasesOf("tmcdrivers", "tmc2130").sine).toBe("CUR_A");
+    expect(phasesOf("tmcdrivers", "tmc2240").sine).toBe("CUR_B");
   });
 });
 

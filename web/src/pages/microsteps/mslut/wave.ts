@@ -1,5 +1,6 @@
 import type { Schemas } from "../../../api/client";
 import { FAMILIES } from "../../../families/families";
+import type { Phases } from "../../../families/family";
 
 /** The microstep table of one-bit differences (MSLUT): a quarter wave of 256 values of 0..255. */
 export const ENTRIES = 256;
@@ -16,8 +17,9 @@ export type Register = Schemas["MslutRegister"];
 export type Design = Schemas["MslutDesign"];
 
 /** What the chip's data sheet calls the phase that has the sine, and the one that has the cosine. */
-export function phasesOf(family: string | undefined): { sine: string; cosine: string } {
-  return FAMILIES[family ?? ""]?.phases ?? { sine: "phase A", cosine: "phase B" };
+export function phasesOf(family: string | undefined, model = ""): Phases {
+  const phases = FAMILIES[family ?? ""]?.phases ?? { sine: "phase A", cosine: "phase B" };
+  return typeof phases === "function" ? phases(model) : phases;
 }
 
 export interface Part {
