@@ -60,8 +60,8 @@ class FoundModule:
     uart: bool = False
     """Whether it is a chip on a UART."""
     candidates: tuple[str, ...] = ()
-    """Models that it may be as well, or one of which it is where none is known by that version: those of lists and
-    register maps that have a version at that place, and do not tell which."""
+    """Models that it may be as well, or one of which it is where none is known by that version: sisters with the same
+    version, and those of lists and register maps that have a version at that place, and do not tell which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,9 +182,16 @@ class _Version:
 
 
 def _candidates(seen: _Version, node: int | None) -> tuple[str, ...]:
-    """Models of lists and of register maps that may show that."""
+    """Models that may show that beside the one that is named: sisters of the same version, those of lists and of
+    register maps."""
     uart = "plain" if node is None else "node"
-    found: list[str] = []
+    found = [
+        known.name
+        for known in MODELS.values()
+        if (known.uart, known.version) == (uart, seen.version)
+        and known.version_address in seen.addresses
+        and known.title != seen.chip
+    ]
     for listed in (*catalog.maps(), *catalog.listings()):
         if listed.uart == uart and listed.kind == "chip":
             with contextlib.suppress(UnreadableModel):
