@@ -110,6 +110,16 @@ def test_the_tmc4210_takes_off_one_per_cent() -> None:
     assert (found.p_mul, found.pdiv) == (198, 5)
 
 
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.1.1")
+def test_a_pair_found_on_demand_is_the_one_of_the_table_of_each_acceleration() -> None:
+    a_max = np.arange(10, 2048)
+    table = design_many(a_max, 6, 5, default_reduction("tmc4210"))
+    for a, p_mul, pdiv in zip(a_max.tolist(), table.p_mul.tolist(), table.pdiv.tolist(), strict=True):
+        one = design("tmc4210", a, 6, 5, evaluate=False)
+        assert (one.p_mul, one.pdiv) == (p_mul, pdiv), a
+        assert 0.975 < (p_mul / 2 ** (3 + pdiv)) / (a / 256) <= 0.99, a
+
+
 @pytest.mark.sheet("DS-TMC428", "8.10")
 def test_both_countings_and_the_value_agree_in_every_candidate() -> None:
     for candidate in design("tmc428", 77, 4, 6, evaluate=False).candidates:

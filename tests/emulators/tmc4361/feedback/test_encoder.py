@@ -163,6 +163,7 @@ def test_pulses_too_short_for_the_input_filter_are_not_counted() -> None:
     assert fast.read(ENC_POS) == 0
 
 
+@pytest.mark.sheet("DS-TMC4361", "14.1")
 def test_an_encoder_of_another_kind_counts_nothing() -> None:
     bench = loose(encoder={"kind": "ssi"})
     bench.turn_by_hand(10_000)
