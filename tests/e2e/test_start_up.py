@@ -43,7 +43,7 @@ def add(page: Page, model: str) -> str:
         entry.get_by_role("link", name="Bench").click()
         return f"new-{model}"
     page.goto("/")
-    several = {"tmc5xxx": "TMC5xxx", "tmcl": "modules"}.get(MODELS[model].family)
+    several = {"tmc5xxx": "TMC5xxx", "tmcdrivers": "TMC2xxx", "tmcl": "modules"}.get(MODELS[model].family)
     if several is not None:
         page.get_by_role("button", name=f"Add one of the emulated {several}").click()
     page.get_by_role("button", name=f"Add an emulated {title}").click()
