@@ -115,9 +115,9 @@ async def test_without_the_list_of_what_is_allowed_files_are_opened(
     app: FastAPI, client: httpx.AsyncClient, settings: Settings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the test above looks for is found where it is."""
-    for module in ("api.links.probing", "links.can_line", "links.discovery", "links.registry"):
+    for module in ("api.links.probing", "links.can_bus", "links.discovery", "links.registry"):
         monkeypatch.setattr(f"app.{module}.port_url", lambda name: name)
-    for module in ("links.can_line", "links.streams"):
+    for module in ("links.can_bus", "links.streams"):
         monkeypatch.setattr(f"app.{module}.openable", lambda _, url: url)
     target = tmp_path / KEPT
     target.write_text("kept")

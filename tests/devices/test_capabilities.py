@@ -46,7 +46,8 @@ async def _does_it(do: Callable[[], Awaitable[object]]) -> bool:
 
 
 def _has_row(model: Model, *names: str) -> bool:
-    known = {row.name for row in model.table}
+    """Of its own, or of the driver chip that a module's parameters set."""
+    known = {row.name for row in model.table} | {row.driver.name for row in model.table if row.driver is not None}
     return set(names) <= known
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import threading
 from dataclasses import replace
@@ -36,6 +37,7 @@ async def test_chips_are_found_by_their_version_and_nothing_is_written(echo: boo
     for model, node in models:
         chips.append(EmulatedTmc5xxx(model, clock))  # type: ignore[arg-type]  # a Literal, said above
         chips[-1].write(NODECONF, node)
+    await asyncio.to_thread(os.getpid)  # a thread for short work stays
     where, before = str(tmp_path / "uart"), (len(os.listdir("/proc/self/fd")), threading.active_count())
     with served(uart_line(chips, clock, nodes=(0, 2), echo=echo), tmp_path / "uart"):
         progress: list[ProbeProgress] = []

@@ -35,7 +35,9 @@ class PlainChip(PlainEmulatorBase):
         self._rows: Mapping[int, tuple[Register, ...]] = {
             row.address: model.table.meanings(row.address) for row in model.table
         }
-        self._board = BoardEnd(model, self.read, self.write)
+        # A board keeps what it wrote to registers that nobody can read, and answers with that.
+        kept = isinstance(model.spi, TaggedFormat)
+        self._board = BoardEnd(model, self.held_or_read if kept else self.read, self.write)
         self._held: dict[int, int] = {}
         self._data = 0
         """What the next datagram brings: it belongs to the latest."""
@@ -131,6 +133,12 @@ class PlainChip(PlainEmulatorBase):
         with self._lock:
             self._run_until(at_s)
             self._write(address, data)
+
+    def held_or_read(self, address: int, at_s: float | None = None) -> int:
+        """What was written at `address`, else what a bus reads there."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._held.get(address, self._read(address))
 
     def held(self, address: int) -> int:
         """The bits at `address`, whether or not a bus may read them."""

@@ -43,7 +43,7 @@ def _as_there(number: int, source: str = SOURCE, **other: Any) -> Register:
     """
     row = PD42.at(number, Space.AXIS)
     assert row is not None
-    return replace(row, **{"source": source, "reset": None, "internal_range": None, **other})
+    return replace(row, **{"source": source, "reset": None, "internal_range": None, "driver": None, **other})
 
 
 def _rows() -> Iterator[Register]:
