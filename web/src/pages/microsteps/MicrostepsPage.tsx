@@ -23,8 +23,8 @@ function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format:
         value={format}
         onChange={(next) => onFormat(next as Format)}
         data={optionsOf({
-          quarter: `${quarter.join(" and ")}, 64 values`,
-          mslut: `${mslut.join(" and ")}, 256 differences`,
+          quarter: `${quarter.join(", ")}, 64 values`,
+          mslut: `${mslut.join(", ")}, 256 differences`,
         })}
       />
     </div>

@@ -35,7 +35,7 @@ export function TracePanel({ watch, labels }: { watch: WatchState; labels: Reado
         note={
           <>
             device time: starts, halts and ends are marks on the{" "}
-            <Anchor component={Link} href="/" inherit>
+            <Anchor component={Link} href="/" inherit underline="always">
               scope
             </Anchor>
             , too
