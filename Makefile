@@ -39,8 +39,8 @@ dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a chang
 test:  ## everything that CI holds: linters, types, UI, Python and browser tests; says how long it took, and why
 	@+$(PYTHON) scripts/spent.py $(MAKE) --no-print-directory test-all
 
-test-all: $(STAMPS)/app $(STAMPS)/tools
-	@# What keeps one core busy each, at the same time.
+test-all:
+	@# What keeps one core busy each, at the same time; what they need is installed meanwhile.
 	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels chromium
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
 	@# A browser and a server each; loadfile, for a file shares what it has set up there.
@@ -124,7 +124,8 @@ $(STAMPS)/kernels: $(STAMPS)/app
 	@$(PY) -m app.preparation
 	@touch $@
 
-$(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS)
+# Behind the package: two of pip at once in one environment overwrite each other's files.
+$(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS) | $(STAMPS)/app
 	@echo "installing the development tools into .venv"
 	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --group test
 	@touch $@
