@@ -45,6 +45,10 @@ def take_the_bench(api: httpx.Client) -> None:
 
 
 def begin_with_the_bench(context: BrowserContext) -> None:
-    """Let every page of `context` be a tab of our session."""
+    """Let every page of `context` be a tab of our session.
+
+    Its scope begins with 100 Hz instead of 500, which is a tenth of what a browser and its server work for a page.
+    """
     stored = f"localStorage['stepscope.session'] = {json.dumps(SESSION)}; localStorage['stepscope.name'] = '{NAME}'"
+    stored += "; localStorage['stepscope.scope'] ??= '{\"rateHz\":100}'"
     context.add_init_script(f"if (location.protocol !== 'about:') {{ {stored} }}")
