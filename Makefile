@@ -5,9 +5,8 @@ HOST ?= 127.0.0.1
 PORT ?= 8000
 # `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
 ARGS ?=
-# Both cores of a small machine; browser tests wait for motors and pages a quarter of their time, so there one more.
+# Both cores of a small machine. Three browsers on it take longer than two: pages that wait are drawn meanwhile.
 WORKERS ?= 2
-E2E_WORKERS ?= $(shell expr $(WORKERS) + 1)
 # The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
 CONSTRAINTS ?= constraints.txt
 
@@ -44,7 +43,7 @@ test-all:
 	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels chromium
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
 	@# A browser and a server each; loadfile, for a file shares what it has set up there.
-	$(BIN)/pytest -n $(E2E_WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
