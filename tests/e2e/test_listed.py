@@ -107,6 +107,8 @@ def test_a_profile_is_captured_compared_and_brought_back(page: Page, api: httpx.
     page.get_by_role("button", name="Apply 1 change").click()
     expect(page.get_by_text("The profile is in drive")).to_be_visible(timeout=30_000)
     assert held(api, SPEED) == 2000
+    for profile in api.get("/profiles").raise_for_status().json()["profiles"]:  # the pages of other tests have none
+        api.delete(f"/profiles/{profile['id']}").raise_for_status()
 
 
 @pytest.mark.parametrize("model", [MODEL.name, *SEVERAL_AXES])
