@@ -82,6 +82,7 @@ class _Timed:
 def counted() -> Iterator[Spent]:
     """Time the service while this holds."""
     spent, originals = Spent(), (WatchedAxis.serve, Observer._heard)
+    timed_devices: set[Device] = set()
     serve, heard = originals
 
     def own(seconds: float) -> None:
@@ -99,11 +100,16 @@ def counted() -> Iterator[Spent]:
 
     async def timed_serve(self: WatchedAxis) -> float:
         spent.looks += 1
-        device = cast("Any", self.device)
-        if not hasattr(device, "timed"):
-            device.timed = True
-            for name in ("look", "retarget", "axis_state"):
-                setattr(device, name, timed_link(getattr(device, name)))
+        device = self.device
+        if device not in timed_devices:
+            timed_devices.add(device)
+            parts: tuple[tuple[Any, str], ...] = (
+                (device.counter, "poll"),
+                (device.motion, "retarget"),
+                (device.monitor, "axis_state"),
+            )
+            for part, name in parts:
+                setattr(part, name, timed_link(getattr(part, name)))
         return cast("float", await _Timed(serve(self), own))
 
     def timed_heard(self: Observer, event: Any) -> None:
