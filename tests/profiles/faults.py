@@ -252,7 +252,7 @@ def _what_is_wrong(
 def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) -> dict[Key, int]:
     """What is held, as it reads in the units of before: a unit mode that is left shows every speed as another."""
     mode = (Space.AXIS, 255, 0)
-    if b.device.model not in MODULES or before[mode] == after[mode]:
+    if b.device.model not in MODULES or before.get(mode) == after.get(mode):
         return after
     emulator = b.wire.emulator
     emulator.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, before[mode]).encode())
