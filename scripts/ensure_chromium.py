@@ -5,6 +5,7 @@ Where Debian has it, the one without windows is installed beside another: the sa
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -13,6 +14,9 @@ from pathlib import Path
 
 from chromium import HEADLESS, find_chromium
 from playwright.sync_api import sync_playwright
+
+APT_WITHIN_S = 300.0
+"""A mirror that is silent keeps nobody longer [s]."""
 
 
 def playwright_has_one() -> bool:
@@ -29,7 +33,8 @@ def apt_install(*packages: str) -> None:
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     install = ["apt-get", "install", "--yes", "-qq", "--no-install-recommends", *packages]
     for command in (["apt-get", "update", "-qq"], install):
-        subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, check=False)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, check=False, timeout=APT_WITHIN_S)
 
 
 def main() -> int:

@@ -19,7 +19,7 @@ from ..registers.spi_format import TaggedFormat
 from ..registers.wires import BOARD
 from . import datagram40, datagram_uart, tmcl
 from .datagram_uart import IFCNT, UartForm
-from .spi_access import SpiAccess, TaggedAccess
+from .spi_access import SpiAccess, TaggedAccess, check_count
 
 
 class RegisterAccess(Protocol):
@@ -111,7 +111,7 @@ class Spi40Access:
         self._check_length(reply)
 
     def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-        _check_count(self.name, frames, replies)
+        check_count(self.name, frames, replies)
         for reply in replies:
             self._check_length(reply)
         for frame, reply in zip(frames, replies[1:], strict=False):
@@ -177,7 +177,7 @@ class BoardAccess:
             raise BadReply(self.name, f"the board refuses: {answer.status_text}", reply)
 
     def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-        _check_count(self.name, frames, replies)
+        check_count(self.name, frames, replies)
         for frame, reply in zip(frames, replies, strict=True):
             self.check(frame, reply)
 
@@ -246,7 +246,7 @@ class UartAccess:
         self._word(reply, IFCNT if self.form.is_write(frame) else self.form.register_of(frame))
 
     def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-        _check_count(self.name, frames, replies)
+        check_count(self.name, frames, replies)
         counted: int | None = None
         for frame, reply in zip(frames, replies, strict=True):
             self.check(frame, reply)
@@ -261,11 +261,6 @@ class UartAccess:
             return self.form.data_of(register, reply)
         except ValueError as error:
             raise BadReply(self.name, str(error), reply) from error
-
-
-def _check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-    if len(frames) != len(replies):
-        raise BadReply(name, f"{len(replies)} replies to {len(frames)} frames", b"".join(replies))
 
 
 def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:

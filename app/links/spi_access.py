@@ -55,7 +55,7 @@ class SpiAccess:
         self._check_length(reply)
 
     def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-        _check_count(self.name, frames, replies)
+        check_count(self.name, frames, replies)
         for reply in replies:
             self._check_length(reply)
 
@@ -129,7 +129,7 @@ class TaggedAccess:
         self._heed(frame)
 
     def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
-        _check_count(self.name, frames, replies)
+        check_count(self.name, frames, replies)
         for frame, reply in zip(frames, replies, strict=True):
             self.check(frame, reply)
 
@@ -155,6 +155,7 @@ class TaggedAccess:
             raise BadReply(self.name, f"{len(reply)} bytes instead of {self.form.frame_bytes}", reply)
 
 
-def _check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+def check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+    """Raises BadReply where not every frame has a reply."""
     if len(frames) != len(replies):
         raise BadReply(name, f"{len(replies)} replies to {len(frames)} frames", b"".join(replies))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..registers import catalog
-from ..registers.spi_format import SpiFormat
+from ..registers.spi_format import SpiFormat, TaggedFormat
 from . import datagram32, datagram40
 
 
@@ -59,9 +59,14 @@ def sized(form: SpiFormat, frame: bytes) -> bytes:
 # --- by model ----------------------------------------------------------------------------------
 
 
+def _spi_of(model: str) -> SpiFormat | TaggedFormat | None:
+    """The format that a table tells of the chip; None where none does, and for a name that is no model's."""
+    return catalog.find_model(model).spi if catalog.is_model(model) else None
+
+
 def frame_bytes_of(model: str) -> int:
     """The length of a raw frame of the chip, which its answer has too."""
-    spi = catalog.find_model(model).spi if catalog.is_model(model) else None
+    spi = _spi_of(model)
     if spi is not None:
         return spi.frame_bytes
     return datagram40.FRAME_BYTES if datagram40.speaks(model) else datagram32.FRAME_BYTES
@@ -69,7 +74,7 @@ def frame_bytes_of(model: str) -> int:
 
 def head_bytes_of(model: str) -> int:
     """What stands before the data in an answer that comes with the next datagram; 0 for chips that answer at once."""
-    spi = catalog.find_model(model).spi if catalog.is_model(model) else None
+    spi = _spi_of(model)
     if isinstance(spi, SpiFormat) and spi.answer == "next":
         return spi.head_bytes
     return 1 if datagram40.speaks(model) else 0
@@ -77,5 +82,5 @@ def head_bytes_of(model: str) -> int:
 
 def chained(model: str) -> bool:
     """Whether nobody may come between the frames of one question."""
-    spi = catalog.find_model(model).spi if catalog.is_model(model) else None
+    spi = _spi_of(model)
     return head_bytes_of(model) > 0 or (spi is not None and not isinstance(spi, SpiFormat))

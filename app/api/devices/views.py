@@ -153,6 +153,8 @@ def axis_out(device: Device, state: results.AxisState, standing: AxisAssessment)
 
 def device_info(device: Device, conditions: ConditionService, not_saved: str = "") -> DeviceInfo:
     """`not_saved` tells why the latest change of the connections is not on disk; "" where it is."""
+    channels = device.telemetry.channels()
+    own_rates = {channel.axis for channel in channels if channel.quantity == "velocity" and not channel.unit}
     return DeviceInfo(
         id=device.id,
         name=device.name,
@@ -170,14 +172,17 @@ def device_info(device: Device, conditions: ConditionService, not_saved: str = "
         emulated=device.session.emulated,
         demo=device.config.demo,
         start_up=device.config.start_up,
-        axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],
-        channels=[ChannelInfo.model_validate(channel) for channel in device.telemetry.channels()],
+        axes=[
+            _axis_info(device, axis, conditions.standing(device, axis.index), rates_known=axis.index not in own_rates)
+            for axis in device.axes
+        ],
+        channels=[ChannelInfo.model_validate(channel) for channel in channels],
         rate_max_hz=device.telemetry.rate_max_hz,
         chip_timed=device.session.chip_timed,
     )
 
 
-def _axis_info(device: Device, axis: Axis, standing: AxisAssessment) -> AxisInfo:
+def _axis_info(device: Device, axis: Axis, standing: AxisAssessment, *, rates_known: bool) -> AxisInfo:
     return AxisInfo(
         **standing_out(device, standing),
         index=axis.index,
@@ -186,11 +191,7 @@ def _axis_info(device: Device, axis: Axis, standing: AxisAssessment) -> AxisInfo
         microsteps_per_full_step=axis.microsteps_per_full_step,
         pulse_div=axis.pulse_div,
         ramp_div=axis.ramp_div,
-        rates_known=all(
-            channel.unit
-            for channel in device.telemetry.channels()
-            if channel.quantity == "velocity" and channel.axis == axis.index
-        ),
+        rates_known=rates_known,
     )
 
 
