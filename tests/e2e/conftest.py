@@ -196,7 +196,7 @@ def check_axe() -> Callable[[Page], None]:
 
     def look(page: Page) -> list[str]:
         # What is being calculated anew is faded for that moment, and meant to be.
-        page.wait_for_function("document.querySelector('.stale') === null")
+        expect(page.locator(".stale")).to_have_count(0)
         return [
             f"{violation['id']} ({violation['impact']}): {violation['help']}\n"
             + "\n".join(f"    {node['html']}\n    {node['failureSummary']}" for node in violation["nodes"])
