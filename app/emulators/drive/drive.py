@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 
@@ -61,6 +62,8 @@ _KEPT = (
 )
 """Cells that a power cycle leaves."""
 
+Followed = Literal["ramp", "steps", "currents"]
+"""What can move the field."""
 
 DRIVE_JOB = "drive"
 """What compiling it is called: families that have it wait for that, so that it is compiled once."""
@@ -98,6 +101,8 @@ class Drive:
         self._enabled, self._sense = True, 1.0
         self._least_supply_v = UNDERVOLTAGE_V
         self._stall_stop_velocity: int | None = None
+        self.warning_c = OTPW_C
+        """From which on DRV_STATUS.otpw warns [deg C]."""
         self._set_constants()
         self.plant = Plant(options, self._s, self._f, self._plant_changed)
         self.internal = EncoderChannel(self._s, self._f, k.INTERNAL, self._changed)
@@ -294,7 +299,7 @@ class Drive:
         word = int(k.driver_stat(self._s)) | self._short
         if self._hot:
             word |= 1 << 25
-        if self.plant.temperature_c >= OTPW_C:
+        if self.plant.temperature_c >= self.warning_c:
             word |= 1 << 26
         if not self.plant.motor_connected and self._toff > 0:
             word |= 3 << 29
@@ -436,6 +441,28 @@ class Drive:
         s[k.AMAX] = JUMP
         s[k.A1] = s[k.V1] = 0
         self._changed()
+
+    def follow(self, what: Followed) -> None:
+        """What moves the field from the next tick on: the ramp generator, `take_steps`, or `take_currents`.
+
+        Of the latter two the speed, which StallGuard2 and CoolStep go by, is that of what comes. A power cycle goes
+        back to the ramp generator, which stands then.
+        """
+        s = self._s
+        s[k.OUTSIDE] = {"ramp": 0, "steps": k.BY_STEPS, "currents": k.BY_CURRENTS}[what]
+        s[k.COMING] = s[k.WINDOW] = s[k.MOVED] = s[k.V] = s[k.ACC] = 0
+        s[k.MODE] = k.HOLD_MODE
+        k.at_high_velocity(s)
+        self.moves_by_leaps = what == "ramp"
+        self._changed()
+
+    def take_steps(self, steps: int) -> None:
+        """Steps (signed) that have come at STEP since the last call, for the next tick."""
+        k.take_steps(self._s, steps)
+
+    def take_currents(self, a: int, b: int) -> None:
+        """Currents of both coils from the next tick on [1/248 of the wave's peak, signed]."""
+        k.take_currents(self._s, a, b)
 
     @property
     def stall_stop_velocity(self) -> int | None:

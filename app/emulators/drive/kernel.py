@@ -120,13 +120,18 @@ CHOPPER, FULL, SLOW_ONLY = range(154, 157)
 VDCMIN, DC_TIME, DC_SG, DCSTEP, DC_TICKS, DC_HELD, DC_LOST, MORE = range(157, 165)
 """DcStep: its least velocity (0: off), longest and shortest time that current is let in [clocks], whether it works,
 ticks that this full step lasts, whether the motor was waited for in it, and it does not follow; whether V2, TVMAX or
-DcStep have a part in the ramp."""
+DcStep have a part in the ramp, or it is moved from outside."""
 BOOST, SLOW, VARIES, FREE_AFTER = range(165, 169)
 """Of modules: current scale, plus 1, while the speed changes, and outside CoolStep's range (0: none); whether the run
 current is anything but IRUN; ticks of hold current after which there is none (0: never)."""
 WAVE_STEPS = 169
 """Physics steps until `SINE` and `COSINE` are worked out anew."""
-INTEGERS = 170
+OUTSIDE, COMING, DIRECT_A, DIRECT_B = range(170, 174)
+"""What moves the field in place of the ramp generator (`BY_STEPS`, `BY_CURRENTS`), steps that have come since the last
+tick, and coil currents that were told [1/248 of the peak]."""
+GAP, WINDOW, MOVED = range(174, 177)
+"""From outside: ticks since the latest step, and ticks and steps since the speed was worked out last."""
+INTEGERS = 177
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -188,6 +193,9 @@ BRAKE_MARGIN = 1.0 + 1e-6
 PWM_LOOP = 0.25
 """Gain of the regulation: as much as stays stable with a coil that follows slowly (INFERRED; sheets tell only the
 greatest change)."""
+BY_STEPS, BY_CURRENTS = 1, 2
+CURRENT_PEAK = 248.0
+"""What a driver that is told its coil currents takes for the peak of the wave (DS-TMC2660 6.4)."""
 RUN, RAMPING_DOWN, HOLD = range(3)
 LEAPS, NO_LEAPS = 1, 2
 WITHOUT_EMF = 0.2
@@ -479,7 +487,8 @@ def at_high_velocity(s: Cells) -> None:
         s[DC_TICKS] = s[DC_HELD] = s[DC_LOST] = 0
     s[FULL] = s[DCSTEP] or (high and s[VHIGHFS])
     s[SLOW_ONLY] = high and s[VHIGHCHM]
-    s[CHOPPER] = CLASSIC if s[CHM] or s[SLOW_ONLY] else IN_FULL_STEPS if s[FULL] else REGULATED
+    apart = s[FULL] or s[OUTSIDE] == BY_CURRENTS
+    s[CHOPPER] = CLASSIC if s[CHM] or s[SLOW_ONLY] else IN_FULL_STEPS if apart else REGULATED
     s[AT_HIGH] = s[VHIGHFS] or s[VHIGHCHM] or s[VDCMIN]
 
 
@@ -749,7 +758,10 @@ def _commutate(s: Cells, f: Floats, steps: int) -> int:
 
 @compiled
 def _ramp_with_more(s: Cells, f: Floats) -> int:
-    """One tick of a ramp in which V2, TVMAX or DcStep have a part: apart, for looks at them cost each tick of all."""
+    """One tick of a ramp in which V2, TVMAX or DcStep have a part, or of steps from outside: apart, for looks at them
+    cost each tick of all."""
+    if s[OUTSIDE]:
+        return _come_from_outside(s)
     before = abs(s[V])
     steps = _ramp(s, f, True)
     if s[DCSTEP]:
@@ -757,6 +769,61 @@ def _ramp_with_more(s: Cells, f: Floats) -> int:
     if s[TVMAX]:
         _keep_slope(s, before, abs(s[V]))
     return steps
+
+
+# --- moved from outside --------------------------------------------------------------------------
+
+
+@compiled
+def _come_from_outside(s: Cells) -> int:
+    """One tick of a driver that gets steps or currents: the steps that came. V becomes their mean speed over a full
+    step, less as soon as the next one is late, and 0 where none came for the time of standstill."""
+    steps = s[COMING]
+    s[COMING] = 0
+    s[X] = wrap32(s[X] + steps)
+    s[GAP] += 1
+    s[WINDOW] += 1
+    s[MOVED] += steps
+    whole = max(256 >> s[MRES], 1)
+    if steps == 0:
+        if s[GAP] >= s[STILL_LIMIT]:
+            s[V] = s[WINDOW] = s[MOVED] = 0
+        elif s[V] != 0:
+            slowest = (whole << STEP_BITS) // s[WINDOW]
+            if slowest < abs(s[V]) // 2:
+                s[V] = slowest if s[V] > 0 else -slowest
+        return 0
+    if s[V] == 0 or (s[V] > 0) != (steps > 0):
+        s[V] = (abs(steps) << STEP_BITS) // max(min(s[GAP], s[STILL_LIMIT]), 1) * (1 if steps > 0 else -1)
+        s[WINDOW] = s[MOVED] = 0
+    elif abs(s[MOVED]) >= whole:
+        s[V] = (abs(s[MOVED]) << STEP_BITS) // s[WINDOW] * (1 if s[MOVED] > 0 else -1)
+        s[WINDOW] = s[MOVED] = 0
+    s[GAP] = 0
+    return steps
+
+
+@compiled
+def take_steps(s: Cells, steps: int) -> None:
+    """Steps (signed) that have come at STEP since the last call: the next tick makes them."""
+    if steps != 0:
+        s[COMING] += steps
+        s[QUIET] = 0
+
+
+@compiled
+def take_currents(s: Cells, a: int, b: int) -> None:
+    """Coil currents (signed, `CURRENT_PEAK` is the peak of the wave) from the next tick on.
+
+    The field goes the shorter way to their angle; two currents of 0 have none.
+    """
+    if a == s[DIRECT_A] and b == s[DIRECT_B]:
+        return
+    s[DIRECT_A], s[DIRECT_B] = a, b
+    s[QUIET] = s[REST] = 0
+    if a != 0 or b != 0:
+        at = math.floor(math.atan2(float(a), float(b)) * 512.0 / math.pi)
+        s[COMING] += (at - s[FIELD] - s[COMING] + 512 & 1023) - 512
 
 
 # --- StealthChop ---------------------------------------------------------------------------------
@@ -889,6 +956,8 @@ def _drive_otherwise(s: Cells, f: Floats, table: Floats) -> None:
         look = s[FIELD] & ~255 | 128
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
+    if s[OUTSIDE] == BY_CURRENTS:
+        ref_a, ref_b = scale * s[DIRECT_A] / CURRENT_PEAK, scale * s[DIRECT_B] / CURRENT_PEAK
     if bridges == CLASSIC:
         f[FALL] = 0.0 if s[SLOW_ONLY] else f[FALL_CHM]
         if not s[SLOW_ONLY]:
@@ -1537,7 +1606,7 @@ def refresh(s: Cells, f: Floats) -> None:
         s[OFFSET] = 1024 * math.floor(ahead / 1024.0 + 0.5)
         s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
     s[VARIES] = s[SEMIN] != 0 or s[BOOST] != 0 or s[SLOW] != 0
-    s[MORE] = s[V2] != 0 or s[TVMAX] != 0 or s[VDCMIN] != 0
+    s[MORE] = s[V2] != 0 or s[TVMAX] != 0 or s[VDCMIN] != 0 or s[OUTSIDE] != 0
     _bound_braking(s, f)
     s[VSEEN] = 0
     if s[VIRTUAL]:
