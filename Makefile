@@ -5,10 +5,13 @@ HOST ?= 127.0.0.1
 PORT ?= 8000
 # `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
 ARGS ?=
-# Both cores of a small machine. Three browsers on it take longer than two: pages that wait are drawn meanwhile.
-WORKERS ?= 2
+# Of each half of the tests, which run at the same time: a core for each half of a small machine.
+WORKERS ?= 1
 # The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
 CONSTRAINTS ?= constraints.txt
+
+# One process is the one that pytest has anyway.
+SIDE = $(WORKERS:1=0)
 
 # With ARGS one half of the tests may have none to run, which pytest ends with 5.
 NONE_IS_WELL = $(if $(ARGS),|| [ $$? -eq 5 ])
@@ -23,7 +26,7 @@ STAMPS := .venv/.stamps
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help run dev test test-all test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
+.PHONY: help run dev test test-all python-tests browser-tests test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
 	web-check chromium lock clean
 
 help:  ## this list
@@ -38,15 +41,21 @@ dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a chang
 test:  ## everything that CI holds: linters, types, UI, Python and browser tests; says how long it took, and why
 	@+$(PYTHON) scripts/spent.py $(MAKE) --no-print-directory test-all
 
+# All at once as far as one does not need another: a core that waits for a page, or for pip, has other things to do.
 test-all:
-	@# What keeps one core busy each, at the same time; what they need is installed meanwhile.
-	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels chromium
-	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
-	@# A browser and a server each; loadfile, for a file shares what it has set up there.
-	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)
+	@$(MAKE) --no-print-directory --jobs=3 $(STAMPS)/kernels chromium lint-python web-check browser-tests python-tests
+
+# Whole lines, for both halves print at the same time. A file of browser tests shares what it has set up: loadfile.
+python-tests browser-tests: SHELL := bash
+python-tests browser-tests: .SHELLFLAGS := -o pipefail -c
+python-tests: $(STAMPS)/kernels $(STAMPS)/tools
+	@($(BIN)/pytest -n $(SIDE) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
+
+browser-tests: $(STAMPS)/kernels $(STAMPS)/tools chromium
+	@($(BIN)/pytest -n $(SIDE) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
-	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
+	$(BIN)/pytest -n auto -m "not e2e and not slow" $(ARGS)
 
 lint: lint-python lint-web  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
 
@@ -73,7 +82,7 @@ conformance: $(STAMPS)/app $(STAMPS)/tools  ## which sections of the data sheets
 	$(PY) -m tests.conformance
 
 report: $(STAMPS)/kernels $(STAMPS)/tools  ## lines that the Python tests run, room by room, and the most complex functions
-	$(BIN)/pytest -n $(WORKERS) -m "not e2e" --cov=app --cov-report= $(ARGS)
+	$(BIN)/pytest -n auto -m "not e2e" --cov=app --cov-report= $(ARGS)
 	@$(PY) scripts/report.py
 
 bench: install $(STAMPS)/tools chromium  ## measured figures beside what is required (QUICK=1 for a short run)

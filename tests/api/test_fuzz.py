@@ -8,7 +8,7 @@ import pytest
 
 from tests.fuzz import PARTS, fuzzed
 
-EXAMPLES = 4
+EXAMPLES = 3
 """Of each call."""
 MANY_FORMS = {"new": 30, "destructive": 10}
 """Parts whose calls take any kind of link: so many examples instead of 11,000 bounds, which `make bench` tries."""
