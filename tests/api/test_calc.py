@@ -291,3 +291,25 @@ async def test_a_chip_needs_its_dividers_and_a_module_has_none(client: httpx.Asy
     assert "pulse_div" in answer.json()["detail"]
     chip = {"model": "tmc428", "pulse_div": 2, "ramp_div": 7, "velocity": {"value": 1, "unit": "rps"}}
     assert (await client.post("calc/units", json=chip)).json()["module"] is None
+
+
+async def test_current_scales_over_a_move(client: httpx.AsyncClient) -> None:
+    body = {
+        "parameters": {**RAMP, "clock_hz": 16e6},
+        "distance": 5_000,
+        "is_v0": 2,
+        "is_aleat": 4,
+        "is_agtat": 7,
+        "a_threshold": 100,
+        "continuous_update": False,
+    }
+    answer = (await client.post("calc/current-scales", json=body)).json()
+    assert answer["spans"][0]["scale"] == "is_v0"
+    assert answer["spans"][0]["eighths"] == 2
+    assert answer["rest_delay_s"] == 255 * 32 * 2**7 / 16e6
+    assert any("continuous_update" in said for said in answer["warnings"])
+    refused = await client.post("calc/current-scales", json={**body, "is_v0": 8})
+    assert refused.status_code == 422
+    refused = await client.post("calc/current-scales", json={**body, "parameters": {**RAMP, "v_max": 0}})
+    assert refused.status_code == 422
+    assert "v_max is 0" in refused.json()["detail"]

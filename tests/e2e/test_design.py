@@ -102,3 +102,21 @@ def test_a_microstep_table_goes_to_a_running_motor(page: Page, api: httpx.Client
     expect(page.get_by_text("the same as the design").or_(send.and_(page.locator(":disabled")))).to_be_visible()
     assert api.get(TABLE).raise_for_status().json()["values"] != before
     assert api.get("/devices/bench/axes/0").raise_for_status().json()["moving"]
+
+
+def test_current_scales_are_drawn_over_the_ramp_and_staged(page: Page, api: httpx.Client) -> None:
+    register = f"{REGISTERS}/is_agtat_is_aleat_is_v0_a_threshold"
+    before = value(api, register)
+    page.goto("/ramps")
+    rest = page.get_by_test_id("field-is_v0")
+    expect(rest).to_have_value(re.compile(r"^[1-8]$"))
+    wanted = 2 if rest.input_value() != "2" else 3
+    rest.fill(str(wanted))
+    rest.press("Enter")
+    expect(page.get_by_test_id("scale-times")).to_contain_text("accelerating")
+    expect(page.get_by_text("edit staged")).to_be_visible()
+    assert value(api, register) == before
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(page.get_by_text("edit staged")).to_have_count(0)
+    assert value(api, register) >> 12 & 7 == wanted
+    api.put(register, params=X, json={"value": before}).raise_for_status()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from ...calc.motor_torque import StepperMotor
 from ...calc.ramps.curve import RampCurve
@@ -83,7 +83,15 @@ def _rotation(plan: MotionPlan, body: Ramp) -> RampCurve:
 
 
 def _exact(body: Ramp) -> RampCurve:
-    given = dict(body.parameters)
+    return exact_ramp(*exact_parameters(body.parameters, body.distance), body.samples)
+
+
+def exact_parameters(named: Mapping[str, float | str], wanted: float) -> tuple[RampParameters, int]:
+    """The registers of a chip's own ramp, and its distance [microsteps].
+
+    Raises UsageError for names and numbers that it has not, ValueError outside the ranges.
+    """
+    given = dict(named)
     mode = given.pop("ramp_mode", "ramp")
     clock_hz = given.pop("clock_hz", 16e6)
     if not isinstance(mode, str) or isinstance(clock_hz, str):
@@ -92,15 +100,14 @@ def _exact(body: Ramp) -> RampCurve:
     numbers = {name: whole_of(name, value) for name, value in given.items()}
     if mode in ("ramp", "soft") and not {"pmul", "pdiv"} <= numbers.keys():
         raise UsageError(f"pmul and pdiv decide when {mode} mode brakes, and are missing")
-    distance = whole_of("distance", body.distance)
+    distance = whole_of("distance", wanted)
     # Where nobody says how fast it is to turn: at v_max, the way that the distance says.
     full_speed = numbers["v_max"] if distance >= 0 else -numbers["v_max"]
     if mode == "velocity":
         numbers.setdefault("v_target", full_speed)
     if mode == "hold":
         numbers.setdefault("v_actual", full_speed)
-    parameters = RampParameters(**{"v_min": 1, **numbers}, ramp_mode=mode, clock_hz=clock_hz)
-    return exact_ramp(parameters, distance, body.samples)
+    return RampParameters(**{"v_min": 1, **numbers}, ramp_mode=mode, clock_hz=clock_hz), distance
 
 
 def _open_ended(body: Ramp) -> bool:

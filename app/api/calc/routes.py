@@ -28,6 +28,8 @@ from .schemas import (
 )
 from .sixpoint_schemas import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
 from .tmc5xxx import motor as motor_calculators
+from .tmc428.current_scales import current_scales
+from .tmc428.current_schemas import CurrentScaling, CurrentScalingResult
 from .tmc4361 import input_filters
 from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
 
@@ -62,6 +64,12 @@ def calculate_ramp(body: Ramp) -> RampResult:
 def calculate_coil_current(body: CoilCurrent) -> CoilCurrentResult:
     """Motor current of a TMC5xxx from its settings, or the nearest settings for a wanted current, and its delays."""
     return motor_calculators.coil_current(body)
+
+
+@router.post("/current-scales")
+def calculate_current_scales(body: CurrentScaling) -> CurrentScalingResult:
+    """Which of a TMC428's three current scales holds when over a move, for how long, and what it saves."""
+    return current_scales(body)
 
 
 @router.post("/chopper")

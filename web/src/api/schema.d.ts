@@ -1589,6 +1589,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/current-scales": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Current Scales
+         * @description Which of a TMC428's three current scales holds when over a move, for how long, and what it saves.
+         */
+        post: operations["calculate_current_scales"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/chopper": {
         parameters: {
             query?: never;
@@ -4101,6 +4121,87 @@ export interface components {
             since_s: number | null;
         };
         /**
+         * CurrentScaling
+         * @description The fields of is_agtat_is_aleat_is_v0_a_threshold, and the move that they are looked at over.
+         */
+        CurrentScaling: {
+            /**
+             * Is V0
+             * @description at rest; eighths of full scale, 0 is 8/8
+             * @default 0
+             */
+            is_v0?: number;
+            /**
+             * Is Aleat
+             * @description acceleration up to a_threshold
+             * @default 0
+             */
+            is_aleat?: number;
+            /**
+             * Is Agtat
+             * @description acceleration above a_threshold
+             * @default 0
+             */
+            is_agtat?: number;
+            /**
+             * A Threshold
+             * @description unit of a_max
+             * @default 0
+             */
+            a_threshold?: number;
+            /**
+             * Parameters
+             * @description of the ramp, as POST /calc/ramp takes them
+             */
+            parameters: {
+                [key: string]: number | string;
+            };
+            /**
+             * Distance
+             * @description microsteps
+             */
+            distance: number;
+            /**
+             * Continuous Update
+             * @description of the global parameters; null: not known
+             */
+            continuous_update?: boolean | null;
+        };
+        /** CurrentScalingResult */
+        CurrentScalingResult: {
+            /**
+             * Spans
+             * @description without gaps, from before the move to after is_v0 has come back
+             */
+            spans: components["schemas"]["CurrentSpan"][];
+            /** Motion S */
+            motion_s: number;
+            /**
+             * Rest Delay S
+             * @description from the last step to is_v0: 255 ramp ticks
+             */
+            rest_delay_s: number;
+            /**
+             * Time S
+             * @description time under each scale from the start to is_v0
+             */
+            time_s: {
+                [key: string]: number;
+            };
+            /**
+             * Heat
+             * @description mean square of the current over that time, as a share of full scale's
+             */
+            heat: number;
+            /**
+             * Braking Below
+             * @description share of braking at which is_aleat holds, though the motor brakes; null where nothing brakes
+             */
+            braking_below: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * CurrentSetting
          * @description One way to set a current.
          */
@@ -4129,6 +4230,23 @@ export interface components {
              * @description of the wanted current, value / wanted - 1; null without one
              */
             error: number | null;
+        };
+        /** CurrentSpan */
+        CurrentSpan: {
+            /**
+             * Scale
+             * @enum {string}
+             */
+            scale: "is_v0" | "is_aleat" | "is_agtat";
+            /** Start S */
+            start_s: number;
+            /** End S */
+            end_s: number;
+            /**
+             * Eighths
+             * @description of full scale; a mean where scales take turns too often to be listed
+             */
+            eighths: number;
         };
         /** Curve */
         Curve: {
@@ -21114,6 +21232,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CoilCurrentResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_current_scales: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CurrentScaling"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CurrentScalingResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

@@ -8,6 +8,7 @@ import { type AxisScale, scaleOf } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
 import { useSessionKept } from "../../../lib/useKept";
 import { useSelection } from "../../../live/selection";
+import { CurrentScales } from "../currents/CurrentScales";
 import {
   compared,
   fromReadings,
@@ -230,6 +231,14 @@ function Designer({ device, axis }: Props) {
             reduction={sketch.reduction}
             onReduction={(reduction) => change({ reduction, own: null })}
           />
+          {design.usrs !== null && (
+            <CurrentScales
+              device={device}
+              axis={axis}
+              ramp={asking(mode === "velocity" ? (pair ?? { pmul: 0, pdiv: 0 }) : pair, distance, mode)}
+              usrs={design.usrs}
+            />
+          )}
           <EffectOfP variants={variants} noPair={noPair} distance={approach} scale={scale} unit={units.velocity} />
         </div>
       </div>
