@@ -128,12 +128,13 @@ class ScaledClock:
     time jump.
     """
 
-    def __init__(self, base: Clock, scale: float = 1.0) -> None:
+    def __init__(self, base: Clock, scale: float = 1.0, start_s: float = 0.0) -> None:
+        """It shows `start_s` [s] at first."""
         self._base = base
         self._scale = scale
         self._scale_before = scale
         self._anchor_base_s = base.now()
-        self._anchor_s = 0.0
+        self._anchor_s = start_s
         self.skipped_s = 0.0
         """How much of its time was left out, `skip_to` having stood still [s]."""
 
@@ -167,6 +168,14 @@ class ScaledClock:
         since_s = base_s - self._anchor_base_s
         return self._anchor_s + since_s * (self._scale if since_s >= 0 else self._scale_before)
 
+    def base_s(self, at_s: float) -> float:
+        """What the base clock shows [s] when this one shows `at_s` [s]; infinite for a time that does not come."""
+        ahead_s = at_s - self._anchor_s
+        scale = self._scale if ahead_s >= 0 else self._scale_before
+        if scale == 0:
+            return self._anchor_base_s if ahead_s <= 0 else float("inf")
+        return self._anchor_base_s + ahead_s / scale
+
     def skip_to(self, at_s: float) -> None:
         """Show `at_s` [s] now, as if it had stood still since then. Raises ValueError for a time to come."""
         base_s = self._base.now()
@@ -181,6 +190,44 @@ class ScaledClock:
         if self._scale == 0 and seconds > 0:
             raise ValueError("a clock with time scale 0 never wakes anybody")
         await self._base.sleep(seconds / self._scale if seconds > 0 else 0.0)
+
+
+class OffsetClock(ScaledClock):
+    """A clock that shows `offset_s` [s] more than another one, whose scale and stops it has: of emulators on one time.
+
+    `skipped_s` goes on from what its owner had skipped before.
+    """
+
+    def __init__(self, shared: ScaledClock, offset_s: float, skipped_s: float = 0.0) -> None:
+        super().__init__(shared.base, shared.scale)
+        self._shared = shared
+        self._offset_s = offset_s
+        self._skipped_before_s = skipped_s - shared.skipped_s
+
+    @property
+    def scale(self) -> float:
+        return self._shared.scale
+
+    @scale.setter
+    def scale(self, scale: float) -> None:
+        self._shared.scale = scale
+
+    @property
+    def skipped_s(self) -> float:  # of a clock of its own it is a number that it keeps
+        return self._skipped_before_s + self._shared.skipped_s
+
+    @skipped_s.setter
+    def skipped_s(self, value: float) -> None:
+        del value  # as it is made: nothing is skipped yet
+
+    def at(self, base_s: float) -> float:
+        return self._shared.at(base_s) + self._offset_s
+
+    def base_s(self, at_s: float) -> float:
+        return self._shared.base_s(at_s - self._offset_s)
+
+    def skip_to(self, at_s: float) -> None:
+        self._shared.skip_to(at_s - self._offset_s)
 
 
 HELD_MAX_S = 0.1

@@ -34,6 +34,7 @@ from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
 from .emulators.build import build_emulator, options_of
 from .emulators.core.pace import Pace
+from .emulators.wiring import EmulatorWiring, Present
 from .errors import BenchError, StoreUnavailable, UsageError
 from .lease.lease import Lease
 from .lease.watch import LeaseWatch
@@ -108,7 +109,11 @@ def create_app(
     }
     opened = asyncio.Event()
 
+    wiring = EmulatorWiring()
+
     def changed() -> None:
+        ports = [(device.id, device.session.port) for device in manager.devices]
+        wiring.sync([Present(key, port.wire, port) for key, port in ports if isinstance(port, EmulatorPort)])
         hub.sync(manager.devices)
         extended_positions.sync(manager.devices)
         found_moving.sync(manager.devices)
@@ -204,6 +209,7 @@ def create_app(
         Tokens(TokenStore(settings.data_dir), tokens_changed),
         sessions,
         MapShelf(settings.data_dir, manager),
+        wiring,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)

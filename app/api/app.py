@@ -50,6 +50,7 @@ from .server_state import ServerState
 from .start_up import routes as start_up
 from .tables import routes as tables
 from .telemetry import routes as telemetry
+from .together import routes as together
 from .twin import routes as twin
 from .twin.proxy import TwinProxy
 
@@ -84,6 +85,7 @@ SUBJECTS = (
     telemetry,
     conditions,
     twin,
+    together,
     audit,
     access,
 )

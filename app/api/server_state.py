@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ..clock import BackgroundClock, Clock
 from ..conditions.service import ConditionService
 from ..devices.manager import DeviceManager
+from ..emulators.wiring import EmulatorWiring
 from ..kernels import Progress
 from ..lease.calls import CallsUnderWay
 from ..lease.lease import Lease
@@ -63,6 +64,7 @@ class ServerState:
     tokens: Tokens
     sessions: Sessions
     maps: MapShelf
+    wiring: EmulatorWiring
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -184,12 +184,22 @@ class EmulatorPort:
         if error is not None:
             raise error
 
+    @property
+    def next_due_s(self) -> float:
+        """When the next sample is due, on the server's clock [s]; infinite for never."""
+        return self._due[0][0] if self._due else float("inf")
+
+    def take_due(self, until_s: float, *, give_up: bool = False) -> None:
+        """For emulators that are wired to this one and go on past `until_s` [s]: take what is due, or give it up."""
+        self._take_due(until_s, give_up=give_up)
+
     def _push(self, sampling: _Sampling) -> None:
         self._order += 1
         heapq.heappush(self._due, (sampling.due_s(), self._order, sampling))
 
-    def _take_due(self, now_s: float) -> BenchError | None:
-        """Take what is due by server time `now_s` [s], oldest first; the latest failure is returned, not raised."""
+    def _take_due(self, now_s: float, *, give_up: bool = False) -> BenchError | None:
+        """Take what is due by server time `now_s` [s], oldest first, or give it up; the latest failure is returned, not
+        raised."""
         failure = self.paused
         due = self._due
         until_s = time.thread_time() + SAMPLES_WITHIN_S if self._hurries else float("inf")
@@ -198,7 +208,7 @@ class EmulatorPort:
             due_s, _, sampling = heapq.heappop(due)
             if sampling.ended:
                 continue
-            late = self.wire.clock.skipped_s != skipped_s or (self._hurries and time.thread_time() > until_s)
+            late = give_up or self.wire.clock.skipped_s != skipped_s or (self._hurries and time.thread_time() > until_s)
             if now_s - due_s > CATCH_UP_S or late or self.paused is not None:
                 behind = int((now_s - due_s) / sampling.period_s) + (late or self.paused is not None)
                 self.samples_missed += behind

@@ -7,6 +7,8 @@ import random
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypedDict, TypeVar
 
@@ -16,6 +18,7 @@ from ...clock import Clock, ScaledClock
 from .ground_truth import GroundTruth
 from .noise import flip
 from .pace import SLICE_S, Pace
+from .pins import PinWire, WiredChip
 
 log = logging.getLogger("stepscope.emulators")
 
@@ -52,6 +55,14 @@ class Change(Protocol):
     def faults(self) -> BaseModel: ...
 
 
+class SharedTime(Protocol):
+    """Several emulators that are brought on together (`coupling.Coupling`)."""
+
+    def reach(self, member: object, at_s: float | None) -> float:
+        """Bring all on until `member` is at `at_s` [s] of its time, by default now; where it is then [s]."""
+        ...
+
+
 ChangeT = TypeVar("ChangeT", bound=Change)
 StateT = TypeVar("StateT", bound=BaseModel)
 
@@ -62,7 +73,9 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
     def __init__(self, clock: Clock, time_scale: float, faults: ChipFaults) -> None:
         self.clock = ScaledClock(clock, time_scale)
         self.faults = faults
-        self._lock = threading.Lock()
+        self._lock: AbstractContextManager[object] = threading.Lock()
+        self._shared: SharedTime | None = None
+        """Whoever brings it on together with others, while its pins are wired to theirs."""
         self._latest_s = 0.0
         """Where it has been brought to, on `clock` [s]."""
         self.pace: Pace | None = None
@@ -93,6 +106,8 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         With a `pace`, and more to do than that allows, the chip's clock is set to where the chip is: it stood still
         for the rest, which `clock.skipped_s` tells.
         """
+        if self._shared is not None:
+            return self._shared.reach(self, at_s)
         now_s = self.clock.now()
         at_s = now_s if at_s is None else at_s
         if self.pace is None:
@@ -125,6 +140,34 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
     @abstractmethod
     def model(self) -> str:
         """The name in the catalog."""
+
+    # --- wires to others ------------------------------------------------------------------------
+
+    @property
+    def wired(self) -> WiredChip | None:
+        """The pins that can be wired to other emulators; None where it has none."""
+        return None
+
+    @property
+    def wires(self) -> Sequence[PinWire]:
+        """Which of them are, and to which net."""
+        return ()
+
+    def share_time(self, shared: SharedTime | None, lock: AbstractContextManager[object], clock: ScaledClock) -> None:
+        """From now on be brought on by `shared` (None: by itself again), under `lock`, on `clock`.
+
+        For `Coupling`, while nobody else talks to it: who waits for the lock that it had would come in beside it.
+        """
+        self._shared, self._lock, self.clock = shared, lock, clock
+
+    @property
+    def lock(self) -> AbstractContextManager[object]:
+        """Held by whoever talks to it."""
+        return self._lock
+
+    def brought_to(self, at_s: float) -> None:
+        """It has been brought to `at_s` [s] by whoever shares its time."""
+        self._latest_s = max(self._latest_s, at_s)
 
     # --- plant ----------------------------------------------------------------------------------
 

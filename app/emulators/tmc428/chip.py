@@ -292,6 +292,7 @@ class Chip(ABC):
             self.chip[k.REQ] = 1
             if self.chip[k.EN_SD]:
                 axis[k.SOUT] += 1
+                axis[k.NET] += axis[k.DIR]
 
     def _arm_latch(self, index: int, _data: int) -> None:
         self.axes[index, k.LP] = 1

@@ -65,7 +65,9 @@ GUARD, GDIR, STEADY, LAST, NEXT, DFAR, TFAR, CLASS, STOPT = range(52, 61)
 current class; tick of the last stop."""
 SOUT, MERGED, PULSE_END = range(61, 64)
 """Step/dir output: pulses sent, pulses that merged with the one before, end of the last one [clock]."""
-AXIS_COLUMNS = 64
+NET = 64
+"""Of those pulses: steps forwards less those backwards."""
+AXIS_COLUMNS = 65
 
 # --- cells of `chip` -----------------------------------------------------------------------------
 TICK, CLOCK, NAXES, KIND = range(4)
@@ -356,6 +358,7 @@ def _quiet_steps(a: Cells, chip: Cells, steps: int, direction: int) -> None:
     a[GUARD] -= steps
     if chip[EN_SD]:
         a[SOUT] += steps
+        a[NET] += direction * steps
 
 
 @inlined
@@ -615,6 +618,8 @@ def _step(axes: Cells, chip: Cells, i: int, tick: int) -> None:
         # A pulse that begins before the last one ended is no new edge: the driver misses the step.
         moved = chip[HALF] != 0 or 32 * tick >= a[PULSE_END]
         a[SOUT if moved else MERGED] += 1
+        if moved:
+            a[NET] += direction
         a[PULSE_END] = 32 * tick + chip[PULSE_LEN]
     if moved:
         a[MECH] += direction * a[MINC]

@@ -289,15 +289,19 @@ def _rest(r: Cells, s: Cells) -> None:
 @compiled
 def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int) -> None:
     """Take over what Python has written (`written`: 0 nothing, 1 something, 2 something that the ramp goes by), then
-    bring the chip to clock `until`.
+    bring the chip to clock `until`, or while START is watched to the tick in which its output changes.
     """
     end = until // c.TICK_CLOCKS
+    put_out = s[c.START_OUT] > s[c.TICK]
     if written:
         _settle(r, s, f, fb, written > 1)
         s[c.BEYOND] = _compared(r, s, fb)
     while written or s[c.TICK] < end:
         clock = s[c.CLOCK]
         if not written:
+            if s[c.WATCH] and (s[c.START_OUT] > s[c.TICK]) != put_out:
+                s[c.CLOCK] = s[c.TICK] * c.TICK_CLOCKS
+                return
             if s[c.IDLE]:
                 last = min(s[c.WAKE] - 1, end)
                 if last > s[c.TICK]:

@@ -131,6 +131,10 @@ PASSING = 60
 """A change is on its way through a filter."""
 BEYOND = 61
 """How far the compared position is beyond the compare position."""
+WATCH = 62
+"""Whether time stops at the next change of what START puts out."""
+NET = 63
+"""Steps sent since power-on, those backwards taken off."""
 FILTER = 64
 """From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
 INTEGERS = 72

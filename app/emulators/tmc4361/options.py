@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only
+from ..core.pins import WIRES_MAX, PinWire
 from ..drive.documents import (
     ChipFaultsChange,
     Closed,
@@ -21,6 +22,10 @@ from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
 from .feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
 
 FaultsChange = ChipFaultsChange
+
+
+class Tmc4361Wire(PinWire):
+    pin: Literal["START", "STEP1"]
 
 
 class Tmc4361Options(MotorDocument):
@@ -39,6 +44,10 @@ class Tmc4361Options(MotorDocument):
         2.1, "peak coil current at current scale 255 [A]: the default motor's holding torque"
     )
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(0, "SGT of the driver's StallGuard2")
+
+    wires: Annotated[list[Tmc4361Wire], Field(max_length=WIRES_MAX)] = rest_only(
+        [], "pins that are wired to other emulators of this server: START, and STEP1, its step and direction output"
+    )
 
     def feedback(self) -> FeedbackOptions:
         """The part that the feedback unit and the motor are made with."""

@@ -54,4 +54,5 @@ def send(r: Cells, s: Cells, steps: int) -> None:
         left = 1
     s[c.HELD] = direction * left
     s[c.STEPS] += count
+    s[c.NET] += direction * count
     s[c.FIELD] += direction * count * microstep(r)

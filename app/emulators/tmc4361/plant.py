@@ -50,11 +50,13 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
         (c.PIN_STOPL, wanted.switches.left),
         (c.PIN_STOPR, wanted.switches.right),
         (c.PIN_HOME, wanted.switches.home),
-        (c.PIN_START, wanted.pins.start),
         (c.PIN_FREEZE, wanted.pins.freeze),
     ):
         if forced is not None:
             _force(chip, pin, forced)
+    if wanted.pins.start is not None:
+        chip.start_forced = None if wanted.pins.start == "auto" else wanted.pins.start
+        chip.hold_start()
     if wanted.step_dir is not None:
         chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
         chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
@@ -76,6 +78,8 @@ def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float)
 
     def level(pin: int) -> LevelState:
         forced = bool(int(s[c.FORCED]) & pin) if int(s[c.FORCE]) & pin else None
+        if pin == c.PIN_START:  # which wires may hold too
+            forced = chip.start_forced
         return LevelState(active=bool(int(s[c.INPUTS]) & pin), forced=forced)
 
     return Tmc4361State(

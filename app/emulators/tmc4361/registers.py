@@ -83,6 +83,10 @@ class Chip:
             c.VERSION: lambda: VERSION_NO,
         }
         self._cover_answer = 0
+        self.start_forced: bool | None = None
+        """The level that the bench holds START at; None: it does not."""
+        self.start_wired: bool | None = None
+        """The level that wires to other chips put there."""
         self.reset()
 
     # --- power and time --------------------------------------------------------------------------
@@ -135,6 +139,13 @@ class Chip:
         """Take over what was changed from outside."""
         clock = int(self.s[c.CLOCK])
         kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock, 2 if ramp else 1)
+
+    def hold_start(self) -> None:
+        """START has another level from outside: what the bench forces, else what other chips drive."""
+        s, level = self.s, self.start_wired if self.start_forced is None else self.start_forced
+        s[c.FORCE] = int(s[c.FORCE]) & ~c.PIN_START if level is None else int(s[c.FORCE]) | c.PIN_START
+        s[c.FORCED] = int(s[c.FORCED]) | c.PIN_START if level else int(s[c.FORCED]) & ~c.PIN_START
+        self.settle()
 
     # --- datagrams -------------------------------------------------------------------------------
 

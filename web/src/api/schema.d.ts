@@ -1589,26 +1589,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/calc/current-scales": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Calculate Current Scales
-         * @description Which of a TMC428's three current scales holds when over a move, for how long, and what it saves.
-         */
-        post: operations["calculate_current_scales"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/calc/chopper": {
         parameters: {
             query?: never;
@@ -2161,6 +2141,26 @@ export interface paths {
          * @description Show a moment of a recording, for which the view is started where it is off; or with null what happens now.
          */
         post: operations["scrub_twin"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/wiring": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Wiring
+         * @description Which pins of emulated devices are wired together, and whether that works. It is set with their links.
+         */
+        get: operations["get_wiring"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -3483,6 +3483,12 @@ export interface components {
              */
             stall_threshold?: number;
             /**
+             * Wires
+             * @description pins that are wired to other emulators of this server: START, and STEP1, its step and direction output
+             * @default []
+             */
+            wires?: components["schemas"]["Tmc4361Wire"][];
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -4121,87 +4127,6 @@ export interface components {
             since_s: number | null;
         };
         /**
-         * CurrentScaling
-         * @description The fields of is_agtat_is_aleat_is_v0_a_threshold, and the move that they are looked at over.
-         */
-        CurrentScaling: {
-            /**
-             * Is V0
-             * @description at rest; eighths of full scale, 0 is 8/8
-             * @default 0
-             */
-            is_v0?: number;
-            /**
-             * Is Aleat
-             * @description acceleration up to a_threshold
-             * @default 0
-             */
-            is_aleat?: number;
-            /**
-             * Is Agtat
-             * @description acceleration above a_threshold
-             * @default 0
-             */
-            is_agtat?: number;
-            /**
-             * A Threshold
-             * @description unit of a_max
-             * @default 0
-             */
-            a_threshold?: number;
-            /**
-             * Parameters
-             * @description of the ramp, as POST /calc/ramp takes them
-             */
-            parameters: {
-                [key: string]: number | string;
-            };
-            /**
-             * Distance
-             * @description microsteps
-             */
-            distance: number;
-            /**
-             * Continuous Update
-             * @description of the global parameters; null: not known
-             */
-            continuous_update?: boolean | null;
-        };
-        /** CurrentScalingResult */
-        CurrentScalingResult: {
-            /**
-             * Spans
-             * @description without gaps, from before the move to after is_v0 has come back
-             */
-            spans: components["schemas"]["CurrentSpan"][];
-            /** Motion S */
-            motion_s: number;
-            /**
-             * Rest Delay S
-             * @description from the last step to is_v0: 255 ramp ticks
-             */
-            rest_delay_s: number;
-            /**
-             * Time S
-             * @description time under each scale from the start to is_v0
-             */
-            time_s: {
-                [key: string]: number;
-            };
-            /**
-             * Heat
-             * @description mean square of the current over that time, as a share of full scale's
-             */
-            heat: number;
-            /**
-             * Braking Below
-             * @description share of braking at which is_aleat holds, though the motor brakes; null where nothing brakes
-             */
-            braking_below: number | null;
-            /** Warnings */
-            warnings: string[];
-        };
-        /**
          * CurrentSetting
          * @description One way to set a current.
          */
@@ -4230,23 +4155,6 @@ export interface components {
              * @description of the wanted current, value / wanted - 1; null without one
              */
             error: number | null;
-        };
-        /** CurrentSpan */
-        CurrentSpan: {
-            /**
-             * Scale
-             * @enum {string}
-             */
-            scale: "is_v0" | "is_aleat" | "is_agtat";
-            /** Start S */
-            start_s: number;
-            /** End S */
-            end_s: number;
-            /**
-             * Eighths
-             * @description of full scale; a mean where scales take turns too often to be listed
-             */
-            eighths: number;
         };
         /** Curve */
         Curve: {
@@ -7764,6 +7672,48 @@ export interface components {
              */
             mirror?: number;
             registers?: components["schemas"]["MslutWords"] | null;
+        };
+        /**
+         * Net
+         * @description Pins of emulated devices that are wired together: those whose options (`wires`) name the same net.
+         */
+        Net: {
+            /** Net */
+            net: string;
+            /** Pins */
+            pins: components["schemas"]["NetPin"][];
+            /**
+             * Open
+             * @description why it connects nothing; null where it does
+             */
+            open: string | null;
+            /**
+             * Equal Clocks
+             * @description an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it
+             */
+            equal_clocks: boolean;
+        };
+        /**
+         * NetPin
+         * @description A pin on a net.
+         */
+        NetPin: {
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /**
+             * Pin
+             * @description START, or STEP1 to STEP3: step and direction of an axis
+             */
+            pin: string;
+            /**
+             * Role
+             * @description level: either way, as the chip is set
+             * @enum {string}
+             */
+            role: "level" | "output" | "input";
         };
         /**
          * NowTrigger
@@ -11470,6 +11420,19 @@ export interface components {
             faults: components["schemas"]["ChipFaultsState"];
             truth: components["schemas"]["TruthState"];
         };
+        /** Tmc4361Wire */
+        Tmc4361Wire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "START" | "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
+        };
         /**
          * Tmc5xxxPatch
          * @description A change to a running chip; what is left out stays. A power cycle comes first.
@@ -12552,6 +12515,14 @@ export interface components {
              * @enum {string}
              */
             frames: "datagram" | "uart" | "board" | "tmcl";
+        };
+        /**
+         * Wiring
+         * @description All nets, by name.
+         */
+        Wiring: {
+            /** Nets */
+            nets: components["schemas"]["Net"][];
         };
         /** Switches */
         MotionSwitches: {
@@ -21272,66 +21243,6 @@ export interface operations {
             };
         };
     };
-    calculate_current_scales: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["CurrentScaling"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["CurrentScalingResult"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     calculate_chopper: {
         parameters: {
             query?: never;
@@ -23425,6 +23336,35 @@ export interface operations {
             };
             /** @description The 3D view cannot be shown (/problems/twin-failed) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_wiring: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };

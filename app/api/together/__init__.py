@@ -1,0 +1,1 @@
+"""Several devices as one machine: wires between emulated chips, and moves that start together."""

@@ -1,0 +1,75 @@
+"""Pins of emulated chips that can be wired to each other, and the wires as an emulator's options name them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, Protocol
+
+from pydantic import BaseModel, ConfigDict, Field
+
+NetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,31}$")]
+WIRES_MAX = 8
+
+START = "START"
+STEPS = ("STEP1", "STEP2", "STEP3")
+"""Step and direction of an axis; a driver has only the first, as an input."""
+
+
+class PinWire(BaseModel):
+    """A pin on a net: all pins of this server's emulators on a net of the same name are wired together."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    pin: Literal["START", "STEP1", "STEP2", "STEP3"] = Field(
+        description="STEP1: step and direction of the first axis, of a driver its inputs"
+    )
+    net: NetName = Field(description="small letters, digits and dashes")
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """What a chip puts on a pin. `active` is what wins where several drive a net."""
+
+    high: bool
+    active: bool
+
+
+class WiredChip(Protocol):
+    """A chip whose pins can be wired, at clocks of its own. `Coupling` alone calls it, with the lock held."""
+
+    clock_hz: float
+    tick_clocks: int
+    """What it sees of its pins it sees every so many clocks, counted from power-on."""
+    outputs: tuple[str, ...]
+    """Pins whose steps others may take."""
+    inputs: tuple[str, ...]
+    """Pins that take steps."""
+    levels: tuple[str, ...]
+    """Pins that have a level, either way."""
+
+    @property
+    def clock(self) -> int:
+        """Clocks since power-on that it has been brought to."""
+        ...
+
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until something is written or comes in."""
+        ...
+
+    @property
+    def may_change(self) -> bool:
+        """Whether a level that it drives may change before anything is written or comes in."""
+        ...
+
+    def advance(self, clock: int) -> int:
+        """Run to `clock`, or to the first change of a level that it drives; the clock it is at then."""
+        ...
+
+    def level(self, pin: str) -> Level | None:
+        """What it drives; None: nothing."""
+        ...
+
+    def receive(self, pin: str, high: bool | None) -> None:
+        """The level of the net from now on, whoever drives it; None: nobody does."""
+        ...

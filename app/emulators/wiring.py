@@ -1,0 +1,118 @@
+"""Which pins of this server's emulators are wired together: made of the nets that their options name.
+
+A net is the same name at pins of several emulators. START pins go with START pins, and one step output with any number
+of step inputs. What cannot be wired is left open, and says why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from .core.base import EmulatorBase
+from .core.coupling import Coupling, Pin, Sampler, groups
+from .core.pins import WiredChip
+
+Role = Literal["level", "output", "input"]
+
+
+@dataclass(frozen=True, slots=True)
+class Present:
+    """An emulator that is there. `key` is what people call it: the id of its device."""
+
+    key: str
+    emulator: object
+    sampler: Sampler | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NetPin:
+    """A pin on a net."""
+
+    key: str
+    pin: str
+    role: Role
+
+
+@dataclass(frozen=True, slots=True)
+class NetState:
+    """A net by its name. `open` says why it connects nothing; None where it does.
+
+    equal_clocks : whether an edge is seen at the very clock; else it is rounded to a clock of whoever sees it.
+    """
+
+    net: str
+    pins: tuple[NetPin, ...]
+    open: str | None
+    equal_clocks: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Wired:
+    key: str
+    emulator: EmulatorBase[Any, Any]
+    chip: WiredChip
+    sampler: Sampler | None
+
+
+class EmulatorWiring:
+    """All wires between the emulators of one server. Used by one thread, which is the one that talks to them."""
+
+    def __init__(self) -> None:
+        self._couplings: dict[Hashable, Coupling] = {}
+        self._nets: tuple[NetState, ...] = ()
+
+    @property
+    def nets(self) -> tuple[NetState, ...]:
+        """By name."""
+        return self._nets
+
+    def sync(self, present: Sequence[Present]) -> None:
+        """These are all emulators now. Couplings whose members and nets are as before go on undisturbed."""
+        there = [
+            _Wired(each.key, each.emulator, chip, each.sampler)
+            for each in present
+            if isinstance(each.emulator, EmulatorBase) and (chip := each.emulator.wired) is not None
+        ]
+        by_net: dict[str, list[tuple[int, str]]] = {}
+        for number, one in enumerate(there):
+            for wire in one.emulator.wires:
+                by_net.setdefault(wire.net, []).append((number, wire.pin))
+        states = {net: _judge(net, pins, there) for net, pins in by_net.items()}
+        good = {net: pins for net, pins in by_net.items() if states[net].open is None}
+        wanted: dict[Hashable, tuple[list[int], list[str]]] = {}
+        for group in groups([[number for number, _ in pins] for pins in good.values()]):
+            members = sorted(group)
+            nets = sorted(net for net, pins in good.items() if pins[0][0] in group)
+            key = (tuple(id(there[n].emulator) for n in members), tuple((net, tuple(good[net])) for net in nets))
+            wanted[key] = members, nets
+        for old in [key for key in self._couplings if key not in wanted]:
+            self._couplings.pop(old).end()
+        for made_of, (members, nets) in wanted.items():
+            if made_of not in self._couplings:
+                self._couplings[made_of] = Coupling(
+                    [(there[n].emulator, there[n].chip, there[n].sampler) for n in members],
+                    [(net, [Pin(members.index(number), pin) for number, pin in good[net]]) for net in nets],
+                )
+        self._nets = tuple(states[net] for net in sorted(states))
+
+
+def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -> NetState:
+    roles: list[Role] = []
+    for number, pin in pins:
+        chip = there[number].chip
+        roles.append("level" if pin in chip.levels else "output" if pin in chip.outputs else "input")
+    members = [number for number, _ in pins]
+    why: str | None = None
+    if len(set(members)) < len(members):
+        why = "it has two pins of one device"
+    elif len(members) < 2:
+        why = "no other pin is on it"
+    elif "level" in roles and set(roles) != {"level"}:
+        why = "START and steps are not wired together"
+    elif "level" not in roles and roles.count("output") != 1:
+        why = f"steps come from one output, and it has {roles.count('output')}"
+    shown = tuple(NetPin(there[number].key, pin, role) for (number, pin), role in zip(pins, roles, strict=True))
+    clocks = {there[number].chip.clock_hz for number in members}
+    return NetState(net, shown, why, len(clocks) == 1)

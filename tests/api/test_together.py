@@ -1,0 +1,72 @@
+"""Several devices over REST: wires between emulated chips, and moves that start together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from app.clock import VirtualClock
+
+NET = {"wires": [{"pin": "START", "net": "start"}]}
+SETUP = [
+    ("CLK_FREQ", 16_000_000),
+    ("AMAX", 800_000),
+    ("DMAX", 800_000),
+    ("RAMPMODE", 5),
+    ("VMAX", 12_800_000),
+]
+
+
+async def add(client: httpx.AsyncClient, name: str, **link: Any) -> str:
+    """An emulated TMC4361 that moves on trapezoids: the address of its device."""
+    body = {"name": name, "model": "tmc4361", "link": {"kind": "emulator", **link}}
+    answer = await client.post("devices", json=body)
+    assert answer.status_code == 201, answer.text
+    device = f"devices/{answer.json()['id']}"
+    writes = [{"name": register, "axis": 0, "value": value} for register, value in SETUP]
+    batch = (await client.post(f"{device}/registers", json={"writes": writes})).json()
+    assert batch["failed"] is None, batch
+    return device
+
+
+async def nets(client: httpx.AsyncClient) -> dict[str, Any]:
+    return {net["net"]: net for net in (await client.get("wiring")).json()["nets"]}
+
+
+async def test_devices_on_a_net_are_wired_until_one_leaves(client: httpx.AsyncClient) -> None:
+    assert await nets(client) == {}
+    await add(client, "one", **NET)
+    assert (await nets(client))["start"]["open"] == "no other pin is on it"
+    two = await add(client, "two", **NET)
+    net = (await nets(client))["start"]
+    assert net["open"] is None
+    assert net["equal_clocks"]
+    assert net["pins"] == [{"device": name, "pin": "START", "role": "level"} for name in ("one", "two")]
+    await client.patch(two, json={"name": "second"})
+    assert [pin["device"] for pin in (await nets(client))["start"]["pins"]] == ["one", "second"]
+    await client.delete("devices/second")
+    assert (await nets(client))["start"]["open"] == "no other pin is on it"
+
+
+async def test_a_start_over_rest_is_that_of_the_wired_chip(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    one, two = await add(client, "one", **NET), await add(client, "two", **NET)
+    for device, conf in ((one, 1 | 1 << 8 | 1 << 9), (two, 1 | 1 << 5 | 1 << 9 | 1 << 10)):
+        writes = [("POS_COMP", 1 << 30), ("START_CONF", conf), ("XTARGET", 1000)]
+        body = {"writes": [{"name": name, "axis": 0, "value": value} for name, value in writes]}
+        assert (await client.post(f"{device}/registers", json=body)).json()["failed"] is None
+    await clock.advance(1.0)
+    assert (await client.get(f"{two}/axes/0")).json()["position"] == 0
+    await client.put(f"{one}/registers/POS_COMP", params={"axis": 0}, json={"value": 0})
+    starts = [(await client.get(f"{device}/emulator")).json()["ramp"]["starts"] for device in (one, two)]
+    assert starts == [1, 1]
+    await clock.advance(1.0)
+    assert [(await client.get(f"{device}/axes/0")).json()["position"] for device in (one, two)] == [1000, 1000]
+
+
+@pytest.mark.parametrize("wires", [[{"pin": "START", "net": "Has Blanks"}], [{"pin": "DIAG", "net": "a"}], [{}] * 9])
+async def test_wires_that_cannot_be_are_refused(client: httpx.AsyncClient, wires: list[Any]) -> None:
+    body = {"name": "one", "model": "tmc4361", "link": {"kind": "emulator", "wires": wires}}
+    answer = await client.post("devices", json=body)
+    assert answer.status_code == 422, answer.text
