@@ -46,6 +46,8 @@ class NetState:
     pins: tuple[NetPin, ...]
     open: str | None
     equal_clocks: bool
+    seen_within_s: float
+    """How far apart an edge is seen at the most [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,5 +116,7 @@ def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -
     elif "level" not in roles and roles.count("output") != 1:
         why = f"steps come from one output, and it has {roles.count('output')}"
     shown = tuple(NetPin(there[number].key, pin, role) for (number, pin), role in zip(pins, roles, strict=True))
-    clocks = {there[number].chip.clock_hz for number in members}
-    return NetState(net, shown, why, len(clocks) == 1)
+    chips = [there[number].chip for number in members]
+    equal = len({chip.clock_hz for chip in chips}) == 1
+    within_s = 0.0 if equal else max((chip.tick_clocks + 1) / chip.clock_hz for chip in chips)
+    return NetState(net, shown, why, equal, within_s)

@@ -22,6 +22,7 @@ from .procedure import Procedure
 from .search import ReferenceSearchState, Search, SearchWanted, Switch
 from .shuttle import Shuttle, ShuttleState
 from .stall_search import StallSearch, StallWanted
+from .start_together import StartNet, TogetherMove, TogetherStart, start_together
 from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
 from .velocity_profile import ProfilePlay, ProfileState
 
@@ -137,6 +138,18 @@ class Procedures:
         """End it and stop the motor; the state afterwards."""
         await self._abort(device, axis, ProfilePlay, "stopped on request")
         return self.profile_state(device, axis)
+
+    # --- several devices ------------------------------------------------------------------------
+
+    async def start_together(
+        self, moves: Sequence[TogetherMove], nets: Sequence[StartNet], *, use_wires: bool = True
+    ) -> TogetherStart:
+        """Start axes of any devices together. Raises WrongState while a procedure runs on one of them, and what
+        `start_together` raises."""
+        for one in moves:
+            for running in self.running(one.device, one.move.axis):
+                raise WrongState(f"a {running.kind} runs on axis {one.move.axis} of {one.device.name}", "stop it first")
+        return await start_together(moves, nets, self._clock, use_wires=use_wires)
 
     # --- held rotation --------------------------------------------------------------------------
 

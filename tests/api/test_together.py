@@ -70,3 +70,29 @@ async def test_wires_that_cannot_be_are_refused(client: httpx.AsyncClient, wires
     body = {"name": "one", "model": "tmc4361", "link": {"kind": "emulator", "wires": wires}}
     answer = await client.post("devices", json=body)
     assert answer.status_code == 422, answer.text
+
+
+async def test_axes_of_several_devices_start_together(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    one, two = await add(client, "one", **NET), await add(client, "two", **NET)
+    lone = await add(client, "lone")
+    moves = [{"device": name, "axis": 0, "target": 2000} for name in ("one", "two", "lone")]
+    answer = await client.post("start-together", json={"moves": moves})
+    assert answer.status_code == 200, answer.text
+    axes = answer.json()["axes"]
+    assert [(axis["device"], axis["how"]) for axis in axes] == [
+        ("one", "START wire"),
+        ("two", "START wire"),
+        ("lone", "command"),
+    ]
+    assert axes[0]["skew_s"] == axes[1]["skew_s"]
+    await clock.advance(1.0)
+    for device in (one, two, lone):
+        assert (await client.get(f"{device}/axes/0")).json()["position"] == 2000
+    entries = (await client.get("audit", params={"limit": 50})).json()["entries"]
+    assert {entry["device"] for entry in entries if entry["action"] == "move together"} == {"one", "two", "lone"}
+
+
+async def test_a_start_of_nothing_or_of_nobody_is_refused(client: httpx.AsyncClient) -> None:
+    assert (await client.post("start-together", json={"moves": []})).status_code == 422
+    moves = [{"device": "nobody", "axis": 0, "target": 1}]
+    assert (await client.post("start-together", json={"moves": moves})).status_code == 404

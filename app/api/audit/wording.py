@@ -134,6 +134,28 @@ def moves(call: Call) -> Said:
     return Said(first.action, first.subject, first.old, first.new, first.detail, None, first.axis, tuple(others))
 
 
+def start_together(call: Call) -> Said:
+    """Each axis of its device, by how it started."""
+    axes = call.answer.get("axes") if isinstance(call.answer, dict) else None
+    if not isinstance(axes, list) or not axes:
+        return Said("start together", "several devices", detail=compact(call.body.get("moves")))
+    first, *others = [
+        Said(
+            "move together",
+            "to",
+            value_of(axis.get("from_position")),
+            value_of(axis.get("target_position")),
+            f"by {axis.get('how')}",
+            axis.get("device"),
+            axis.get("axis"),
+        )
+        for axis in axes
+    ]
+    return Said(
+        first.action, first.subject, first.old, first.new, first.detail, first.device, first.axis, tuple(others)
+    )
+
+
 def rotate(call: Call) -> Said:
     unit = str(call.body.get("unit", "pps"))
     held = call.body.get("hold_s")

@@ -1,12 +1,16 @@
-"""Shapes of wires between emulators."""
+"""Shapes of several devices as one machine: wires between emulators, and starts together."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..schemas import Answer
+from ...procedures.start_together import AXES_MAX
+from ..motion.schemas import Move
+from ..schemas import Answer, AxisIndex, Body, Flag
+
+DeviceIds = Annotated[list[Annotated[str, Field(min_length=1, max_length=200)]], Field(min_length=2, max_length=24)]
 
 
 class NetPin(Answer):
@@ -26,6 +30,47 @@ class Net(Answer):
     equal_clocks: bool = Field(
         description="an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it"
     )
+    seen_within_s: float = Field(description="how far apart an edge is seen at the most [s]")
+
+
+class TogetherMove(Move):
+    device: Annotated[str, Field(min_length=1, max_length=200)] = Field(description="id of the device")
+    axis: AxisIndex
+
+
+class StartTogether(Body):
+    """Moves of axes of any devices that start together."""
+
+    moves: Annotated[list[TogetherMove], Field(min_length=1, max_length=AXES_MAX)]
+    use_wires: Flag = Field(
+        default=True, description="start chips whose START pins are wired by one edge; false: each by its command"
+    )
+    start_wires: Annotated[list[DeviceIds], Field(max_length=8)] = Field(
+        default=[],
+        description="devices on real links whose START pins are wired together; emulated ones tell of their wires",
+    )
+
+
+class AxisStart(Answer):
+    """How one axis started."""
+
+    device: str
+    axis: int
+    how: Literal["START wire", "command"]
+    from_position: int
+    target_position: int
+    skew_s: float = Field(description="after the first one [s]")
+    uncertainty_s: float = Field(description="how much more or less that may be [s]")
+    predicted_duration_s: float | None
+    warnings: list[str]
+
+
+class StartedTogether(Answer):
+    """How all of them started."""
+
+    axes: list[AxisStart]
+    spread_s: float = Field(description="between the first and the last start [s]")
+    uncertainty_s: float = Field(description="how much more or less that may be [s]")
 
 
 class Wiring(Answer):

@@ -419,6 +419,30 @@ class LatchedFlags(Protocol):
     async def clear_flags(self, axis: int, /) -> None: ...
 
 
+class StartWire(Protocol):
+    """Has a pin at which a new target waits for a start that one chip gives to all that are wired to it."""
+
+    async def arm_start(self, axis: int, /, *, leads: bool) -> None:
+        """Have the next target wait for the start: of this chip's own if it `leads`, else of the pin.
+
+        Raises WrongState while the axis moves, and where the pin cannot be had; BenchError.
+        """
+        ...
+
+    async def give_start(self, axis: int, /) -> None:
+        """Start all that wait, this axis too: one write, never sent twice. Raises WrongState where a stop of the axis
+        came between, BenchError."""
+        ...
+
+    async def has_started(self, axis: int, /) -> bool:
+        """Whether the target that waited counts now: the axis goes there, or is there. Reads only."""
+        ...
+
+    async def disarm_start(self, axis: int, /, *, started: bool) -> None:
+        """As it was before `arm_start`. Not `started`, the target that waits becomes where the axis stands."""
+        ...
+
+
 class EventLog(Protocol):
     """Has an event register, whose edges are kept as a timeline."""
 
@@ -565,6 +589,7 @@ MISSING: dict[type, tuple[str, str]] = {
     VelocityJumps: ("moves on ramps only", "let it go on its ramp"),
     VelocityStream: ("takes no velocities one by one", "let it go on its ramp, or rotate"),
     LatchedFlags: ("keeps no flags", "its condition tells what is so now"),
+    StartWire: ("has no pin for starts", "its moves start by their commands"),
     EventLog: ("has no event register", "its flags are in the axis's state"),
     TmclCommands: ("speaks no TMCL", "send it a datagram: POST .../exchange"),
     ProgramMemory: ("has no memory for programs", "let a script command it: stepscope has a client"),

@@ -19,6 +19,7 @@ from ..core.motion_watch import Kind
 from ..core.prediction import Prediction
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
+from ..core.start_gate import ready_to_start
 from ..core.stop_each import stop_each
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_link import TmclLink
@@ -61,6 +62,7 @@ class ListedMotion(Motion):
                     raise CannotMove(f"the axis would not move: {row.name} is 0", f"write {row.name}", move.axis)
             if session.limiter is not None:
                 session.limiter.require_target(move.axis, target, position)
+            await ready_to_start()
             request = Request(self._link.address, Opcode.MVP, ABS, move.axis, target)
             started_s = await self._set_off(calls, request, move.axis, "position", target)
             try:

@@ -17,6 +17,7 @@ from ..core.prediction import Prediction
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
+from ..core.start_gate import ready_to_start
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRoles
 from .memory import RampMemory
 from .prediction import Origin, TickedBook, TickedPrediction
@@ -95,6 +96,7 @@ class RampMotion(Motion):
             common = await self._switching.motion_warnings(io)
             prepared = [await self._prepare(io, move) for move in moves]
             self._allow_moves(prepared)
+            await ready_to_start()
             for one in prepared:
                 if not one.positioning:  # there x_target has no effect yet, and the mode starts the move
                     await io.put(one.rows.x_target, one.target)

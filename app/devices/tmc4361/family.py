@@ -35,6 +35,7 @@ from .position import Position
 from .raw import DatagramsByHand
 from .rotation import Rotation
 from .start_up import plan
+from .start_wire import StartPin
 from .stops import Stops
 from .tables import MicrostepTable
 from .telemetry import ChipTelemetry
@@ -77,6 +78,7 @@ def compose(
             moves,
             Position(link, memory, cruise, expected, registers),
             Encoder(session, memory),
+            StartPin(link, memory, moves),
             MicrostepTable(link, memory, writes),
         ),
     )

@@ -15,6 +15,7 @@ from ..core.events import MotionStarted
 from ..core.register_io import Snapshot, Write
 from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted
+from ..core.start_gate import ready_to_start
 from . import prediction, roles
 from .cruise import Cruise
 from .departure import COUNTER, Before, Departure, put
@@ -90,6 +91,7 @@ class Moves(VelocityJumps):
             mode = roles.POSITIONING_BIT | shape
             writes = self._writes_of_move(before, target, mode, speed)
             self._link.allow(writes)
+            await ready_to_start()
             await self._departure.release(io, before)
             waits = before.ramp.gates()[0]
             back = await self._departure.set_off(io, writes, "position", target)

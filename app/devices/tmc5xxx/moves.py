@@ -27,6 +27,7 @@ from ..core.register_link import RegisterLink
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
 from ..core.sixpoint_plans import move_plan, turn_plan
+from ..core.start_gate import ready_to_start
 from . import roles as r
 from .decoded_registers import DecodedRegisters
 from .memory import ChipMemory
@@ -91,6 +92,8 @@ class SixPointMotion(Motion):
                 ready += first
                 go += last
             checked = [row for rows in map(self.memory.rows, axes) for row in (rows.xtarget, rows.rampmode)]
+            self.link.allow([*ready, *go])
+            await ready_to_start()
             back = await self._set_off(io, [*ready, *go], checked, "position", dict(zip(axes, targets, strict=True)))
             for axis, target in zip(axes, targets, strict=True):
                 rows = self.memory.rows(axis)

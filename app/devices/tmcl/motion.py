@@ -14,6 +14,7 @@ from ..core.events import MotionStarted
 from ..core.prediction import Prediction
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
+from ..core.start_gate import ready_to_start
 from ..core.tmcl_link import TmclLink
 from ..core.tmcl_refusals import limits
 from .arrivals import Arrivals
@@ -69,6 +70,7 @@ class ModuleMotion(Motion):
                 raise CannotMove("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4", axis)
             if session.limiter is not None:
                 session.limiter.require_target(axis, state.wrap.shows(target), before.position)
+            await ready_to_start()
             await self._arrivals.ask_for(calls)
             request = Request(self._link.address, Opcode.MVP, ABS, axis, target)
             started_s = await self._departure.set_off(calls, request, "position", target)

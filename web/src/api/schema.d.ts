@@ -1589,6 +1589,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/current-scales": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Current Scales
+         * @description Which of a TMC428's three current scales holds when over a move, for how long, and what it saves.
+         */
+        post: operations["calculate_current_scales"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/chopper": {
         parameters: {
             query?: never;
@@ -2161,6 +2181,27 @@ export interface paths {
         get: operations["get_wiring"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/start-together": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Together
+         * @description Start moves of axes of any devices together. All are judged before anything starts; answers when they have
+         *     started, with how far apart. Where one does not start, all are stopped.
+         */
+        post: operations["start_together"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2883,6 +2924,39 @@ export interface components {
             travel_mm_per_rev: number | null;
             /** @description null where the profile does not speak of them */
             limits: components["schemas"]["Limits-Output"] | null;
+        };
+        /**
+         * AxisStart
+         * @description How one axis started.
+         */
+        AxisStart: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * How
+             * @enum {string}
+             */
+            how: "START wire" | "command";
+            /** From Position */
+            from_position: number;
+            /** Target Position */
+            target_position: number;
+            /**
+             * Skew S
+             * @description after the first one [s]
+             */
+            skew_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
+            /** Predicted Duration S */
+            predicted_duration_s: number | null;
+            /** Warnings */
+            warnings: string[];
         };
         /**
          * AxisStartUp
@@ -4127,6 +4201,87 @@ export interface components {
             since_s: number | null;
         };
         /**
+         * CurrentScaling
+         * @description The fields of is_agtat_is_aleat_is_v0_a_threshold, and the move that they are looked at over.
+         */
+        CurrentScaling: {
+            /**
+             * Is V0
+             * @description at rest; eighths of full scale, 0 is 8/8
+             * @default 0
+             */
+            is_v0?: number;
+            /**
+             * Is Aleat
+             * @description acceleration up to a_threshold
+             * @default 0
+             */
+            is_aleat?: number;
+            /**
+             * Is Agtat
+             * @description acceleration above a_threshold
+             * @default 0
+             */
+            is_agtat?: number;
+            /**
+             * A Threshold
+             * @description unit of a_max
+             * @default 0
+             */
+            a_threshold?: number;
+            /**
+             * Parameters
+             * @description of the ramp, as POST /calc/ramp takes them
+             */
+            parameters: {
+                [key: string]: number | string;
+            };
+            /**
+             * Distance
+             * @description microsteps
+             */
+            distance: number;
+            /**
+             * Continuous Update
+             * @description of the global parameters; null: not known
+             */
+            continuous_update?: boolean | null;
+        };
+        /** CurrentScalingResult */
+        CurrentScalingResult: {
+            /**
+             * Spans
+             * @description without gaps, from before the move to after is_v0 has come back
+             */
+            spans: components["schemas"]["CurrentSpan"][];
+            /** Motion S */
+            motion_s: number;
+            /**
+             * Rest Delay S
+             * @description from the last step to is_v0: 255 ramp ticks
+             */
+            rest_delay_s: number;
+            /**
+             * Time S
+             * @description time under each scale from the start to is_v0
+             */
+            time_s: {
+                [key: string]: number;
+            };
+            /**
+             * Heat
+             * @description mean square of the current over that time, as a share of full scale's
+             */
+            heat: number;
+            /**
+             * Braking Below
+             * @description share of braking at which is_aleat holds, though the motor brakes; null where nothing brakes
+             */
+            braking_below: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * CurrentSetting
          * @description One way to set a current.
          */
@@ -4155,6 +4310,23 @@ export interface components {
              * @description of the wanted current, value / wanted - 1; null without one
              */
             error: number | null;
+        };
+        /** CurrentSpan */
+        CurrentSpan: {
+            /**
+             * Scale
+             * @enum {string}
+             */
+            scale: "is_v0" | "is_aleat" | "is_agtat";
+            /** Start S */
+            start_s: number;
+            /** End S */
+            end_s: number;
+            /**
+             * Eighths
+             * @description of full scale; a mean where scales take turns too often to be listed
+             */
+            eighths: number;
         };
         /** Curve */
         Curve: {
@@ -7692,6 +7864,11 @@ export interface components {
              * @description an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it
              */
             equal_clocks: boolean;
+            /**
+             * Seen Within S
+             * @description how far apart an edge is seen at the most [s]
+             */
+            seen_within_s: number;
         };
         /**
          * NetPin
@@ -10908,6 +11085,26 @@ export interface components {
             why: string;
         };
         /**
+         * StartTogether
+         * @description Moves of axes of any devices that start together.
+         */
+        StartTogether: {
+            /** Moves */
+            moves: components["schemas"]["TogetherMove"][];
+            /**
+             * Use Wires
+             * @description start chips whose START pins are wired by one edge; false: each by its command
+             * @default true
+             */
+            use_wires?: boolean;
+            /**
+             * Start Wires
+             * @description devices on real links whose START pins are wired together; emulated ones tell of their wires
+             * @default []
+             */
+            start_wires?: string[][];
+        };
+        /**
          * StartUpReport
          * @description What a start-up writes, or has written and read back.
          */
@@ -11010,6 +11207,24 @@ export interface components {
              * @description it was read back; null of a dry run, and where it cannot be read
              */
             verified: boolean | null;
+        };
+        /**
+         * StartedTogether
+         * @description How all of them started.
+         */
+        StartedTogether: {
+            /** Axes */
+            axes: components["schemas"]["AxisStart"][];
+            /**
+             * Spread S
+             * @description between the first and the last start [s]
+             */
+            spread_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
         };
         /**
          * StepDirState
@@ -11751,6 +11966,29 @@ export interface components {
              * @description file that keeps the EEPROM; null: forgotten with the process
              */
             eeprom_path: string | null;
+        };
+        /** TogetherMove */
+        TogetherMove: {
+            /** Target */
+            target: number;
+            /**
+             * Relative
+             * @default false
+             */
+            relative?: boolean;
+            /**
+             * Unit
+             * @default microsteps
+             * @enum {string}
+             */
+            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /** Axis */
+            axis: number;
         };
         /**
          * TokenAdd
@@ -21243,6 +21481,66 @@ export interface operations {
             };
         };
     };
+    calculate_current_scales: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CurrentScaling"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CurrentScalingResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     calculate_chopper: {
         parameters: {
             query?: never;
@@ -23365,6 +23663,102 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_together: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartTogether"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartedTogether"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -21,6 +21,7 @@ from ...core.register_io import RegisterIO, Snapshot, Write
 from ...core.register_link import RegisterLink
 from ...core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ...core.session import Session
+from ...core.start_gate import ready_to_start
 from ...core.stop_each import stop_each
 from .ongoing import ChipMotions
 from .state import ChipState
@@ -64,6 +65,7 @@ class ChipMotion(Motion):
                 writes = [to_target, *settings, to_mode]
             else:  # until the last word the target is where the axis stands, and nothing moves
                 writes = [_put(ramp.target, reading.position), to_mode, *settings, to_target]
+            await ready_to_start()
             self.session.commanded(move.axis, "move", target=target)
             back = await self._set_off(io, ramp, writes)
             self.motions.watches[move.axis].began("position", io.time_s, target)
