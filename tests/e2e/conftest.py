@@ -79,7 +79,9 @@ def api(server: ServerProcess) -> Iterator[httpx.Client]:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
+        # All pages of a context in one process: a fresh one would start, and compile every script, for each.
+        flags = [*chromium_flags(), "--renderer-process-limit=1"]
+        running = playwright.chromium.launch(executable_path=find_chromium(), args=flags)
         yield running
         running.close()
 
