@@ -14,7 +14,7 @@ from ..errors import BadReply, BenchError, LinkDown, LinkTimeout
 from . import datagram_uart
 from .datagram_uart import IFCNT, UartForm
 from .port import PortTraits, SampleSink, Wire
-from .spi_datagram import chained
+from .spi_datagram import asks_anew, chained
 
 SAMPLES_WITHIN_S = 0.03
 """How long samples that are due may keep everybody else waiting [s of processor time]; the rest are given up."""
@@ -49,7 +49,9 @@ class EmulatorPort:
         self._hurries = hurries
         self.samples_missed = 0
         self.paused: BenchError | None = None
-        self.traits = PortTraits(chains=self if chained(wire.model) else None, sampling=self)
+        # kept questions would set the chip back to what it was when they were made
+        sampling = None if asks_anew(wire.model) else self
+        self.traits = PortTraits(chains=self if chained(wire.model) else None, sampling=sampling)
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()

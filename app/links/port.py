@@ -64,12 +64,22 @@ class PortTraits:
 
     chains : the replies of its chip belong to the frame before. batches : many exchanges on a thread of its own.
     sampling : its device samples itself on its own time. arbitrates : whoever speaks unasked disturbs nobody (CAN)
+    way : it knows without a frame whether the way to its chip is open
     """
 
     chains: ChainPort | None = None
     batches: BatchPort | None = None
     sampling: SamplingPort | None = None
     arbitrates: bool = False
+    way: WayPort | None = None
+
+
+class WayPort(FramePort, Protocol):
+    """A port that knows without a frame whether the way to its chip is open, for chips that obey every frame."""
+
+    async def require_way(self) -> None:
+        """Raises LinkDown where it is not."""
+        ...
 
 
 class ChainPort(FramePort, Protocol):

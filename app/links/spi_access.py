@@ -64,6 +64,10 @@ class SpiAccess:
             raise BadReply(self.name, f"{len(reply)} bytes instead of {self.form.frame_bytes}", reply)
 
 
+HIDDEN = 1
+"""Lowest bit of a frame longer than its datagram: a controller in between shows the flags of the answer alone."""
+
+
 class TaggedAccess:
     """Datagrams of 20 bits. A status is read by two of them: one that selects it, and one that puts the selection back
     and is answered by it. So nothing is read before the selecting register was written over this connection: until
@@ -74,6 +78,11 @@ class TaggedAccess:
         self.name = name
         self._selecting: int | None = None
         """The latest datagram of the selecting register that went out."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether a status can be read: what the selecting register holds is known."""
+        return self._selecting is not None
 
     @property
     def frame_bytes(self) -> int:
@@ -100,9 +109,24 @@ class TaggedAccess:
         return tuple(frames)
 
     def words(self, replies: Sequence[bytes]) -> list[int]:
+        """Raises WrongState where a controller in between shows the flags of an answer alone."""
+        found = self.words_or_flags(replies)
+        if not all(self.known(replies)):
+            raise WrongState(
+                "the controller does not show all of this driver's answer, but its flags alone",
+                "have fewer bits behind it in the chain, or look at the flags",
+            )
+        return found
+
+    def words_or_flags(self, replies: Sequence[bytes]) -> list[int]:
+        """The same, with 0 for what a controller in between does not show."""
         for reply in replies:
             self._check_length(reply)
         return [self._word(reply) for reply in replies[1::2]]
+
+    def known(self, replies: Sequence[bytes]) -> list[bool]:
+        """Of each word whether all of it was shown: the bits behind it are 0 on a wire, and 1 where some are hidden."""
+        return [not reply[-1] & HIDDEN for reply in replies[1::2]]
 
     def status(self, replies: Sequence[bytes]) -> int | None:
         if not replies:

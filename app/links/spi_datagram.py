@@ -80,6 +80,12 @@ def head_bytes_of(model: str) -> int:
     return 1 if datagram40.speaks(model) else 0
 
 
+def asks_anew(model: str) -> bool:
+    """Whether a question has other bytes as the chip is set otherwise, so that nobody may keep one and ask it later."""
+    spi = _spi_of(model)
+    return spi is not None and not isinstance(spi, SpiFormat)
+
+
 def chained(model: str) -> bool:
     """Whether nobody may come between the frames of one question."""
     spi = _spi_of(model)

@@ -21,6 +21,7 @@ from app.emulators.build import build_emulator, options_of
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
 from app.emulators.tmcdrivers import EmulatedDriver, TmcDriverPatch
+from app.emulators.tmcdrivers.tagged import EmulatedTagged
 from app.errors import OutOfRange
 from app.links import datagram32, tmcl
 from app.links.emulator import EmulatorPort
@@ -80,7 +81,7 @@ class Bench:
         """Steps come in at a driver from now on."""
         port = cast("EmulatorPort", self.device.session.port)
         change = TmcDriverPatch.model_validate({"pins": {"step_hz": hz}})
-        cast("EmulatedDriver", self.wire.emulator).patch(change, port.take_turn())
+        cast("EmulatedDriver | EmulatedTagged", self.wire.emulator).patch(change, port.take_turn())
 
     def truth(self) -> dict[Key, int]:
         """What the emulator holds of its configuration, past wire and driver."""
@@ -90,6 +91,8 @@ class Bench:
         emulator = self.wire.emulator
         if isinstance(emulator, EmulatedTmc5xxx | EmulatedDriver):
             return emulator._chip.held(item.row.address)
+        if isinstance(emulator, EmulatedTagged):
+            return emulator._chip.words[item.row.address & 7]
         if isinstance(emulator, EmulatedTmc4361):
             return int(emulator._chip.r[item.row.address])
         at_s = self.clock.now()
@@ -130,6 +133,10 @@ async def set_up(device: Device) -> None:
         await start_4361.start_up(
             device, start_4361.Start(vmax=50_000, amax=200_000, bow=2_000_000, counts_per_rev=40_000)
         )
+    elif MODELS[device.model].spi is not None:
+        values = {"DRVCONF": 0x20, "DRVCTRL": 0x204, "SMARTEN": 0x0202, "SGCSCONF": 0x514, "CHOPCONF": 0x11B5}
+        for name, value in values.items():  # all, for none of them can be read
+            await device.registers.write(name, None, value)
     elif MODELS[device.model].can("step_input"):
         await device.registers.write("IHOLD_IRUN", None, fields={"IRUN": 20, "IHOLD": 8})
     elif device.model not in MODULES:

@@ -24,6 +24,10 @@ from .harness import Bench, bench
 
 RAMPS = [name for name, model in MODELS.items() if model.counts_position]
 STEPPED = [name for name in MODELS if name not in RAMPS]
+READABLE = [
+    name for name, model in MODELS.items() if any(row.access.readable and row.access.writable for row in model.table)
+]
+"""Of the others nobody knows what was there before, so nothing can be taken back."""
 CURRENTS = ["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
 
 
@@ -76,7 +80,10 @@ async def moves(b: Bench, axis: int) -> None:
     else:
         b.stepped(20_000.0)
     await b.clock.advance(1.0)
-    assert (await b.device.monitor.axis_state(axis)).velocity_pps == pytest.approx(20_000, rel=0.005)
+    state = await b.device.monitor.axis_state(axis)
+    if b.device.model in READABLE:
+        assert state.velocity_pps == pytest.approx(20_000, rel=0.005)
+    assert state.moving
     if not own:
         b.stepped(0.0)
         await b.clock.advance(0.5)
@@ -106,7 +113,7 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
         assert again.written == []
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", READABLE)
 async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_path: Path) -> None:
     async with bench(model, started=False) as b:
         await cannot_move(b.device)
@@ -231,7 +238,7 @@ async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refuse
         assert await settled(b, 0) == 1_000
 
 
-@pytest.mark.parametrize("model", STEPPED)
+@pytest.mark.parametrize("model", [name for name in STEPPED if name in READABLE])
 async def test_currents_of_what_is_stepped_stay_within_the_soft_limits(model: str, tmp_path: Path) -> None:
     async with bench(model, started=False) as b:
         await b.device.registers.write("IHOLD_IRUN", 0, fields={"IRUN": 4, "IHOLD": 2})

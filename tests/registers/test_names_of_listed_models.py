@@ -24,7 +24,6 @@ BOARDS = {
     "tmc2208",
     "tmc2224",
     "tmc2225",
-    "tmc2660",
     "tmc4671",
     "tmc5041",
     "tmc5241",
@@ -37,8 +36,6 @@ OTHERWISE: dict[str, tuple[frozenset[str], str]] = {
         frozenset(BOARDS),
         "the maker's numbers of boards, by what they carry: no list of the package has them",
     ),
-    "app/emulators/board/tmc2660.py": (frozenset({"tmc2660"}), "the driver on the board of another chip"),
-    "app/emulators/board/tmc4361.py": (frozenset({"tmc2660"}), "the driver on the board of this chip"),
     "app/registers/tmcl/commands.py": (frozenset({"tmcm-1290"}), "a source"),
 }
 """Files that name one for something else than that it is listed, which, and for what."""
@@ -74,6 +71,6 @@ def test_each_exception_is_still_needed() -> None:
     }
 
 
-@pytest.mark.parametrize("name", ["TMCM-1270", "tmcm_1270", "TMCM1270", "Tmc2660"])
+@pytest.mark.parametrize("name", ["TMCM-1270", "tmcm_1270", "TMCM1270"])
 def test_a_name_would_be_found_however_it_is_spelled(name: str) -> None:
-    assert any(pattern.search(f"x = {name}Board" if name == "Tmc2660" else f'"{name}"') for pattern in NAMES.values())
+    assert any(pattern.search(f'"{name}"') for pattern in NAMES.values())

@@ -14,7 +14,7 @@ from app.registers.model import Access, Field, Register, RegisterTable, Space
 
 SOURCE = re.compile(
     r"(DS-TMC(4210|428|429|4361)|FM-PD42-1241|FM-TMCM-1161) |(TMC4361A|STEPPYR|TOM4361|PyTrinamic TMCM1161)\b"
-    r"|DS-TMC(5031|5062|5072|5130|5160|2209) (p\. )?[0-9]|FIELDS-TMC5240; |API; PY\b"
+    r"|DS-TMC(5031|5062|5072|5130|5160|2209|2660) (p\. )?[0-9]|FIELDS-TMC5240; |API; PY\b"
 )
 """Begins with a data sheet and its section; what DS-TMC4361 does not tell, with one of the later public sources."""
 
@@ -31,8 +31,9 @@ def test_every_row_is_complete_and_consistent(table: RegisterTable) -> None:
 def check_row(table: RegisterTable, register: Register) -> None:
     if register.space is Space.REGISTER:
         assert 0 <= register.address <= 0x7F
-        bits = next(model.datagram_bits for model in MODELS.values() if model.table is table)
-        data_bits = bits - 8 if bits else 32  # of a UART
+        model = next(model for model in MODELS.values() if model.table is table)
+        bits = model.datagram_bits
+        data_bits = model.spi.word_bits if model.spi is not None else bits - 8 if bits else 32  # of a UART
         assert 1 <= register.width <= data_bits, "wider than the data of a datagram"
     else:
         assert 0 <= register.address <= 0xFF, "the type byte of TMCL"

@@ -26,4 +26,10 @@ CHIPS = {
         one_axis=True,
         dcstep=False,
     ),
+    # no StealthChop; of the chopper the fields are a TMC5130's (inferred)
+    "tmc2660": Chip(
+        Sensing((0.310, 0.165), 0.0, 2.2, "KLIPPER-TMC2660; DS-TMC2660"),
+        Sheet("none", 0, "DS-TMC5130 8", ""),
+        dcstep=False,
+    ),
 }

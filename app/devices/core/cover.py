@@ -9,14 +9,13 @@ from typing import Protocol
 from ...clock import Clock
 from ...errors import BadReply, BenchError, LinkDown, LinkError
 from ...links.port import PortTraits
+from ...links.spi_access import HIDDEN
 from ...registers.catalog import find_model
 from ...registers.spi_format import TaggedFormat
 from .device import Device
 
 COVER = "cover"
 """The kind of such a link."""
-HIDDEN = 1
-"""Lowest bit of a frame that has more bits than the datagram: the controller shows the flags of the answer alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +32,8 @@ class CoverCarrier(Protocol):
     async def cover(self, axis: int, bits: int, words: Sequence[int]) -> list[CoverReply]:
         """Send `words` of so many bits to the driver of `axis`, one after another in one turn; what came back for each.
 
+        Without words nothing is sent, but everything found out that could keep one from getting there.
+
         A reply is what the driver sent while it got its word. Raises LinkError, and WrongState where the controller is
         not set up for a driver with such datagrams there.
         """
@@ -45,7 +46,7 @@ class CoverPort:
     def __init__(self, find: Callable[[str], Device], device_id: str, axis: int, model: str, clock: Clock) -> None:
         self.device_id = device_id
         self.axis = axis
-        self.traits = PortTraits(chains=self)
+        self.traits = PortTraits(chains=self, way=self)
         self._find = find
         self._clock = clock
         spi = find_model(model).spi
@@ -74,16 +75,22 @@ class CoverPort:
     async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
         """As `ChainPort` says; how long it may take is the controller's business."""
         del timeout_s
-        carrier = self._carrier()
         words = [int.from_bytes(frame, "big") & (1 << self._bits) - 1 for frame in frames]
+        replies = await self._cover(words)
+        self._last_exchange_s = self.device_time_s()
+        return [self._frame(reply) for reply in replies]
+
+    async def require_way(self) -> None:
+        """As `WayPort` says: the controller is asked whether it is set up for such a driver there."""
+        await self._cover(())
+
+    async def _cover(self, words: Sequence[int]) -> list[CoverReply]:
         try:
-            replies = await carrier.cover(self.axis, self._bits, words)
+            return await self._carrier().cover(self.axis, self._bits, words)
         except LinkError:
             raise
         except BenchError as error:
             raise LinkDown(self.name, str(error)) from error
-        self._last_exchange_s = self.device_time_s()
-        return [self._frame(reply) for reply in replies]
 
     async def aclose(self) -> None:
         """The link is the controller's."""

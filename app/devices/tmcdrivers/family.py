@@ -9,16 +9,20 @@ from ...clock import Clock
 from ...links.port import FramePort
 from ...links.queue import LinkQueue
 from ...links.register_access import access_of
+from ...registers.catalog import find_model
+from ...registers.spi_format import TaggedFormat
 from ...registers.tmcdrivers.models import FAMILY as NAME
 from ...registers.tmcdrivers.models import MODELS
 from ..core.axis_limits import AxisLimits
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
+from ..core.limit_rules.chip_rules import ChipRules
 from ..core.raw_datagrams import RawDatagrams
 from ..core.register_file import READ_AT_ONCE, RegisterFile
 from ..core.register_link import RegisterLink
 from ..core.session import Session
+from ..core.start_up import AxisStartUp, StartPlan
 from .configuration import Configuration
 from .identity import DriverIdentity, found_by
 from .limits import DriverRules
@@ -29,7 +33,9 @@ from .mslut import MicrostepTables
 from .reader import Reader
 from .resets import Resets
 from .roles import DriverRoles
-from .start_up import plan
+from .start_up import plan as plan_of_registers
+from .tagged import compose as tagged
+from .tagged.start_up import plan as plan_of_tagged
 from .telemetry import DriverTelemetry
 from .writes import DatagramsByHand, Writes
 
@@ -40,6 +46,8 @@ def compose(
     device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, queue: LinkQueue | None = None
 ) -> Device:
     """A device of this family, of its parts."""
+    if isinstance(find_model(config.model).spi, TaggedFormat):
+        return tagged.compose(device_id, config, port, clock, queue)
     session = Session(device_id, config, port, clock, lambda what: False, queue)
     link = RegisterLink(session, access_of(config.link, config.model), session.family.table)
     memory = DriverMemory(link, DriverRoles(session.family))
@@ -63,9 +71,16 @@ def compose(
     return Device(session, parts)
 
 
-def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> DriverRules:
+def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> ChipRules:
     """What its registers mean for soft limits."""
+    if isinstance(device.family.spi, TaggedFormat):
+        return tagged.limit_rules(device, limits, clock_hz)
     return DriverRules(_own(device, RegisterFile), _own(device, DriverMemory), _own(device, Reader), limits, clock_hz)
+
+
+async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
+    """What the axis needs after power-on. Raises UsageError, OutOfRange."""
+    return await (plan_of_tagged if isinstance(device.family.spi, TaggedFormat) else plan_of_registers)(device, wanted)
 
 
 def _own(device: Device, kind: type[P]) -> P:

@@ -27,6 +27,7 @@ DRVCTRL, CHOPCONF, SMARTEN, SGCSCONF, DRVCONF = 0, 4, 5, 6, 7
 _RAMP: Followed = "ramp"
 _STEPS: Followed = "steps"
 _CURRENTS: Followed = "currents"
+SG_FLAG, STST_FLAG = 1, 1 << 7
 _SDOFF, _VSENSE, _RDSEL = 7, 6, 4
 _PHASE_A, _PHASE_B = 1 << 17, 1 << 8
 _CHM, _KEPT_OF_CHOPCONF, _TERMINATED_BY_TIME = 1 << 14, 0x1_CFFF & ~0x1800, 1 << 12
@@ -126,12 +127,13 @@ class Tmc26x:
                 shown = load
             case _:  # 3 is reserved
                 shown = load & 0x3E0 | scale
-        return shown << 10 | status >> 24 & 0xFF
+        return shown << 10 | self.flags
 
     @property
     def flags(self) -> int:
         """SG, OT, OTPW, S2GA, S2GB, OLA, OLB, STST, the lowest first: of the drive they stand in the same order."""
-        return self.drive.read("DRV_STATUS") >> 24 & 0xFF
+        flags = self.drive.read("DRV_STATUS") >> 24 & 0xFF
+        return flags | STST_FLAG if self.takes_currents else flags  # STST is of the input STEP alone
 
     # --- steps -----------------------------------------------------------------------------------
 

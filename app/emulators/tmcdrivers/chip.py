@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ...clock import Clock
-from ...errors import OutOfRange
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
-from ..motor_documents import change_load, require_physics
+from ..motor_documents import change_load
 from .chips import CHIPS
-from .options import DriverModel, TmcDriverOptions, TmcDriverPatch
+from .options import DriverModel, TmcDriverOptions, TmcDriverPatch, check_change
 from .registers import Chip
 from .state import DriverPinsState, DriverUartState, TmcDriverState
 
@@ -39,10 +38,7 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
     # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: TmcDriverPatch) -> None:
-        require_physics(self.options.rigid, change)
-        steps, most = change.pins.step_hz, self.options.clock_hz / 2
-        if steps is not None and abs(steps) >= most:
-            raise OutOfRange("step_hz", steps, -most, most, "less than half of the chip's clock")
+        check_change(self.options, change)
 
     def _change(self, change: TmcDriverPatch) -> None:
         chip, plant = self._chip, self._chip.drive.plant

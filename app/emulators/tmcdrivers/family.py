@@ -12,11 +12,17 @@ from ..drive import warm_up as warm_up_drive
 from .chip import EmulatedDriver
 from .options import MODELS, DriverModel, TmcDriverOptions, TmcDriverPatch
 from .state import TmcDriverState
+from .tagged import MODEL as TAGGED
+from .tagged import EmulatedTagged
 
 
-def build(model: str, clock: Clock, options: TmcDriverOptions, eeprom: Path | None = None) -> EmulatedDriver:
+def build(
+    model: str, clock: Clock, options: TmcDriverOptions, eeprom: Path | None = None
+) -> EmulatedDriver | EmulatedTagged:
     """A driver with its motor."""
     del eeprom  # none of these has one
+    if model == TAGGED:
+        return EmulatedTagged(clock, options)
     return EmulatedDriver(cast("DriverModel", model), clock, options)
 
 

@@ -6,13 +6,14 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
+from ...errors import OutOfRange
 from ...form_hints import form, rest_only, shown
 from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
 from ..drive.options import DriveOptions
-from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
+from ..motor_documents import LoadChange, MotorDocument, NoiseSeed, require_physics
 
 STEP_HZ_MAX = 9e6
-DriverModel = Literal["tmc2130", "tmc2209", "tmc2240"]
+DriverModel = Literal["tmc2130", "tmc2209", "tmc2240", "tmc2660"]
 MODELS: tuple[DriverModel, ...] = get_args(DriverModel)
 
 
@@ -29,7 +30,7 @@ class TmcDriverOptions(MotorDocument):
         "mstep_reg_select says otherwise",
         where={"nodes": [4]},
     )
-    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = rest_only(
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=20e6, allow_inf_nan=False)] = rest_only(
         12e6, "fCLK, which velocities and delays hang on [Hz]; left out, each chip has its own"
     )
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = rest_only(
@@ -77,3 +78,11 @@ class TmcDriverPatch(LoadChange):
     pins: DriverPinsChange = Field(default_factory=DriverPinsChange)
     faults: ChipFaultsChange = Field(default_factory=ChipFaultsChange)
     power_cycle: Flag = Field(default=False, description="off and on again; the motor stays where it is")
+
+
+def check_change(options: TmcDriverOptions, change: TmcDriverPatch) -> None:
+    """Raises WrongState for a load on a rigid motor, OutOfRange for steps faster than the chip can see."""
+    require_physics(options.rigid, change)
+    steps, most = change.pins.step_hz, options.clock_hz / 2
+    if steps is not None and abs(steps) >= most:
+        raise OutOfRange("step_hz", steps, -most, most, "less than half of the chip's clock")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..capabilities import Capability
 from ..entry import Model, Slot
 from ..wires import Wire
-from . import tmc2130, tmc2209, tmc2240
+from . import tmc2130, tmc2209, tmc2240, tmc2660
 
 FAMILY = "tmcdrivers"
 DESCRIPTION = "a driver that follows step and direction"
@@ -76,5 +76,24 @@ MODELS = (
         slot=Slot("driver"),
         version=tmc2240.VERSION,
         version_address=tmc2240.VERSION_ADDRESS,
+    ),
+    Model(
+        "tmc2660",
+        FAMILY,
+        "TMC2660",
+        "driver to 2.8 A for step and direction or told coil currents, with StallGuard2, CoolStep; SPI of 20 bits",
+        DESCRIPTION,
+        1,
+        tmc2660.TABLE,
+        clock_hz_default=15e6,
+        clock_hz_min=4e6,
+        clock_hz_max=20e6,
+        capabilities=_COMMON - {"chopper", "flags"},
+        wires=_SPI,
+        current_scale="sense_resistor",
+        datagram_bits=20,
+        spi=tmc2660.FORMAT,
+        board="TMC2660",
+        slot=Slot("driver"),
     ),
 )

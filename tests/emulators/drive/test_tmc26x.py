@@ -103,7 +103,7 @@ def test_told_currents_turn_the_motor(way: int) -> None:
     state = driver.drive.plant_state
     assert state.rotor_fullsteps == pytest.approx(way * 100, abs=0.6)
     assert state.lost_fullsteps == 0
-    assert not driver.flags & (SG | STST)
+    assert driver.flags & (SG | STST) == STST, "no step comes at STEP"
 
 
 def test_half_the_told_current_is_half_the_current() -> None:

@@ -40,14 +40,36 @@ interface Where extends Place {
 
 /** Where a chip keeps what the page sets: of several places the first that it has. */
 const PLACES: Places<Where> = {
-  [AP.stallThreshold]: [{ register: "COOLCONF", field: "sgt" }, { register: "SGTHRS" }],
-  [AP.stallFilter]: [{ register: "COOLCONF", field: "sfilt" }],
+  [AP.stallThreshold]: [
+    { register: "COOLCONF", field: "sgt" },
+    { register: "SGCSCONF", field: "sgt" },
+    { register: "SGTHRS" },
+  ],
+  [AP.stallFilter]: [
+    { register: "COOLCONF", field: "sfilt" },
+    { register: "SGCSCONF", field: "sfilt" },
+  ],
   [AP.stopOnStall]: [{ register: "SW_MODE", field: "sg_stop" }],
-  [AP.coolStart]: [{ register: "COOLCONF", field: "semin" }],
-  [AP.coolWidth]: [{ register: "COOLCONF", field: "semax" }],
-  [AP.coolUp]: [{ register: "COOLCONF", field: "seup" }],
-  [AP.coolDown]: [{ register: "COOLCONF", field: "sedn" }],
-  [AP.coolMinimum]: [{ register: "COOLCONF", field: "seimin" }],
+  [AP.coolStart]: [
+    { register: "COOLCONF", field: "semin" },
+    { register: "SMARTEN", field: "semin" },
+  ],
+  [AP.coolWidth]: [
+    { register: "COOLCONF", field: "semax" },
+    { register: "SMARTEN", field: "semax" },
+  ],
+  [AP.coolUp]: [
+    { register: "COOLCONF", field: "seup" },
+    { register: "SMARTEN", field: "seup" },
+  ],
+  [AP.coolDown]: [
+    { register: "COOLCONF", field: "sedn" },
+    { register: "SMARTEN", field: "sedn" },
+  ],
+  [AP.coolMinimum]: [
+    { register: "COOLCONF", field: "seimin" },
+    { register: "SMARTEN", field: "seimin" },
+  ],
   [AP.coolOn]: [
     { register: "TCOOLTHRS", counting: "tstep" },
     { register: "VCOOLTHRS", counting: "velocity" },
@@ -61,7 +83,10 @@ const PLACES: Places<Where> = {
     { register: "GCONF", field: "en_pwm_mode" },
     { register: "GCONF", field: "en_spreadcycle", inverted: true },
   ],
-  [AP.runCurrent]: [{ register: "IHOLD_IRUN", field: "IRUN" }],
+  [AP.runCurrent]: [
+    { register: "IHOLD_IRUN", field: "IRUN" },
+    { register: "SGCSCONF", field: "CS" },
+  ],
   [AP.scaler]: [{ register: "GLOBAL_SCALER" }],
 };
 
