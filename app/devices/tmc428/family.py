@@ -11,6 +11,7 @@ from ...links.port import FramePort
 from ...links.queue import LinkQueue
 from ...registers.model import RegisterTable
 from ..core.axis_limits import AxisLimits
+from ..core.background_tasks import BackgroundTasks
 from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
@@ -22,6 +23,7 @@ from .axis_roles import AxisRoles
 from .configuration import RampConfiguration
 from .counter import COUNTER_WRITES, RampCounter
 from .identity import RampIdentity
+from .interrupts import Compare, Interrupts
 from .limits import RampRules
 from .memory import RampMemory
 from .monitor import RampMonitor
@@ -44,11 +46,12 @@ class Chip:
 
     axis_roles: Callable[[RegisterTable, int], AxisRoles]
     besides: tuple[str, ...]
-    identity: Callable[[RegisterLink, RampMemory, Resets], RampIdentity]
+    identity: Callable[[RegisterLink, RampMemory, Resets, BackgroundTasks], RampIdentity]
     switching: Callable[[RegisterLink, RampMemory], Switching]
-    writes: Callable[[RegisterLink, RampMemory, Sequence[TickedBook]], RampWrites] = RampWrites
+    writes: Callable[[RegisterLink, RampMemory, Sequence[TickedBook], Interrupts], RampWrites] = RampWrites
     ram: Callable[[RegisterLink, RegisterFile], Ram] | None = None
     compare: str | None = None
+    compare_interrupt: str | None = None
 
 
 CHIPS = {
@@ -63,6 +66,7 @@ CHIPS = {
         tmc428.Tmc428Writes,
         Ram,
         compare=tmc429.COMPARE,
+        compare_interrupt=tmc429.COMPARE_INTERRUPT,
     ),
     "tmc4210": Chip(
         tmc4210.axis_roles,
@@ -70,6 +74,7 @@ CHIPS = {
         tmc4210.Tmc4210Identity,
         tmc4210.Tmc4210Switching,
         compare=tmc4210.COMPARE,
+        compare_interrupt=tmc4210.COMPARE_INTERRUPT,
     ),
 }
 
@@ -87,22 +92,26 @@ def compose(
     books = tuple(TickedBook() for _ in rows)
     switching = chip.switching(link, memory)
     resets = Resets(memory)
-    writes = chip.writes(link, memory, books)
+    tasks = BackgroundTasks()
+    compare = chip.compare_interrupt and Compare(link.table.get(chip.compare_interrupt), memory.axis_compared)
+    interrupts = Interrupts(link, rows, compare or None, tasks)
+    writes = chip.writes(link, memory, books, interrupts)
     registers = RegisterFile(link, writes, axes)
     stops = RampStops(session, memory, books)
     parts = Parts(
-        identity=chip.identity(link, memory, resets),
+        identity=chip.identity(link, memory, resets, tasks),
         registers=registers,
         raw=RawDatagrams32(link, memory, writes, switching.status_names),
         motion=RampMotion(link, memory, switching, books, stops),
-        monitor=RampMonitor(link, memory, switching, books, resets),
+        monitor=RampMonitor(link, memory, switching, books, resets, interrupts),
         counter=RampCounter(link, memory, resets, chip.compare),
-        telemetry=RampTelemetry(link, memory, switching, books),
+        telemetry=RampTelemetry(link, memory, switching, books, interrupts),
         configuration=RampConfiguration(registers, memory, writes),
         others=(
             stops,
             memory,
             switching,
+            interrupts,
             RampStream(link, memory, books),
             *(() if chip.ram is None else (chip.ram(link, registers),)),
         ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
+from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import Identity
 from ..core.register_link import RegisterLink
 from .memory import RampMemory
@@ -13,10 +14,11 @@ from .resets import Resets
 class RampIdentity(Identity):
     """What the chips of this family have in common; each probes in its own way."""
 
-    def __init__(self, link: RegisterLink, memory: RampMemory, resets: Resets) -> None:
+    def __init__(self, link: RegisterLink, memory: RampMemory, resets: Resets, tasks: BackgroundTasks) -> None:
         self.link = link
         self._memory = memory
         self._resets = resets
+        self._tasks = tasks
 
     @abstractmethod
     async def probe(self) -> str: ...
@@ -28,3 +30,6 @@ class RampIdentity(Identity):
 
     def only_reads(self, frame: bytes) -> bool:
         return self.link.access.is_read(frame)
+
+    async def let_go(self) -> None:
+        await self._tasks.end()

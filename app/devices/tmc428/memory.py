@@ -85,6 +85,13 @@ class RampMemory:
         """The axis whose position is compared; None where that cannot be chosen."""
         return self._of_interface("pos_comp_sel")
 
+    def axis_compared(self) -> int | None:
+        """The axis whose position compare may raise its interrupt; None while it is off. The only axis of a chip that
+        has one."""
+        compared = self.compared_axis
+        axis = 0 if compared is None else compared
+        return axis if axis < len(self.rows) else None
+
     def _of_interface(self, field: str) -> int | None:
         row = self._interface
         return None if row is None else row.unpack(self.word(row, row.reset or 0))[field]

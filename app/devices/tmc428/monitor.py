@@ -15,6 +15,7 @@ from ..core.results import AxisState, MotionEnd, Switches
 from ..core.signs import Signs
 from . import signs as ramp_signs
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
+from .interrupts import Interrupts
 from .memory import RampMemory
 from .prediction import TickedBook
 from .ramp_parameters import RampParameters, distance
@@ -32,6 +33,7 @@ class RampMonitor(AxisMonitor):
         switching: Switching,
         books: Sequence[TickedBook],
         resets: Resets,
+        interrupts: Interrupts,
     ) -> None:
         self._link = link
         self._session = link.session
@@ -39,6 +41,7 @@ class RampMonitor(AxisMonitor):
         self._switching = switching
         self._books = books
         self._resets = resets
+        self._interrupts = interrupts
 
     async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self._session.axis(axis)
@@ -47,7 +50,7 @@ class RampMonitor(AxisMonitor):
         async with self._session.queue.turn(priority) as turn:
             io = self._link.io(turn)
             ramp = await self._memory.read_ramp(io, axis)
-            interrupts = await io.read(rows.interrupts)
+            interrupts = await self._interrupts.look(io, axis)
             left, right = await self._switching.read(io, axis)
             x_target = await io.value(rows.x_target)
             v_target = await io.value(rows.v_target)

@@ -14,6 +14,7 @@ from ..core.register_link import RegisterLink
 from ..core.register_samples import Asked, number, words_plan
 from ..core.row_telemetry import Pace, RowTelemetry
 from ..core.sample_plan import Decoder, FloatArray, IntArray, SamplePlan
+from .interrupts import Interrupts
 from .memory import RampMemory
 from .prediction import POSITION_BITS, TickedBook
 from .switching import Switching
@@ -45,13 +46,19 @@ class RampTelemetry(RowTelemetry):
     """Telemetry of a ramp generator chip: a datagram a register, the status bits with each."""
 
     def __init__(
-        self, link: RegisterLink, memory: RampMemory, switching: Switching, books: Sequence[TickedBook]
+        self,
+        link: RegisterLink,
+        memory: RampMemory,
+        switching: Switching,
+        books: Sequence[TickedBook],
+        interrupts: Interrupts,
     ) -> None:
         super().__init__(link.session, [QUANTITIES] * len(memory.rows), PACE)
         self._access = link.access
         self._memory = memory
         self._switching = switching
         self._books = books
+        self._interrupts = interrupts
 
     def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
         chosen = self.chosen(channels)
@@ -63,7 +70,7 @@ class RampTelemetry(RowTelemetry):
         decoders = tuple(self._decoder(channel.quantity, channel.axis, asked, expected) for channel in chosen)
         if not asked.registers:  # status bits and predictions alone: any register brings the status
             asked.column(self._memory.rows[chosen[0].axis].x_actual)
-        return words_plan(self._access, asked, chosen, decoders)
+        return words_plan(self._access, asked, chosen, decoders, self._interrupts.saw_rows)
 
     def _decoder(self, quantity: str, axis: int, asked: Asked, expected: dict[int, _Expected]) -> Decoder:
         rows = self._memory.rows[axis]

@@ -16,6 +16,7 @@ from ..core.register_samples import Asked
 from ..core.sample_plan import Decoder, FloatArray, IntArray
 from .axis_roles import AxisRoles, field_of
 from .identity import RampIdentity
+from .interrupts import Interrupts
 from .memory import RampMemory
 from .prediction import TickedBook
 from .switching import Switching
@@ -130,8 +131,10 @@ class Tmc428Switching(Switching):
 class Tmc428Writes(RampWrites):
     """Besides those of the ramps: cover datagrams, of which the chip counts one more than was written."""
 
-    def __init__(self, link: RegisterLink, memory: RampMemory, books: Sequence[TickedBook]) -> None:
-        super().__init__(link, memory, books)
+    def __init__(
+        self, link: RegisterLink, memory: RampMemory, books: Sequence[TickedBook], interrupts: Interrupts
+    ) -> None:
+        super().__init__(link, memory, books, interrupts)
         self._cover = link.table.get("cover_pos_cover_len")
         self._cover_datagram = link.table.get("cover_datagram")
         self._cover_pos = field_of(self._cover, "cover_pos")

@@ -12,6 +12,7 @@ from .tmc428 import Tmc428Switching
 
 INTERFACE = "if_configuration_429"
 COMPARE = "pos_comp_429"
+COMPARE_INTERRUPT = "pos_comp_int_429"
 
 
 class Tmc429Identity(RampIdentity):

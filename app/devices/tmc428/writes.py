@@ -11,6 +11,7 @@ from ..core.register_file import RegisterRules, changes_by_itself
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
+from .interrupts import Interrupts
 from .memory import RampMemory
 from .prediction import Origin, TickedBook
 from .ramp_parameters import RampParameters, distance
@@ -19,11 +20,14 @@ from .ramp_parameters import RampParameters, distance
 class RampWrites(RegisterRules):
     """The side effects of the registers of a ramp generator chip."""
 
-    def __init__(self, link: RegisterLink, memory: RampMemory, books: Sequence[TickedBook]) -> None:
+    def __init__(
+        self, link: RegisterLink, memory: RampMemory, books: Sequence[TickedBook], interrupts: Interrupts
+    ) -> None:
         self._link = link
         self._session = link.session
         self._memory = memory
         self._books = books
+        self._interrupts = interrupts
         self._motion = {
             register.address: axis
             for axis, rows in enumerate(memory.rows)
@@ -46,8 +50,11 @@ class RampWrites(RegisterRules):
     def saw(self, register: Register, word: int) -> None:
         self._memory.saw(register, word)
 
+    def shown(self, register: Register, word: int) -> int:
+        return self._interrupts.shown(register, word)
+
     def sent(self, register: Register, word: int) -> None:
-        del word
+        self._interrupts.sent(register, word)
         axis = self._motion.get(register.address)
         if axis is not None:
             x_actual, v_actual, _ = self._before.get(axis, (0, 1, 0.0))

@@ -11,7 +11,9 @@ from . import tmc428, tmc429, tmc4210
 
 FAMILY = "tmc428"
 _DESCRIPTION = "a chip that ramps by pmul and pdiv"
-_COMMON: frozenset[Capability] = frozenset({"registers", "motion", "ramp.pmul", "home_switch", "position_latch"})
+_COMMON: frozenset[Capability] = frozenset(
+    {"registers", "motion", "ramp.pmul", "home_switch", "position_latch", "events"}
+)
 _WIRES: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev"})
 
 _chip = partial(Model, family=FAMILY, description=_DESCRIPTION, wires=_WIRES, clock_hz_default=16e6)

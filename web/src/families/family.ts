@@ -74,8 +74,12 @@ export interface Family {
   top: TopRegister | ((device: Device, axis: number) => TopRegister | null);
   /** writes that call the present position zero, while the motor stands and without moving it */
   zero: (device: Device, axis: number) => readonly Write[] | Promise<readonly Write[]>;
-  /** the registers whose bits are its events */
+  /** the registers whose bits are its events; a model may lack some */
   events: readonly string[];
+  /** names of events that are not called as their bit is, by the bit's name */
+  eventNames?: Readonly<Record<string, string>>;
+  /** which of the bits are told, where it is not all of them */
+  eventsNeed?: string;
   /** what its data sheets call the phase that has the sine of a microstep table, and the one that has the cosine */
   phases?: Phases | ((model: string) => Phases);
 }

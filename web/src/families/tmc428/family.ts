@@ -39,5 +39,8 @@ export const tmc428: Family = {
       { name: mode, value: RAMP_MODE },
     ];
   },
-  events: [],
+  /** as each data sheet spells them; of which a chip has some */
+  events: ["interrupt_mask_interrupt_flags", "INTERRUPT_MASK_INTERRUPT_FLAGS", "pos_comp_int_429", "POS_COMP_INT_4210"],
+  eventNames: { I: "POS_COMP" },
+  eventsNeed: "whose mask bit is set",
 };

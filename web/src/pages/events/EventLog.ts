@@ -106,6 +106,10 @@ const FAULTS: ReadonlySet<string> = new Set([
   "drv_err1",
   "drv_err2",
   "uv_cp",
+  "INT_REF_WRONG",
+  "int_ref_wrong",
+  "INT_REF_MISS",
+  "int_ref_miss",
 ]);
 
 export function isFault(name: string): boolean {

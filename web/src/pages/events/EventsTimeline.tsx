@@ -12,7 +12,7 @@ import { useFrame } from "../../live/useFrame";
 import { EventList } from "./EventList";
 import { isFault, type Lane, nearest } from "./EventLog";
 import classes from "./events.module.css";
-import { type EventBit, useEvents } from "./useEvents";
+import { type EventBit, useEventRegisters, useEvents } from "./useEvents";
 
 const LANE_PX = 18;
 const HIT_PX = 8;
@@ -38,6 +38,7 @@ export function EventsTimeline({ device, axis, name, source, connected, window }
   const phone = usePhone();
   const [view, setView] = useState<"timeline" | "list">("timeline");
   const events = useEvents(device, axis, source, connected);
+  const registers = useEventRegisters(device);
   const { lanes, log, query } = events;
   const originS = source?.link().timeOriginUnixS ?? null;
   const asList = phone || view === "list";
@@ -65,7 +66,8 @@ export function EventsTimeline({ device, axis, name, source, connected, window }
         <Nothing
           pending={query.isPending && connected}
           connected={connected}
-          registers={familyOf(device)?.events ?? []}
+          registers={registers}
+          need={familyOf(device)?.eventsNeed}
         />
       ) : asList ? (
         <EventList entries={log.entries} bits={events.bits} originS={originS} />
@@ -80,16 +82,17 @@ interface NothingProps {
   pending: boolean;
   connected: boolean;
   registers: readonly string[];
+  need: string | undefined;
 }
 
-function Nothing({ pending, connected, registers }: NothingProps) {
+function Nothing({ pending, connected, registers, need }: NothingProps) {
   if (pending) return <Loader size="xs" aria-label="Asking for events" />;
   return (
     <Text size="xs" c="dimmed" pb={6}>
       {connected
         ? `No event yet. Move the motor, or push a switch: what ${registers.join(" and ")} ${
             registers.length === 1 ? "tells" : "tell"
-          } gets a row here, and nothing is lost by looking.`
+          }${need === undefined ? "" : ` by a bit ${need}`} gets a row here, and nothing is lost by looking.`
         : "Not connected: no events are asked for."}
     </Text>
   );

@@ -20,10 +20,22 @@ export interface EventBit {
 /** The bits of those registers with their meanings, from the catalog. */
 export function useEventBits(device: Device): readonly EventBit[] {
   const catalog = useCatalogModel(device.model);
-  return useMemo(
-    () => (familyOf(device)?.events ?? []).flatMap((register) => bitsOf(catalog.data?.rows ?? [], register)),
-    [catalog.data, device],
-  );
+  return useMemo(() => {
+    const family = familyOf(device);
+    return (family?.events ?? []).flatMap((register) =>
+      bitsOf(catalog.data?.rows ?? [], register).map((bit) => ({
+        ...bit,
+        name: family?.eventNames?.[bit.name] ?? bit.name,
+      })),
+    );
+  }, [catalog.data, device]);
+}
+
+/** The registers of its events that this very model has, as its data sheet spells them. */
+export function useEventRegisters(device: Device): readonly string[] {
+  const catalog = useCatalogModel(device.model);
+  const rows = catalog.data?.rows ?? [];
+  return (familyOf(device)?.events ?? []).filter((register) => rows.some((row) => row.name === register));
 }
 
 function bitsOf(rows: readonly Schemas["RegisterRow"][], register: string): EventBit[] {
