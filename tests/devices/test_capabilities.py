@@ -106,6 +106,8 @@ async def can(made: Bench) -> set[Capability]:
         "current": _keeps_current_limits(model),
         "encoder": _every_axis(device, "encoder_position"),
         "closed_loop": await _can_calibrate(made),
+        "serial_encoder": _has_row(model, "ENC_IN_DATA", "ENC_OUT_DATA"),
+        "driver_sync": _has_row(model, "CHOPSYNC_DIV", "DC_VEL"),
         "stallguard": _every_axis(device, "load_value"),
         "home_switch": _every_axis(device, "switch_home") or _every_axis(device, "switch_reference"),
         "input_filters": _has_row(model, "INPUT_FILT_CONF"),

@@ -32,6 +32,8 @@ from .tmc428.current_scales import current_scales
 from .tmc428.current_schemas import CurrentScaling, CurrentScalingResult
 from .tmc4361 import input_filters
 from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
+from .tmc4361.serial_encoder import serial_encoder
+from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 
@@ -103,6 +105,12 @@ def list_input_filters() -> InputFilters:
 def calculate_input_filter(body: InputFilter) -> InputFilterResult:
     """What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse."""
     return input_filters.input_filter(body)
+
+
+@router.post("/serial-encoder")
+def calculate_serial_encoder(body: SerialEncoder) -> SerialEncoderResult:
+    """The bits of a serial encoder's answer at a TMC4361, how long it takes, and how fast the shaft may turn."""
+    return serial_encoder(body)
 
 
 policy_of_all(router, Policy(lease="free", role="look", audit="silent"))

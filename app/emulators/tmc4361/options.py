@@ -94,6 +94,15 @@ class StepDirChange(Closed):
     )
 
 
+class ListenChange(Closed):
+    """Clocks at the serial encoder output, as from a listener."""
+
+    clocks: Annotated[int, Field(strict=True, ge=1, le=80)] = Field(description="so many, at once")
+    rate_hz: Annotated[float, Field(strict=True, ge=1e3, le=8e6, allow_inf_nan=False)] = Field(
+        default=100e3, description="clocks a second"
+    )
+
+
 class Tmc4361Patch(LoadChange):
     """A change to a running chip; what is left out stays. A power cycle comes first."""
 
@@ -107,6 +116,7 @@ class Tmc4361Patch(LoadChange):
     pins: PinsChange = Field(default_factory=PinsChange)
     encoder: EncoderPatch = Field(default_factory=EncoderPatch)
     step_dir: StepDirChange | None = None
+    listen: ListenChange | None = None
     faults: FaultsChange = Field(default_factory=FaultsChange)
     power_cycle: Flag = Field(default=False, description="off and on again; motor and stage stay where they are")
 

@@ -60,6 +60,8 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
     if wanted.step_dir is not None:
         chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
         chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
+    if wanted.listen is not None:
+        chip.feedback.listen(int(chip.s[c.CLOCK]), wanted.listen.clocks, clock_hz / wanted.listen.rate_hz)
     # the shaft may have been turned by hand, and the switches look at it at once
     chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.plant_state.rotor_fullsteps
     chip.settle()
@@ -108,6 +110,7 @@ def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float)
             standby=chip.standby_level,
         ),
         encoder=behind.encoder,
+        encoder_output=behind.encoder_output,
         pwm=behind.pwm,
         ramp=RampState(
             kind=_KINDS[int(s[c.KIND])],

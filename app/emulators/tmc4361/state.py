@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, StageState, TruthState
-from .feedback.state import EncoderState, FeedbackMotor, PwmState
+from .feedback.state import EncoderOutputState, EncoderState, FeedbackMotor, PwmState
 
 
 class LevelState(BaseModel):
@@ -74,6 +74,7 @@ class Tmc4361State(EmulatedState):
     switches: SwitchesState
     pins: PinsState
     encoder: EncoderState
+    encoder_output: EncoderOutputState
     pwm: PwmState | None
     ramp: RampState
     step_output: StepOutputState

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ..build import RW, R, Rows, W, choice, flag
 from ..model import Field
-from .general import NO_ENCODER_OUTPUT
 from .rows import CLOCKS, HEADERS, LOW_HIGH, MICROSTEPS, STEPPYR, TOM, TOM_STEPPYR, TOM_TBONE
 
 _encoder = Rows("encoder", HEADERS)
@@ -36,7 +35,7 @@ _ENC_IN_CONF = _encoder(0x07, "ENC_IN_CONF", 32, RW, "what the encoder's signals
     flag(11, "latch_x_on_n", "an N event latches XACTUAL in X_LATCH"),
     flag(12, "multi_turn_in_en", "the encoder counts turns"),
     flag(13, "multi_turn_in_signed", "its turns are signed"),
-    flag(14, "multi_turn_out_en", "the serial output counts turns", behaviour=NO_ENCODER_OUTPUT),
+    flag(14, "multi_turn_out_en", "the serial output counts turns"),
     choice(
         15,
         "use_usteps_instead_of_xrange",
@@ -63,7 +62,7 @@ _ENC_IN_CONF = _encoder(0x07, "ENC_IN_CONF", 32, RW, "what the encoder's signals
     flag(27, "cl_vlimit_en", "a PI regulator limits the speed of catching up"),
     flag(28, "cl_velocity_mode_en", "XACTUAL never runs more than 768 microsteps ahead"),
     flag(29, "invert_enc_dir", "the encoder counts the other way"),
-    flag(30, "enc_out_gray", "the serial output is Gray coded", behaviour=NO_ENCODER_OUTPUT),
+    flag(30, "enc_out_gray", "the serial output is Gray coded"),
     flag(31, "no_enc_vel_preproc", "V_ENC is not smoothed before its filter", when=ABN),
     flag(31, "serial_enc_variation_limit", "SER_ENC_VARIATION limits jumps", when=SERIAL),
     reset=0x400,
@@ -83,7 +82,6 @@ _ENCODER_ROWS = (
     _serial_encoder(0x09, "ENC_OUT_DATA", 10, RW, "data of the serial encoder output").having(
         Field("single_turn_res_out", 5, "bits of the angle, minus 1", unit="bits - 1", lsb=0),
         Field("multi_turn_res_out", 5, "bits of the turns, minus 1", unit="bits - 1", lsb=5),
-        behaviour=NO_ENCODER_OUTPUT,
         source=TOM,
     ),
     _encoder(0x50, "ENC_POS", 32, RW, "position by the encoder").having(
@@ -114,9 +112,7 @@ _ENCODER_ROWS = (
         R,
         "microsteps that each count of the encoder is worth; enc_sel_decimal tells the fraction",
     ).having(unit="15.16 bits", reset=None, volatile=True),
-    _serial_encoder(0x55, "ENC_OUT_RES", 31, W, "resolution of the serial encoder output").having(
-        unit="counts/rev", behaviour=NO_ENCODER_OUTPUT
-    ),
+    _serial_encoder(0x55, "ENC_OUT_RES", 31, W, "resolution of the serial encoder output").having(unit="counts/rev"),
     _serial_encoder(0x56, "SER_CLK_IN_HIGH_LOW", 32, W, "clock for a serial encoder").having(
         Field("SER_CLK_IN_HIGH", 16, "high time", unit=CLOCKS, lsb=0),
         Field("SER_CLK_IN_LOW", 16, "low time", unit=CLOCKS, lsb=16),

@@ -23,7 +23,6 @@ RESET_CODE = 0x525354
 PINS = "pins and their drivers are not emulated"
 NO_DCSTEP = "the emulated motor driver has no dcStep"
 NO_LEVELS = "the emulated pulses at STPIN are clean, and tell their direction themselves"
-NO_ENCODER_OUTPUT = "nothing listens to the emulated serial encoder output"
 
 _SAMPLE_RATES = {n: f"fCLK / {1 << n}" for n in range(8)}
 _LENGTHS = {0: "no filtering"} | {n: f"{n + 1} equal samples" for n in range(1, 8)}
@@ -85,16 +84,14 @@ GENERAL_ROWS = (
         flag(20, "fs_sdout", "full steps also at STPOUT"),
         Field("dcstep_mode", 2, "dcStep, by kind of motor driver; 0 is off", lsb=21, behaviour=NO_DCSTEP),
         flag(23, "pwm_out_en", "STPOUT and DIROUT give PWM of both phases"),
-        flag(
-            24, "serial_enc_out_enable", "the driver's SPI pins give encoder data instead", behaviour=NO_ENCODER_OUTPUT
-        ),
+        flag(24, "serial_enc_out_enable", "the driver's SPI pins give encoder data instead"),
         choice(
             25,
             "serial_enc_out_diff_disable",
             1,
             "lines of the serial encoder output",
             {0: "differential", 1: "single ended"},
-            behaviour=NO_ENCODER_OUTPUT,
+            behaviour=PINS,
         ),
         flag(
             26, "automatic_direct_sdin_switch_off", "the ramp that takes over from STPIN begins with VSTART and ASTART"

@@ -28,6 +28,8 @@ MODELS = (
                 "current",
                 "encoder",
                 "closed_loop",
+                "serial_encoder",
+                "driver_sync",
                 "home_switch",
                 "input_filters",
                 "events",

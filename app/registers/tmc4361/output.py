@@ -19,7 +19,6 @@ _microsteps = Rows("microsteps", STEPPYR)
 SCALE_UNIT = "1/256, plus 1/256"
 NO_DAC = "the emulated chip drives a TMC driver, not a DAC"
 NO_CHOPSYNC = "the emulated motor driver chops by itself"
-NO_LISTENER = "nothing listens to the emulated serial encoder output"
 NO_POLLING = "the emulated motor driver's status is always there, and cover datagrams are the only ones"
 ONE_DRIVER = "the emulated motor driver is reached whatever these bits say"
 
@@ -45,7 +44,6 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         unit=CLOCKS,
         lsb=4,
         when="serial encoder output",
-        behaviour=NO_LISTENER,
     ),
     Field("mixed_decay", 2, "phases with mixed decay", lsb=4, when=TMC24X, behaviour=ONE_DRIVER),
     Field("stdby_on_stall_for_24x", 1, "a stall switches to standby", lsb=6, when=TMC24X, behaviour=ONE_DRIVER),

@@ -1695,6 +1695,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/serial-encoder": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Serial Encoder
+         * @description The bits of a serial encoder's answer at a TMC4361, how long it takes, and how fast the shaft may turn.
+         */
+        post: operations["calculate_serial_encoder"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/catalog": {
         parameters: {
             query?: never;
@@ -2161,47 +2181,6 @@ export interface paths {
          * @description Show a moment of a recording, for which the view is started where it is off; or with null what happens now.
          */
         post: operations["scrub_twin"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/wiring": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Wiring
-         * @description Which pins of emulated devices are wired together, and whether that works. It is set with their links.
-         */
-        get: operations["get_wiring"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/start-together": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Start Together
-         * @description Start moves of axes of any devices together. All are judged before anything starts; answers when they have
-         *     started, with how far apart. Where one does not start, all are stopped.
-         */
-        post: operations["start_together"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2926,39 +2905,6 @@ export interface components {
             limits: components["schemas"]["Limits-Output"] | null;
         };
         /**
-         * AxisStart
-         * @description How one axis started.
-         */
-        AxisStart: {
-            /** Device */
-            device: string;
-            /** Axis */
-            axis: number;
-            /**
-             * How
-             * @enum {string}
-             */
-            how: "START wire" | "command";
-            /** From Position */
-            from_position: number;
-            /** Target Position */
-            target_position: number;
-            /**
-             * Skew S
-             * @description after the first one [s]
-             */
-            skew_s: number;
-            /**
-             * Uncertainty S
-             * @description how much more or less that may be [s]
-             */
-            uncertainty_s: number;
-            /** Predicted Duration S */
-            predicted_duration_s: number | null;
-            /** Warnings */
-            warnings: string[];
-        };
-        /**
          * AxisStartUp
          * @description Set one axis up after power-on. irun and ihold are other names of run_scale and hold_scale.
          */
@@ -3154,7 +3100,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3219,7 +3165,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3313,7 +3259,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3556,12 +3502,6 @@ export interface components {
              * @default 0
              */
             stall_threshold?: number;
-            /**
-             * Wires
-             * @description pins that are wired to other emulators of this server: START, and STEP1, its step and direction output
-             * @default []
-             */
-            wires?: components["schemas"]["Tmc4361Wire"][];
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -4417,7 +4357,7 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
@@ -4464,7 +4404,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -4791,7 +4731,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -4961,7 +4901,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -5209,6 +5149,29 @@ export interface components {
             external_reversed?: boolean;
         };
         /**
+         * EncoderOutputState
+         * @description The serial encoder output, as a listener gets it.
+         */
+        EncoderOutputState: {
+            /** Enabled */
+            enabled: boolean;
+            /**
+             * Length
+             * @description bits of an answer
+             */
+            length: number;
+            /**
+             * Heard
+             * @description the latest answer that was clocked out, first bit first; empty: none yet
+             */
+            heard: string;
+            /**
+             * Repeated
+             * @description it was the one before again: the monoflop time had not passed
+             */
+            repeated: boolean;
+        };
+        /**
          * EncoderPatch
          * @description Whatever is not given stays.
          */
@@ -5229,6 +5192,21 @@ export interface components {
             zero_fullsteps?: number | null;
             /** Status Bits */
             status_bits?: number | null;
+            /**
+             * Kind
+             * @description another encoder on the shaft
+             */
+            kind?: ("abn" | "ssi" | "spi") | null;
+            /** Lines */
+            lines?: number | null;
+            /** Single Turn Bits */
+            single_turn_bits?: number | null;
+            /** Multi Turn Bits */
+            multi_turn_bits?: number | null;
+            /** Gray */
+            gray?: boolean | null;
+            /** Status Bit Count */
+            status_bit_count?: number | null;
             /**
              * Spoil Next
              * @description bits of an absolute encoder's next answer that arrive wrong
@@ -6722,6 +6700,23 @@ export interface components {
             link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
         };
         /**
+         * ListenChange
+         * @description Clocks at the serial encoder output, as from a listener.
+         */
+        ListenChange: {
+            /**
+             * Clocks
+             * @description so many, at once
+             */
+            clocks: number;
+            /**
+             * Rate Hz
+             * @description clocks a second
+             * @default 100000
+             */
+            rate_hz?: number;
+        };
+        /**
          * LoadOptions
          * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
          */
@@ -7846,53 +7841,6 @@ export interface components {
             registers?: components["schemas"]["MslutWords"] | null;
         };
         /**
-         * Net
-         * @description Pins of emulated devices that are wired together: those whose options (`wires`) name the same net.
-         */
-        Net: {
-            /** Net */
-            net: string;
-            /** Pins */
-            pins: components["schemas"]["NetPin"][];
-            /**
-             * Open
-             * @description why it connects nothing; null where it does
-             */
-            open: string | null;
-            /**
-             * Equal Clocks
-             * @description an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it
-             */
-            equal_clocks: boolean;
-            /**
-             * Seen Within S
-             * @description how far apart an edge is seen at the most [s]
-             */
-            seen_within_s: number;
-        };
-        /**
-         * NetPin
-         * @description A pin on a net.
-         */
-        NetPin: {
-            /**
-             * Device
-             * @description id of the device
-             */
-            device: string;
-            /**
-             * Pin
-             * @description START, or STEP1 to STEP3: step and direction of an axis
-             */
-            pin: string;
-            /**
-             * Role
-             * @description level: either way, as the chip is set
-             * @enum {string}
-             */
-            role: "level" | "output" | "input";
-        };
-        /**
          * NowTrigger
          * @description At once.
          */
@@ -8183,7 +8131,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke
@@ -10580,6 +10528,155 @@ export interface components {
             fd_b: number;
         };
         /**
+         * SerialEncoder
+         * @description The answer of an encoder, and how it is asked.
+         */
+        SerialEncoder: {
+            /**
+             * Kind
+             * @default ssi
+             * @enum {string}
+             */
+            kind?: "ssi" | "spi";
+            /**
+             * Clock Hz
+             * @description fCLK [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Single Bits
+             * @description of the angle
+             */
+            single_bits: number;
+            /**
+             * Multi Bits
+             * @description of the turns, 0: none
+             * @default 0
+             */
+            multi_bits?: number;
+            /**
+             * Status Bits
+             * @default 0
+             */
+            status_bits?: number;
+            /**
+             * Gray
+             * @default false
+             */
+            gray?: boolean;
+            /**
+             * Status Last
+             * @description left_aligned_data
+             * @default false
+             */
+            status_last?: boolean;
+            /**
+             * High
+             * @description SER_CLK_IN_HIGH
+             * @default 160
+             */
+            high?: number;
+            /**
+             * Low
+             * @description SER_CLK_IN_LOW
+             * @default 160
+             */
+            low?: number;
+            /**
+             * Delay
+             * @description SSI_IN_CLK_DELAY
+             * @default 0
+             */
+            delay?: number;
+            /**
+             * Repeat Wait
+             * @description SSI_IN_WTIME
+             * @default 0
+             */
+            repeat_wait?: number;
+            /**
+             * Period
+             * @description SER_PTIME
+             * @default 0
+             */
+            period?: number;
+            /**
+             * Twice
+             * @description ssi_multi_cycle_data
+             * @default false
+             */
+            twice?: boolean;
+            /**
+             * Variation
+             * @description SER_ENC_VARIATION
+             * @default 0
+             */
+            variation?: number;
+            /**
+             * Counts Per Turn
+             * @description ENC_IN_RES
+             * @default 0
+             */
+            counts_per_turn?: number;
+            /**
+             * Turns
+             * @description of the place whose answer is shown
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Angle
+             * @description of that place, counts
+             * @default 1
+             */
+            angle?: number;
+        };
+        /** SerialEncoderResult */
+        SerialEncoderResult: {
+            /**
+             * Names
+             * @description T turns, A angle, S status with their places, the first sent first
+             */
+            names: string[];
+            /**
+             * Bits
+             * @description of the place that was asked for
+             */
+            bits: number[];
+            /** Bit Hz */
+            bit_hz: number;
+            /** Answer S */
+            answer_s: number;
+            /**
+             * Period S
+             * @description from one request to the next
+             */
+            period_s: number;
+            /**
+             * Pause S
+             * @description rest of the clock between two requests
+             */
+            pause_s: number;
+            /**
+             * Angle Deg
+             * @description one count
+             */
+            angle_deg: number;
+            /**
+             * Turns
+             * @description turns that are told apart
+             */
+            turns: number;
+            /**
+             * Speed Rpm
+             * @description fastest that turns are counted right; null: no limit
+             */
+            speed_rpm: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * ShaftEncoder
          * @description The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts.
          */
@@ -11085,26 +11182,6 @@ export interface components {
             why: string;
         };
         /**
-         * StartTogether
-         * @description Moves of axes of any devices that start together.
-         */
-        StartTogether: {
-            /** Moves */
-            moves: components["schemas"]["TogetherMove"][];
-            /**
-             * Use Wires
-             * @description start chips whose START pins are wired by one edge; false: each by its command
-             * @default true
-             */
-            use_wires?: boolean;
-            /**
-             * Start Wires
-             * @description devices on real links whose START pins are wired together; emulated ones tell of their wires
-             * @default []
-             */
-            start_wires?: string[][];
-        };
-        /**
          * StartUpReport
          * @description What a start-up writes, or has written and read back.
          */
@@ -11207,24 +11284,6 @@ export interface components {
              * @description it was read back; null of a dry run, and where it cannot be read
              */
             verified: boolean | null;
-        };
-        /**
-         * StartedTogether
-         * @description How all of them started.
-         */
-        StartedTogether: {
-            /** Axes */
-            axes: components["schemas"]["AxisStart"][];
-            /**
-             * Spread S
-             * @description between the first and the last start [s]
-             */
-            spread_s: number;
-            /**
-             * Uncertainty S
-             * @description how much more or less that may be [s]
-             */
-            uncertainty_s: number;
         };
         /**
          * StepDirState
@@ -11568,6 +11627,7 @@ export interface components {
             pins?: components["schemas"]["Tmc4361PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
             step_dir?: components["schemas"]["Tmc4361StepDirChange"] | null;
+            listen?: components["schemas"]["ListenChange"] | null;
             faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
@@ -11622,6 +11682,7 @@ export interface components {
             switches: components["schemas"]["Tmc4361SwitchesState"];
             pins: components["schemas"]["Tmc4361PinsState"];
             encoder: components["schemas"]["Tmc4361EncoderState"];
+            encoder_output: components["schemas"]["EncoderOutputState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
             step_output: components["schemas"]["StepOutputState"];
@@ -11634,19 +11695,6 @@ export interface components {
             };
             faults: components["schemas"]["ChipFaultsState"];
             truth: components["schemas"]["TruthState"];
-        };
-        /** Tmc4361Wire */
-        Tmc4361Wire: {
-            /**
-             * Pin
-             * @enum {string}
-             */
-            pin: "START" | "STEP1";
-            /**
-             * Net
-             * @description small letters, digits and dashes
-             */
-            net: string;
         };
         /**
          * Tmc5xxxPatch
@@ -11753,7 +11801,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
+            model: "tmc2130" | "tmc2209" | "tmc2240";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
@@ -11966,29 +12014,6 @@ export interface components {
              * @description file that keeps the EEPROM; null: forgotten with the process
              */
             eeprom_path: string | null;
-        };
-        /** TogetherMove */
-        TogetherMove: {
-            /** Target */
-            target: number;
-            /**
-             * Relative
-             * @default false
-             */
-            relative?: boolean;
-            /**
-             * Unit
-             * @default microsteps
-             * @enum {string}
-             */
-            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
-            /**
-             * Device
-             * @description id of the device
-             */
-            device: string;
-            /** Axis */
-            axis: number;
         };
         /**
          * TokenAdd
@@ -12433,7 +12458,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -12754,14 +12779,6 @@ export interface components {
              */
             frames: "datagram" | "uart" | "board" | "tmcl";
         };
-        /**
-         * Wiring
-         * @description All nets, by name.
-         */
-        Wiring: {
-            /** Nets */
-            nets: components["schemas"]["Net"][];
-        };
         /** Switches */
         MotionSwitches: {
             /** Left */
@@ -12945,6 +12962,20 @@ export interface components {
              * @description what an absolute encoder's status bits are
              */
             status_bits: number;
+            /**
+             * Single Turn Bits
+             * @description ssi, spi: bits of the place in the turn
+             */
+            single_turn_bits: number;
+            /**
+             * Multi Turn Bits
+             * @description ssi, spi: bits of the turns counted
+             */
+            multi_turn_bits: number;
+            /** Gray */
+            gray: boolean;
+            /** Status Bit Count */
+            status_bit_count: number;
         };
         /**
          * PinsChange
@@ -21819,6 +21850,66 @@ export interface operations {
             };
         };
     };
+    calculate_serial_encoder: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SerialEncoder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SerialEncoderResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_models: {
         parameters: {
             query?: never;
@@ -23634,131 +23725,6 @@ export interface operations {
             };
             /** @description The 3D view cannot be shown (/problems/twin-failed) */
             503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    get_wiring: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Wiring"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    start_together: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["StartTogether"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["StartedTogether"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -26,6 +26,19 @@ class EncoderState(BaseModel):
     eccentricity_deg: float = Field(description="amplitude of its once-a-turn error [deg of the shaft]")
     eccentricity_phase_deg: float
     status_bits: int = Field(description="what an absolute encoder's status bits are")
+    single_turn_bits: int = Field(description="ssi, spi: bits of the place in the turn")
+    multi_turn_bits: int = Field(description="ssi, spi: bits of the turns counted")
+    gray: bool
+    status_bit_count: int
+
+
+class EncoderOutputState(BaseModel):
+    """The serial encoder output, as a listener gets it."""
+
+    enabled: bool
+    length: int = Field(description="bits of an answer")
+    heard: str = Field(description="the latest answer that was clocked out, first bit first; empty: none yet")
+    repeated: bool = Field(description="it was the one before again: the monoflop time had not passed")
 
 
 class PwmState(BaseModel):
@@ -44,6 +57,7 @@ class FeedbackState(BaseModel):
     inertia_kgm2: float = Field(description="of the load [kg m^2]")
     supply_v: float
     encoder: EncoderState
+    encoder_output: EncoderOutputState
     pwm: PwmState | None
     truth: TruthState
 
@@ -60,6 +74,12 @@ class EncoderPatch(_Patch):
     eccentricity_phase_deg: Annotated[float, Field(ge=-360, le=360)] | None = None
     zero_fullsteps: FullSteps | None = Field(default=None, description="mounts it anew on the shaft")
     status_bits: Annotated[int, Field(ge=0, le=7)] | None = None
+    kind: EncoderKind | None = Field(default=None, description="another encoder on the shaft")
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 22)] | None = None
+    single_turn_bits: Annotated[int, Field(strict=True, ge=2, le=24)] | None = None
+    multi_turn_bits: Annotated[int, Field(strict=True, ge=0, le=24)] | None = None
+    gray: bool | None = None
+    status_bit_count: Annotated[int, Field(strict=True, ge=0, le=3)] | None = None
     spoil_next: Annotated[int, Field(ge=0, lt=1 << 48)] | None = Field(
         default=None, description="bits of an absolute encoder's next answer that arrive wrong"
     )

@@ -17,7 +17,16 @@ from . import layout as c
 from .encoder import position_at, true_place
 from .options import FeedbackOptions
 from .regulation import error_of
-from .state import EncoderPatch, EncoderState, FeedbackMotor, FeedbackPatch, FeedbackState, PwmState
+from .serial_output import Answer, SerialOutput
+from .state import (
+    EncoderOutputState,
+    EncoderPatch,
+    EncoderState,
+    FeedbackMotor,
+    FeedbackPatch,
+    FeedbackState,
+    PwmState,
+)
 from .words import circular_period, encoder_scale, microsteps_a_turn, signed32, wave
 
 _KINDS = {"abn": c.ABN, "ssi": c.SSI, "spi": c.SPI}
@@ -27,6 +36,8 @@ _SCALES: Final = (0x00, 0x01, 0x07, 0x0A, 0x36, 0x54, 0x7C)
 _OT, _OTPW, _OLA, _OLB = 1 << 1, 1 << 2, 1 << 5, 1 << 6
 _SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
+_SWAPPED = ("kind", "lines", "single_turn_bits", "multi_turn_bits", "gray")
+"""What another encoder on the shaft is told by."""
 _KEPT = (c.NOW, c.COMMANDED, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
 
@@ -43,8 +54,8 @@ def _resets() -> dict[int, int]:
 class FeedbackUnit:
     """Encoder interface, regulation, current scaling and microstep sequencer of the chip, and what hangs on them.
 
-    `fb` is what the two compiled functions of feedback/kernel.py work on. Not modelled: the serial encoder output,
-    dcStep, chopSync, three-phase motors, and the driver's own registers.
+    `fb` is what the two compiled functions of feedback/kernel.py work on. Not modelled: three-phase motors, and
+    the driver's own registers.
     """
 
     def __init__(self, options: FeedbackOptions, clock_hz: float) -> None:
@@ -54,6 +65,8 @@ class FeedbackUnit:
         self._n: c.Cells = self.fb[c.INTEGERS_AT :].view(np.int64)
         self._hot = False
         self._memory: dict[int, int] = {}
+        self.output = SerialOutput(self._word)
+        self._heard: Answer | None = None
         self._drive: DriveOptions = options.drive(clock_hz)
         set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
         self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
@@ -160,6 +173,8 @@ class FeedbackUnit:
         fb[c.PERIOD] = fb[c.REACH] = fb[c.ENC_POS] = 0.0
         fb[c.DUTY_A] = fb[c.DUTY_B] = 0.5
         self._constant = 0
+        self.output.reset()
+        self._heard = None
         for address, word in _resets().items():
             n[c.WORD + address] = word
         fb[c.CLK_FREQ] = float(self._word(0x31))
@@ -272,8 +287,18 @@ class FeedbackUnit:
             self._change_encoder(patch.encoder)
         self._changed()
 
+    def listen(self, clock: int, clocks: int, bit_clocks: float) -> None:
+        """Somebody clocks at the serial encoder output, now."""
+        self._heard = self.output.listen(int(self.fb[c.ENC_POS]), float(clock), clocks, bit_clocks)
+
     def _change_encoder(self, patch: EncoderPatch) -> None:
         n, plant = self._n, self.plant
+        swapped = {name: getattr(patch, name) for name in _SWAPPED if getattr(patch, name) is not None}
+        if patch.status_bit_count is not None:
+            swapped["status_bits"] = patch.status_bit_count
+        if swapped:  # another encoder is put on the shaft
+            encoder = self.options.encoder.model_copy(update=swapped)
+            self.options = self.options.model_copy(update={"encoder": encoder})
         if patch.slip_fullsteps is not None:
             plant.encoder_slip_fullsteps = patch.slip_fullsteps
         if patch.eccentricity_deg is not None:
@@ -282,6 +307,9 @@ class FeedbackUnit:
             self._zero_fullsteps if patch.zero_fullsteps is None else patch.zero_fullsteps,
             self._phase_deg if patch.eccentricity_phase_deg is None else patch.eccentricity_phase_deg,
         )
+        if swapped:
+            self._start_counting()
+            self._scale()
         if patch.status_bits is not None:
             n[c.STATUS_WORD] = patch.status_bits & ((1 << int(n[c.STATUS_BITS])) - 1)
         if patch.spoil_next is not None:
@@ -323,6 +351,16 @@ class FeedbackUnit:
                 eccentricity_deg=plant.eccentricity_deg,
                 eccentricity_phase_deg=self._phase_deg,
                 status_bits=int(self._n[c.STATUS_WORD]),
+                single_turn_bits=self.options.encoder.single_turn_bits,
+                multi_turn_bits=self.options.encoder.multi_turn_bits,
+                gray=self.options.encoder.gray,
+                status_bit_count=self.options.encoder.status_bits,
+            ),
+            encoder_output=EncoderOutputState(
+                enabled=self.output.enabled,
+                length=self.output.length,
+                heard="" if self._heard is None else "".join(map(str, self._heard.bits)),
+                repeated=self._heard is not None and self._heard.repeated,
             ),
             pwm=PwmState(
                 frequency_hz=float(fb[c.CLK_FREQ]) / period,

@@ -1,4 +1,4 @@
-import { IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
+import { IconBinary, IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
 import { api } from "../../api/client";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
@@ -16,6 +16,10 @@ export const tmc4361: Family = {
     {
       ...page(31, "/filters", "Input filters", "Filters", IconFilter, { needs: ["input_filters"], alone: true }),
       load: () => import("./filters/FiltersPage"),
+    },
+    {
+      ...page(32, "/serial-encoder", "Serial encoder", "SSI/SPI", IconBinary, { needs: ["serial_encoder"] }),
+      load: () => import("./serial/SerialEncoderPage"),
     },
   ],
   Controls: later(() => import("./Controls").then((part) => part.Controls)),

@@ -1,0 +1,1 @@
+"""What a TMC4361 alone has, calculated."""
