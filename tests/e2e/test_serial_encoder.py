@@ -1,4 +1,4 @@
-"""The page of serial encoders in a browser: an SSI encoder chosen, put on the shaft and read; the output clocked out."""
+"""The page of serial encoders in a browser: an SSI encoder chosen and read, the output clocked out."""
 
 from __future__ import annotations
 
