@@ -93,21 +93,35 @@ class EmulatorWiring:
             self._couplings.pop(old).end()
         for made_of, (members, nets) in wanted.items():
             if made_of not in self._couplings:
+                pins = {net: [Pin(members.index(number), pin) for number, pin in good[net]] for net in nets}
                 self._couplings[made_of] = Coupling(
                     [(there[n].emulator, there[n].chip, there[n].sampler) for n in members],
-                    [(net, [Pin(members.index(number), pin) for number, pin in good[net]]) for net in nets],
+                    [(net, pins[net]) for net in nets if states[net].pins[0].role == "level"],
+                    [_steps(states[net], pins[net]) for net in nets if states[net].pins[0].role != "level"],
                 )
         self._nets = tuple(states[net] for net in sorted(states))
 
 
+def _steps(state: NetState, pins: Sequence[Pin]) -> tuple[Pin, list[Pin]]:
+    """The output of a net of steps, and its inputs."""
+    by_role = list(zip(state.pins, pins, strict=True))
+    output = next(pin for told, pin in by_role if told.role == "output")
+    return output, [pin for told, pin in by_role if told.role == "input"]
+
+
 def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -> NetState:
     roles: list[Role] = []
+    missing = ""
     for number, pin in pins:
         chip = there[number].chip
         roles.append("level" if pin in chip.levels else "output" if pin in chip.outputs else "input")
+        if pin not in (*chip.levels, *chip.outputs, *chip.inputs):
+            missing = f"{there[number].key} has no pin {pin}"
     members = [number for number, _ in pins]
     why: str | None = None
-    if len(set(members)) < len(members):
+    if missing:
+        why = missing
+    elif len(set(members)) < len(members):
         why = "it has two pins of one device"
     elif len(members) < 2:
         why = "no other pin is on it"

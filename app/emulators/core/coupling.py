@@ -19,15 +19,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
+import numpy as np
+
 from ...clock import OffsetClock, ScaledClock
 from .base import EmulatorBase
 from .pace import SLICE_S, Pace
-from .pins import Level, WiredChip
+from .pins import Cells, Level, WiredChip
 
 log = logging.getLogger("stepscope.emulators")
 
 ALIGNED_CLOCKS = 256
 """What the ticks of all chips divide."""
+POINTS = 1024
+"""Times at most by which steps are counted before they are handed on: 16 ms at 16 MHz."""
 SAMPLES_WITHIN_S = 0.03
 """How long the due samples of the others may keep one waiting [s of processor time]; the rest are given up."""
 
@@ -64,6 +68,15 @@ class Net:
     told: bool = False
 
 
+@dataclass(slots=True)
+class StepNet:
+    """Steps of one output that inputs take. `sent` is what has been handed on."""
+
+    source: Pin
+    sinks: tuple[Pin, ...]
+    sent: int = 0
+
+
 class _Member:
     """One emulator, and how its clocks count against those of all."""
 
@@ -82,6 +95,12 @@ class _Member:
     def clock_of(self, common: int) -> int:
         """Its clock at a common one: the latest that has begun."""
         return self.first_clock + common * self._share.numerator // self._share.denominator
+
+    def clocks_of(self, common: Cells) -> Cells:
+        """The same of many."""
+        if self._share == 1:
+            return common + self.first_clock
+        return np.array([self.clock_of(int(each)) for each in common], dtype=np.int64)
 
     def common_of(self, clock: int) -> int:
         """The first common clock at which it has that clock."""
@@ -103,8 +122,9 @@ class Coupling:
         self,
         emulators: Sequence[tuple[EmulatorBase[Any, Any], WiredChip, Sampler | None]],
         nets: Iterable[tuple[str, Sequence[Pin]]],
+        steps: Iterable[tuple[Pin, Sequence[Pin]]] = (),
     ) -> None:
-        """Wire them from now on, all at the time scale of the slowest."""
+        """Wire them from now on, all at the time scale of the slowest. `steps`: outputs, and the inputs of each."""
         self._lock = threading.RLock()
         for emulator, _, _ in emulators:
             emulator.catch_up(float("inf"))
@@ -114,6 +134,9 @@ class Coupling:
         for member in self._members:
             member.count_against(self.clock_hz)
         self._nets = [Net(name, tuple(pins)) for name, pins in nets]
+        self._steps = [StepNet(source, tuple(sinks), self._chip(source).sent(source.name)) for source, sinks in steps]
+        self._sources = {net.source.member for net in self._steps}
+        self._sinks = {pin.member for net in self._steps for pin in net.sinks}
         self._at = 0
         """Common clocks that all have been brought to."""
         self._sampling = False
@@ -125,7 +148,13 @@ class Coupling:
             offset_s = member.first_clock / member.chip.clock_hz
             clock = OffsetClock(self._clock, offset_s, before.skipped_s)
             member.emulator.share_time(self, self._lock, clock)
+        for sink in self._inputs:
+            self._chip(sink).connect(sink.name, True)
         self._propagate()
+
+    @property
+    def _inputs(self) -> list[Pin]:
+        return [pin for net in self._steps for pin in net.sinks]
 
     @property
     def emulators(self) -> tuple[EmulatorBase[Any, Any], ...]:
@@ -139,8 +168,10 @@ class Coupling:
     def end(self) -> None:
         """Cut the wires: each goes on by itself, from where it is."""
         with self._lock:
+            self.reach(self._members[0].emulator, None)
+            for sink in self._inputs:
+                self._chip(sink).connect(sink.name, False)
             for member in self._members:
-                self.reach(member.emulator, None)
                 before = member.emulator.clock
                 clock = ScaledClock(before.base, before.scale, before.now())
                 clock.skipped_s = before.skipped_s
@@ -213,22 +244,51 @@ class Coupling:
         """Run all to common clock `goal`, edge by edge."""
         while self._at < goal:
             until = goal
-            first = [member for member in self._members if member.chip.may_change]
+            first = [number for number, member in enumerate(self._members) if member.chip.may_change]
             if len(first) > 1:
-                tick = min(member.tick for member in first)
+                tick = min(self._members[number].tick for number in first)
                 until = min(goal, (self._at // tick + 1) * tick)
-            for member in first:
-                wanted = member.clock_of(until)
-                reached = member.chip.advance(wanted)
-                if reached < wanted:
+            points = self._points(until)
+            until = int(points[-1])
+            recorded: dict[int, dict[str, Cells]] = {}
+            order = [*first, *(number for number in range(len(self._members)) if number not in first)]
+            for number in order:
+                member = self._members[number]
+                if number in self._sinks:
+                    continue
+                if number not in self._sources:
+                    reached = member.chip.advance(member.clock_of(until))
+                else:
+                    reached, recorded[number] = member.chip.record(member.clocks_of(points))
+                if reached < member.clock_of(until):
                     until = max(member.common_of(reached), self._at + 1)
-            for member in self._members:
-                if member not in first:
-                    member.chip.advance(member.clock_of(until))
+                    points = np.append(points[points < until], until)
+            self._hand_on(points, recorded)
             self._at = until
             for member in self._members:
                 member.emulator.brought_to(member.seconds(until))
             self._propagate()
+
+    # --- steps -----------------------------------------------------------------------------------
+
+    def _points(self, goal: int) -> Cells:
+        """Common clocks from now to `goal`, or as far as one goes at once, by which steps are counted."""
+        if not self._steps or self._quiet:
+            return np.array([goal], dtype=np.int64)
+        first = self._at // ALIGNED_CLOCKS + 1
+        points = np.arange(first, first + POINTS, dtype=np.int64) * ALIGNED_CLOCKS
+        return points if points[-1] <= goal else np.append(points[points < goal], goal)
+
+    def _hand_on(self, points: Cells, recorded: dict[int, dict[str, Cells]]) -> None:
+        """Bring those that take steps to the last of `points`, with what their controllers have sent by each."""
+        for net in self._steps:
+            by_then = recorded[net.source.member][net.source.name][: len(points) - 1]
+            sent = np.append(by_then, self._chip(net.source).sent(net.source.name))
+            counts = np.diff(sent, prepend=net.sent)
+            net.sent = int(sent[-1])
+            for sink in net.sinks:
+                member = self._members[sink.member]
+                member.chip.take(sink.name, member.clocks_of(points), counts)
 
     # --- levels ----------------------------------------------------------------------------------
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+Cells = NDArray[np.int64]
 NetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,31}$")]
 WIRES_MAX = 8
 
@@ -35,16 +38,19 @@ class Level:
 
 
 class WiredChip(Protocol):
-    """A chip whose pins can be wired, at clocks of its own. `Coupling` alone calls it, with the lock held."""
+    """A chip whose pins can be wired, at clocks of its own. `Coupling` alone calls it, with the lock held.
+
+    What stands here as a default is that of a chip that has no such pins.
+    """
 
     clock_hz: float
     tick_clocks: int
     """What it sees of its pins it sees every so many clocks, counted from power-on."""
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...] = ()
     """Pins whose steps others may take."""
-    inputs: tuple[str, ...]
+    inputs: tuple[str, ...] = ()
     """Pins that take steps."""
-    levels: tuple[str, ...]
+    levels: tuple[str, ...] = ()
     """Pins that have a level, either way."""
 
     @property
@@ -60,16 +66,36 @@ class WiredChip(Protocol):
     @property
     def may_change(self) -> bool:
         """Whether a level that it drives may change before anything is written or comes in."""
-        ...
+        return False
 
     def advance(self, clock: int) -> int:
         """Run to `clock`, or to the first change of a level that it drives; the clock it is at then."""
         ...
 
-    def level(self, pin: str) -> Level | None:
+    def level(self, pin: str, /) -> Level | None:
         """What it drives; None: nothing."""
-        ...
+        del pin
+        return None
 
-    def receive(self, pin: str, high: bool | None) -> None:
+    def receive(self, pin: str, high: bool | None, /) -> None:
         """The level of the net from now on, whoever drives it; None: nobody does."""
-        ...
+        del pin, high
+
+    def sent(self, pin: str, /) -> int:
+        """Steps forwards less those backwards that an output has given so far."""
+        del pin
+        return 0
+
+    def record(self, clocks: Cells, /) -> tuple[int, dict[str, Cells]]:
+        """`advance` to the last of `clocks`, which rise; the clock it is at then, and by output what `sent` was at each
+        that was reached."""
+        return self.advance(int(clocks[-1])), {}
+
+    def connect(self, pin: str, connected: bool, /) -> None:
+        """Whether an input is wired, so that steps come by `take`."""
+        del pin, connected
+
+    def take(self, pin: str, clocks: Cells, counts: Cells, /) -> None:
+        """Run to the last of `clocks`; `counts` steps (signed) come in by each of them."""
+        del pin, counts
+        self.advance(int(clocks[-1]))

@@ -17,6 +17,7 @@ from ...registers.model import to_signed
 from . import kernel as k
 from . import stage
 from .options import EmulatorOptions, StageOptions
+from .recording import record
 
 _WORD = 0xFF_FFFF
 ADDRESSES = 128
@@ -95,6 +96,15 @@ class Chip(ABC):
             clock = self._asleep_since
         status: int = k.advance(self.axes, self.chip, clock - self._offset)
         return status
+
+    def record(self, clocks: k.Cells) -> k.Cells:
+        """Catch up to the last of `clocks` of the outside, which rise: by each the steps sent, a column an axis."""
+        sent = np.zeros((len(clocks), self.model.axes), dtype=np.int64)
+        if self.powered_down:
+            sent[:] = self.axes[:, k.NET]
+        else:
+            record(self.axes, self.chip, clocks - self._offset, sent)
+        return sent
 
     @property
     def quiet(self) -> bool:

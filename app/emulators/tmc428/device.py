@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from ...clock import Clock
@@ -11,6 +11,7 @@ from ...errors import OutOfRange
 from ...links.datagram32 import FRAME_BYTES
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
+from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsState
 from . import stage
 from .options import EmulatorOptions, EmulatorPatch
@@ -19,6 +20,7 @@ from .step_dir import StepDirChip
 from .tmc428 import Tmc428
 from .tmc429 import Tmc429
 from .tmc4210 import Tmc4210
+from .wires import Wires
 
 CHIPS: Mapping[str, type[Tmc428 | Tmc4210]] = {"tmc428": Tmc428, "tmc429": Tmc429, "tmc4210": Tmc4210}
 
@@ -33,6 +35,16 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
         self._chip = CHIPS[model](options)
         self._options = options
         self._noise = random.Random(options.seed)
+        step_dir = isinstance(self._chip, StepDirChip)
+        self._wired = Wires(self._chip, options.clock_hz, lambda: self.brought_to_s) if step_dir else None
+
+    @property
+    def wired(self) -> Wires | None:
+        return self._wired
+
+    @property
+    def wires(self) -> Sequence[PinWire]:
+        return self._options.wires
 
     @property
     def model(self) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, model_validator
 
 from ...form_hints import form, rest_only, shown
+from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Forced
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
@@ -55,6 +56,10 @@ class StageOptions(Closed):
         return self
 
 
+class StepOutputWire(PinWire):
+    pin: Literal["STEP1", "STEP2", "STEP3"]
+
+
 class EmulatorOptions(Closed):
     """How an emulated chip and what hangs on it are made: the `link` of an emulated device."""
 
@@ -95,6 +100,9 @@ class EmulatorOptions(Closed):
         default_factory=list,
         title="Stages: switches and carriage",
         description="one stage an axis; axes beyond the list have the default stage",
+    )
+    wires: Annotated[list[StepOutputWire], Field(max_length=3)] = rest_only(
+        [], "TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server"
     )
     driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = rest_only(
         16, "TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers"

@@ -20,8 +20,8 @@ _EDGES = {
     "ref_to_fullsteps": kernel.REF_TO,
 }
 _FORCES = {"left": kernel.FORCE_L, "right": kernel.FORCE_R, "reference": kernel.FORCE_REF}
-KEPT_WITHOUT_POWER = (kernel.MECH, *_EDGES.values(), *_FORCES.values())
-"""Columns that belong to the mechanics, not to the chip."""
+KEPT_WITHOUT_POWER = (kernel.MECH, kernel.NET, *_EDGES.values(), *_FORCES.values())
+"""Columns that belong to the mechanics, not to the chip, and what has gone out over step/direction."""
 
 
 def place(axis: Cells, options: StageOptions, units: int) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from ...registers.model import Register
 from ...registers.tmc4361.table import TMC4361
 from ..drive import kernel as motor
-from . import kernel
+from . import kernel, recording
 from . import layout as c
 from .driver import BITS, Tmc26x
 from .feedback import FeedbackOptions, FeedbackUnit
@@ -34,7 +34,7 @@ _RAMP = frozenset(
 """Registers that the ramp generator goes by."""
 _WAITING = {c.XTARGET: 1, c.R_VMAX: 2, c.RAMPMODE: 4, c.GEAR_RATIO: 8}
 """start_en's bit of each register that may wait for a start."""
-_KEPT = (c.TICK, c.CLOCK, c.FIELD, c.FORCE, c.FORCED, c.EXT_LEFT)
+_KEPT = (c.TICK, c.CLOCK, c.FIELD, c.FORCE, c.FORCED, c.EXT_LEFT, c.NET)
 _KEPT_REALS = (c.LEFT_AT, c.RIGHT_AT, c.HOME_LOW, c.HOME_HIGH, c.EXT_RATE)
 
 
@@ -129,6 +129,14 @@ class Chip:
             kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock, 0)
             if self.r[c.GENERAL_CONF] != self._general_told:  # the pipeline has changed it
                 self._tell(c.GENERAL_CONF)
+
+    def record(self, clocks: c.Cells) -> c.Cells:
+        """Catch up to the last of `clocks`, which rise: steps sent by each, or by as many as there was time for."""
+        sent = np.zeros(len(clocks), dtype=np.int64)
+        reached = recording.record(self.r, self.s, self.f, self.feedback.fb, clocks, sent)
+        if self.r[c.GENERAL_CONF] != self._general_told:  # the pipeline has changed it
+            self._tell(c.GENERAL_CONF)
+        return sent[:reached]
 
     @property
     def quiet(self) -> bool:

@@ -1,4 +1,4 @@
-"""The pins of an emulated TMC4361 that can be wired to other chips: START.
+"""The pins of an emulated TMC4361 that can be wired to other chips: START, and step and direction.
 
 START is an output unless START_CONF makes it a trigger (bit 5), and is active from a start on for START_OUT_ADD + 1
 clocks. What the bench forces on it (PATCH .../emulator) goes out to the others too.
@@ -6,7 +6,7 @@ clocks. What the bench forces on it (PATCH .../emulator) goes out to the others 
 
 from __future__ import annotations
 
-from ..core.pins import START, Level, WiredChip
+from ..core.pins import START, STEPS, Cells, Level, WiredChip
 from . import layout as c
 from .registers import Chip
 
@@ -18,8 +18,7 @@ class Wires(WiredChip):
     """`WiredChip` of one TMC4361."""
 
     tick_clocks = c.TICK_CLOCKS
-    outputs = ()
-    inputs = ()
+    outputs = STEPS[:1]
     levels = (START,)
 
     def __init__(self, chip: Chip, clock_hz: float) -> None:
@@ -48,6 +47,17 @@ class Wires(WiredChip):
         self._chip.advance(clock)
         s[c.WATCH] = 0
         return int(s[c.CLOCK])
+
+    def sent(self, pin: str) -> int:
+        del pin
+        return int(self._chip.s[c.NET])
+
+    def record(self, clocks: Cells) -> tuple[int, dict[str, Cells]]:
+        s = self._chip.s
+        s[c.WATCH] = self.may_change
+        sent = self._chip.record(clocks)
+        s[c.WATCH] = 0
+        return int(s[c.CLOCK]), {STEPS[0]: sent}
 
     def level(self, pin: str) -> Level | None:
         del pin

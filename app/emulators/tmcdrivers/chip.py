@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from ...clock import Clock
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
+from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
 from ..motor_documents import change_load
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions, TmcDriverPatch, check_change
 from .registers import Chip
 from .state import DriverPinsState, DriverUartState, TmcDriverState
+from .wires import Wires
 
 
 class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
@@ -26,11 +29,20 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
         self.options = options = (options or TmcDriverOptions()).for_clock(CHIPS[model].clock_hz)
         self._model: DriverModel = model
         super().__init__(clock, options.time_scale, Chip(model, options), options.clock_hz, options.seed)
+        self._wired = Wires(self._chip, options.clock_hz)
 
     @property
     def model(self) -> DriverModel:
         """The name in the catalog."""
         return self._model
+
+    @property
+    def wired(self) -> Wires:
+        return self._wired
+
+    @property
+    def wires(self) -> Sequence[PinWire]:
+        return self.options.wires
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         return super().exchange(frame, at_s) if CHIPS[self._model].spi else self.uart(frame, at_s)
@@ -72,6 +84,6 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
             uart=DriverUartState(node=chip.pins, reply_delay_bits=self.reply_delay_bits, writes=chip.ifcnt)
             if chip.has_uart
             else None,
-            pins=DriverPinsState(enn=chip.enn, diag=chip.diag, step_hz=chip.step_hz),
+            pins=DriverPinsState(enn=chip.enn, diag=chip.diag, step_hz=chip.step_hz, steps=chip.steps_made),
             faults=ChipFaultsState(**asdict(self.faults)),
         )

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from ...errors import OutOfRange
 from ...form_hints import form, rest_only, shown
+from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
 from ..drive.options import DriveOptions
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed, require_physics
@@ -15,6 +16,10 @@ from ..motor_documents import LoadChange, MotorDocument, NoiseSeed, require_phys
 STEP_HZ_MAX = 9e6
 DriverModel = Literal["tmc2130", "tmc2209", "tmc2240", "tmc2660"]
 MODELS: tuple[DriverModel, ...] = get_args(DriverModel)
+
+
+class StepInputWire(PinWire):
+    pin: Literal["STEP1"]
 
 
 class TmcDriverOptions(MotorDocument):
@@ -35,6 +40,10 @@ class TmcDriverOptions(MotorDocument):
     )
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = rest_only(
         None, "peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]"
+    )
+
+    wires: Annotated[list[StepInputWire], Field(max_length=1)] = rest_only(
+        [], "STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net"
     )
 
     def for_clock(self, clock_hz: float) -> TmcDriverOptions:

@@ -11,8 +11,10 @@ from functools import partial
 from ...registers.catalog import MODELS
 from ...registers.model import Access, Register
 from ...registers.tmc5xxx.driver import DRV_STATUS_5160
+from ..core.pins import Cells
 from ..drive import Drive, adc
 from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
+from ..drive.stepped import advance_by_steps
 from ..drive.units import bits, signed
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions
@@ -53,6 +55,10 @@ class Chip:
         self._gstat_more = 0
         self._external_clock = options.clock_hz != self.kind.clock_hz
         self._step_hz = 0.0
+        self._stepped = self._follows = False
+        """Whether steps come one by one, and whether the drive follows them."""
+        self.steps_made = 0
+        """Of those, since power-on."""
         self._per_hz = (1 << 24) / options.clock_hz
         self._words: dict[int, int] = {}
         self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable}
@@ -66,6 +72,7 @@ class Chip:
         self.ifcnt = 0
         self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask
         self.drive.power_cycle()
+        self._follows, self.steps_made = False, 0
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C:
                 self._take(row, _CLOCK_TRIM if row.name == "FACTORY_CONF" else row.reset or 0, fresh=True)
@@ -81,6 +88,30 @@ class Chip:
     def quiet(self) -> bool:
         """Nothing happens until a register is written."""
         return self.drive.quiet
+
+    @property
+    def clock(self) -> int:
+        """Clocks that it has been brought to."""
+        return self._clock
+
+    @property
+    def stepped(self) -> bool:
+        """Whether steps come one by one, from a controller that is wired to it."""
+        return self._stepped
+
+    @stepped.setter
+    def stepped(self, value: bool) -> None:
+        self._stepped = value
+        self._turn()
+
+    def advance_by_steps(self, clocks: Cells, counts: Cells) -> None:
+        """Catch up to the last of `clocks`; `counts` steps (signed) come by each. Lost while VACTUAL turns it."""
+        if not self._follows:
+            self.advance(int(clocks[-1]))
+            return
+        self._clock = int(clocks[-1])
+        self.steps_made += int(counts.sum())
+        advance_by_steps(*self.drive.cells, clocks, counts)
 
     # --- the buses -------------------------------------------------------------------------------
 
@@ -184,7 +215,12 @@ class Chip:
         """By VACTUAL where it is not 0, else by the steps that come in."""
         row = self.table.find("VACTUAL", 0)
         own = 0 if row is None else signed(self.held(row[0].address), 24)
-        self.drive.turn_at(own or round(self._step_hz * self._per_hz))
+        follows = self._stepped and not own
+        if follows != self._follows:
+            self._follows = follows
+            self.drive.follow("steps" if follows else "ramp")
+        if not follows:
+            self.drive.turn_at(own or round(self._step_hz * self._per_hz))
 
     def _write_chopper(self) -> None:
         """CHOPCONF, whose microsteps the pins may set."""
@@ -272,7 +308,8 @@ class Chip:
         levels = {"ENN": self.enn, "MS1": self.pins & 1, "MS2": self.pins >> 1, "DIAG": self.diag, "PDN_UART": True}
         levels |= dict.fromkeys(("DRV_ENN_CFG6", "DRV_ENN"), self.enn)
         levels |= {"EXT_RES_DET": True, "EXT_CLK": self._external_clock, "OUTPUT": bits(self.held(row.address), 12, 1)}
-        levels |= dict.fromkeys(("DIR", "REFR_DIR"), self._step_hz < 0)
+        back = self.drive.read("VACTUAL") < 0 if self._follows else self._step_hz < 0
+        levels |= dict.fromkeys(("DIR", "REFR_DIR"), back)
         word = 0
         for part in row.fields:
             word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb

@@ -23,6 +23,9 @@ class DriverPinsState(BaseModel):
     enn: bool
     diag: bool = Field(description="DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall")
     step_hz: float = Field(description="steps a second that come in at STEP, negative with DIR high")
+    steps: int = Field(
+        default=0, description="steps taken from a wired controller since power-on, those back taken off"
+    )
 
 
 class TmcDriverState(EmulatedState):

@@ -4869,6 +4869,12 @@ export interface components {
              */
             full_scale_a?: number | null;
             /**
+             * Wires
+             * @description STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net
+             * @default []
+             */
+            wires?: components["schemas"]["StepInputWire"][];
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -4907,6 +4913,12 @@ export interface components {
              * @description steps a second that come in at STEP, negative with DIR high
              */
             step_hz: number;
+            /**
+             * Steps
+             * @description steps taken from a wired controller since power-on, those back taken off
+             * @default 0
+             */
+            steps?: number;
         };
         /**
          * DriverPlaceRow
@@ -5064,6 +5076,12 @@ export interface components {
              * @description one stage an axis; axes beyond the list have the default stage
              */
             stages?: components["schemas"]["StageOptions"][];
+            /**
+             * Wires
+             * @description TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server
+             * @default []
+             */
+            wires?: components["schemas"]["StepOutputWire"][];
             /**
              * Driver Microsteps
              * @description TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers
@@ -11474,6 +11492,19 @@ export interface components {
             /** Pulse Clocks */
             pulse_clocks: number;
         };
+        /** StepInputWire */
+        StepInputWire: {
+            /**
+             * Pin
+             * @constant
+             */
+            pin: "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
+        };
         /**
          * StepOutputState
          * @description The step output since power-on.
@@ -11503,6 +11534,19 @@ export interface components {
              * @description microsteps sent, in 1/256 full step
              */
             microsteps_256: number;
+        };
+        /** StepOutputWire */
+        StepOutputWire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "STEP1" | "STEP2" | "STEP3";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * StepResponseStart

@@ -1,0 +1,42 @@
+"""The step/direction outputs of an emulated TMC429 or TMC4210, as wires to other chips."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..core.pins import STEPS, Cells, WiredChip
+from . import kernel as k
+from .chip import Chip
+
+TICK_CLOCKS = 32
+
+
+class Wires(WiredChip):
+    """`WiredChip` of one of them. `brought_to_s` tells how far it is [s]."""
+
+    tick_clocks = TICK_CLOCKS
+
+    def __init__(self, chip: Chip, clock_hz: float, brought_to_s: Callable[[], float]) -> None:
+        self._chip = chip
+        self._brought_to_s = brought_to_s
+        self.clock_hz = clock_hz
+        self.outputs = STEPS[: chip.model.axes]
+
+    @property
+    def clock(self) -> int:
+        return int(self._brought_to_s() * self.clock_hz + 0.5)
+
+    @property
+    def quiet(self) -> bool:
+        return self._chip.quiet
+
+    def advance(self, clock: int) -> int:
+        self._chip.advance(clock)
+        return clock
+
+    def sent(self, pin: str) -> int:
+        return int(self._chip.axes[STEPS.index(pin), k.NET])
+
+    def record(self, clocks: Cells) -> tuple[int, dict[str, Cells]]:
+        sent = self._chip.record(clocks)
+        return int(clocks[-1]), {pin: sent[:, axis] for axis, pin in enumerate(self.outputs)}

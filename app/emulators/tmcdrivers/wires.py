@@ -1,0 +1,38 @@
+"""STEP and DIR of an emulated driver, as an input that is wired to a controller's step output."""
+
+from __future__ import annotations
+
+from ..core.pins import STEPS, Cells, WiredChip
+from ..drive import TICK_CLOCKS
+from .registers import Chip
+
+
+class Wires(WiredChip):
+    """`WiredChip` of one driver."""
+
+    tick_clocks = TICK_CLOCKS
+    inputs = STEPS[:1]
+
+    def __init__(self, chip: Chip, clock_hz: float) -> None:
+        self._chip = chip
+        self.clock_hz = clock_hz
+
+    @property
+    def clock(self) -> int:
+        return self._chip.clock
+
+    @property
+    def quiet(self) -> bool:
+        return self._chip.quiet
+
+    def advance(self, clock: int) -> int:
+        self._chip.advance(clock)
+        return clock
+
+    def connect(self, pin: str, connected: bool) -> None:
+        del pin
+        self._chip.stepped = connected
+
+    def take(self, pin: str, clocks: Cells, counts: Cells) -> None:
+        del pin
+        self._chip.advance_by_steps(clocks, counts)
