@@ -70,6 +70,7 @@ from .store.profiles import ProfileStore
 from .store.recordings.library import Library
 from .store.saver import Saver
 from .store.tokens import NamedToken, TokenStore
+from .studies.service import StudyService
 from .telemetry.hub import TelemetryHub
 from .twin.service import Twin
 
@@ -184,6 +185,10 @@ def create_app(
         await manager.edit(device.id, DeviceChange(axes=tuple(axes)))
 
     profiles = ProfileService(settings.data_dir, under_way, configure)
+    profile_store = ProfileStore(database)
+    studies = StudyService(
+        settings.data_dir, clock, manager.get, procedures, profiles, recording_service, profile_store
+    )
     bench = ServerState(
         settings,
         clock,
@@ -198,7 +203,7 @@ def create_app(
         lease,
         twin,
         profiles,
-        ProfileStore(database),
+        profile_store,
         conditions,
         list_serial_ports,
         saver,
@@ -210,6 +215,7 @@ def create_app(
         sessions,
         MapShelf(settings.data_dir, manager),
         wiring,
+        studies,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -248,6 +254,7 @@ def create_app(
         await asyncio.to_thread(database.open)
         await bench.tokens.start()
         profiles.tell_unfinished()
+        await asyncio.to_thread(studies.load)
         await preparation.start()
         with_demo = settings.demo or (settings.demo is None and not saved.configs)
         opening = asyncio.create_task(open_saved(saved.configs, with_demo))
@@ -275,6 +282,7 @@ def create_app(
             await bench.probing.abort()
             await profiles.close()
             await stop_motors(bench)
+            await studies.close()
             await found_moving.close()
             await conditions.close()
             await bench.twin.off()

@@ -44,6 +44,7 @@ SLOW = (
     "links/test_staying_in_step.py",
     "procedures/test_reference_search.py",
     "profiles/scripts/test_trials.py",
+    "studies/test_fastest_move.py",
     "store/test_damaged_directory.py",
     "store/test_hand_edited.py",
     "store/test_noise_in_database.py",

@@ -19,6 +19,7 @@ REGISTRIES = {
     "app/procedures/families.py",
     "app/profiles/families.py",
     "app/registers/catalog.py",
+    "app/studies/families.py",
     "app/devices/families.py",
     "app/emulators/families.py",
     "app/emulator_server/families.py",

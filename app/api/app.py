@@ -48,6 +48,7 @@ from .register_maps import routes as register_maps
 from .registers import routes as registers
 from .server_state import ServerState
 from .start_up import routes as start_up
+from .studies import routes as studies
 from .tables import routes as tables
 from .telemetry import routes as telemetry
 from .together import routes as together
@@ -82,6 +83,7 @@ SUBJECTS = (
     ports,
     recordings,
     profile_scripts,
+    studies,
     telemetry,
     conditions,
     twin,

@@ -22,6 +22,7 @@ from ..store.audit import AuditLog
 from ..store.database import Database
 from ..store.profiles import ProfileStore
 from ..store.saver import Saver
+from ..studies.service import StudyService
 from ..telemetry.hub import TelemetryHub
 from ..twin.service import Twin
 from .access.tokens import Tokens
@@ -65,6 +66,7 @@ class ServerState:
     sessions: Sessions
     maps: MapShelf
     wiring: EmulatorWiring
+    studies: StudyService
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -344,8 +344,15 @@ class AsyncBench:
 
     async def recording_file(self, recording: str, kind: str = "csv") -> bytes:
         """All rows as a file: "csv" or "parquet"."""
+        return await self._file(calls.recording_file(recording, kind))
+
+    async def study_report(self, study: str) -> bytes:
+        """The report of a study as one HTML file."""
+        return await self._file(calls.study_report(study))
+
+    async def _file(self, path: str) -> bytes:
         try:
-            response = await self._http.get(calls.recording_file(recording, kind))
+            response = await self._http.get(path)
         except httpx.TransportError as error:
             raise told(error, self.url) from error
         return content_of(response)

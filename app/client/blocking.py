@@ -342,8 +342,15 @@ class Bench:
 
     def recording_file(self, recording: str, kind: str = "csv") -> bytes:
         """All rows as a file: "csv" or "parquet"."""
+        return self._file(calls.recording_file(recording, kind))
+
+    def study_report(self, study: str) -> bytes:
+        """The report of a study as one HTML file."""
+        return self._file(calls.study_report(study))
+
+    def _file(self, path: str) -> bytes:
         try:
-            response = self._http.get(calls.recording_file(recording, kind))
+            response = self._http.get(path)
         except httpx.TransportError as error:
             raise told(error, self.url) from error
         return content_of(response)

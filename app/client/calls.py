@@ -160,6 +160,10 @@ def replay_look(recording: str) -> Call[Json]:
     return Call("GET", f"{_recorded(recording)}/replay", _as_it_is)
 
 
+def study_report(study: str) -> str:
+    return f"{BASE}/studies/{quote(study, safe='')}/report"
+
+
 def recording_file(recording: str, kind: str) -> str:
     """Path and query of all rows as a file."""
     return f"{_recorded(recording)}?format={quote(kind, safe='')}"

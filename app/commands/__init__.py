@@ -26,6 +26,7 @@ from .programs import tmcl
 from .register_maps import maps
 from .start_up import start_up
 from .tokens import tokens
+from .tuning import tune
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,
@@ -51,5 +52,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "doctor", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
-GROUPS: Sequence[typer.Typer] = (lease, maps, profile, tmcl, tokens)
+GROUPS: Sequence[typer.Typer] = (lease, maps, profile, tmcl, tokens, tune)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

@@ -66,11 +66,15 @@ class Procedure(ABC):
             with contextlib.suppress(asyncio.CancelledError):
                 await asyncio.shield(self._task)
 
+    def is_own(self, by: object) -> bool:
+        """Whether who commands is this procedure, or a part of it."""
+        return by is self
+
     def _heard(self, event: DeviceEvent) -> None:
         if (
             isinstance(event, MotionCommanded)
             and event.axis == self.axis
-            and event.by is not self
+            and not self.is_own(event.by)
             and self.running
             and not self._taken_over
             and not self._aborting

@@ -57,6 +57,10 @@ class Procedures:
         """End everything. For the end of the program."""
         await asyncio.gather(*(self.cancel(device, why="the server ends") for device in list(self._latest)))
 
+    def start(self, procedure: P) -> P:
+        """Begin a procedure of another room. Raises WrongState while one runs on its axis, or it is not connected."""
+        return self._start(procedure)
+
     # --- reference search -----------------------------------------------------------------------
 
     def start_search(

@@ -19,6 +19,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/stallguard": page(() => import("./pages/stallguard/StallGuardPage")),
   "/program": page(() => import("./pages/program/ProgramPage")),
   "/rotary": page(() => import("./pages/rotary/RotaryPage")),
+  "/tune": page(() => import("./pages/tune/TunePage")),
   "/twin": page(() => import("./pages/twin/TwinPage")),
   "/health": page(() => import("./pages/health/HealthPage")),
   "/audit": page(() => import("./pages/audit/AuditPage")),

@@ -11,6 +11,7 @@ import {
   IconRotate360,
   IconRotateClockwise2,
   IconTableColumn,
+  IconTargetArrow,
   IconTerminal2,
   IconWaveSine,
 } from "@tabler/icons-react";
@@ -36,6 +37,7 @@ export const PAGES: readonly PageEntry[] = [
   }),
   page(81, "/stallguard", "StallGuard", "Stall", IconGauge, { needs: ["stallguard"] }),
   page(82, "/rotary", "Rotary", "Rotary", IconRotate360, { needs: ["motion"], unless: "step_input" }),
+  page(85, "/tune", "Tune", "Tune", IconTargetArrow, { needs: ["encoder"], unless: "parameters" }),
   page(83, "/twin", "3D", "3D", IconCube, { needs: ["motion"] }),
   page(84, "/program", "Program", "Program", IconCode, { needs: ["programs"] }),
   page(90, "/recordings", "Recordings", "Records", IconPlayerRecord, { alone: true }),

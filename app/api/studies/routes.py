@@ -1,0 +1,127 @@
+"""Studies: what is looked for on an axis, told before it moves, and what came of it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path
+from fastapi.responses import Response
+
+from ...errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack
+from ...studies.document import StudyDocument
+from ...studies.kinds import KINDS
+from ...studies.plan import StudyPlan
+from ...studies.record import StudyRecord
+from ...studies.report import html_of
+from ..audit import wording
+from ..deps import CurrentBench
+from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
+from ..profiles.views import info as profile_info
+from .schemas import StudyInfo, StudyKindInfo, StudyLeft, StudyList, StudyProfiles, StudyTake
+
+router = APIRouter(prefix="/studies", tags=["studies"])
+
+StudyId = Annotated[str, Path(description="as in the list", max_length=60)]
+LOOK = problems(UnknownThing)
+BEGIN = problems(*DEVICE_PROBLEMS, SoftLimit, UsageError, OutOfRange, StoreUnavailable)
+TAKE = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileMisfit, ProfileTakenBack, ProfileLeft, StoreUnavailable)
+
+
+def _info(record: StudyRecord) -> StudyInfo:
+    document = record.document
+    return StudyInfo(
+        id=record.id,
+        kind=document.study.kind,
+        title=document.title,
+        device=document.device,
+        axis=document.axis,
+        state=record.state,
+        progress=record.progress,
+        message=record.message,
+        verdict=record.verdict,
+        improved=record.improved,
+        started_unix_s=record.started_unix_s,
+        ended_unix_s=record.ended_unix_s,
+        left=record.left,
+    )
+
+
+@router.get("")
+async def list_studies(bench: CurrentBench) -> StudyList:
+    """All studies, the latest first, and which kinds there are."""
+    kinds = [StudyKindInfo(kind=kind.kind, title=kind.title, purpose=kind.purpose) for kind in KINDS.values()]
+    return StudyList(studies=[_info(record) for record in bench.studies.all()], kinds=kinds)
+
+
+@router.post("/plan", responses=problems(*DEVICE_PROBLEMS))
+@policy(lease="free", role="look", audit="silent")
+async def plan_study(bench: CurrentBench, body: StudyDocument) -> StudyPlan:
+    """What a study would do to the machine, and what is missing before it can. Nothing moves."""
+    return await bench.studies.plan(body)
+
+
+@router.post("", status_code=201, responses=BEGIN)
+@policy(words=wording.named("start study"))
+async def start_study(bench: CurrentBench, body: StudyDocument) -> StudyRecord:
+    """Begin a study. Answers when it has started; a stop, or any other command to the axis, ends it."""
+    return await bench.studies.start(body)
+
+
+@router.get("/{study}", responses=LOOK)
+async def get_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
+    """A study with all that came of it so far."""
+    return bench.studies.get(study)
+
+
+@router.delete("/{study}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
+@policy(words=wording.named("delete study"))
+async def delete_study(bench: CurrentBench, study: StudyId) -> None:
+    """Delete it for good; its recording stays."""
+    await bench.studies.delete(study)
+
+
+@router.post("/{study}/stop", responses=LOOK)
+@policy(stops=True)
+async def stop_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
+    """End it at once: the motor stops, and the setting before goes back."""
+    return await bench.studies.stop(study)
+
+
+@router.post("/{study}/resume", responses=BEGIN)
+@policy(words=wording.named("resume study"))
+async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
+    """Put the axis back as it was, and go on where the study was cut off."""
+    return await bench.studies.resume(study)
+
+
+@router.post("/{study}/take", responses=TAKE)
+@policy(whole=True, words=wording.named("take study"))
+async def take_study(bench: CurrentBench, study: StudyId, body: StudyTake) -> StudyRecord:
+    """Set the axis to what the study found, or to what it was before: one transaction."""
+    return await bench.studies.take(study, body.which)
+
+
+@router.get("/{study}/left", responses=problems(*DEVICE_PROBLEMS))
+async def get_study_left(bench: CurrentBench, study: StudyId) -> StudyLeft:
+    """What a study that was cut off has left: register by register, as it is now."""
+    return StudyLeft(left=await bench.studies.left(study))
+
+
+@router.post("/{study}/profiles", status_code=201, responses=problems(*DEVICE_PROBLEMS, StoreUnavailable))
+@policy(lease="free", words=wording.named("keep study as profiles"))
+async def keep_study(bench: CurrentBench, study: StudyId) -> StudyProfiles:
+    """Keep the setting before and the best one as profiles of the whole device."""
+    return StudyProfiles(profiles=[profile_info(saved) for saved in await bench.studies.keep(study)])
+
+
+@router.get(
+    "/{study}/report",
+    response_class=Response,
+    responses={**problems(UnknownThing), 200: {"content": {"text/html": {"schema": {"type": "string"}}}}},
+)
+async def get_study_report(bench: CurrentBench, study: StudyId) -> Response:
+    """The report as one HTML file that needs nothing else. The same as JSON is the study itself."""
+    named = {"content-disposition": f'attachment; filename="study-{study}.html"'}
+    return Response(html_of(bench.studies.get(study)), media_type="text/html", headers=named)

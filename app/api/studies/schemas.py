@@ -1,0 +1,63 @@
+"""The shapes of studies that are not those of their documents and records."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ...studies.document import Kind
+from ...studies.record import State
+from ..profiles.schemas import ProfileInfo
+from ..schemas import Answer, Body
+
+
+class StudyKindInfo(Answer):
+    """A study that there is."""
+
+    kind: Kind
+    title: str
+    purpose: str
+
+
+class StudyInfo(Answer):
+    """A study in the list."""
+
+    id: str
+    kind: Kind
+    title: str
+    device: str
+    axis: int
+    state: State
+    progress: float
+    message: str
+    verdict: str
+    improved: bool | None
+    started_unix_s: float
+    ended_unix_s: float | None
+    left: list[str] = Field(description="what is not as it was before; empty where all is")
+
+
+class StudyList(Answer):
+    """All of them, the latest first."""
+
+    studies: list[StudyInfo]
+    kinds: list[StudyKindInfo]
+
+
+class StudyTake(Body):
+    """Which setting the axis shall have."""
+
+    which: Literal["best", "baseline"] = Field(description="what the study found, or what was before it")
+
+
+class StudyLeft(Answer):
+    """What a study that was cut off has left."""
+
+    left: list[str] = Field(description="register by register, as it is now; empty where all is as before")
+
+
+class StudyProfiles(Answer):
+    """The profiles that were kept."""
+
+    profiles: list[ProfileInfo]

@@ -1,0 +1,128 @@
+"""A study as a document: which axis, what is looked for, and how much of trials, time and way it may cost.
+
+Written by forms, REST, the command line or Python; versioned like a profile. An unknown key is an error.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+
+FORMAT: Final = "stepscope-study"
+VERSION: Final = 1
+
+Int = Annotated[int, Field(strict=True)]
+Positive = Annotated[float, Field(strict=True, gt=0, le=1e12, allow_inf_nan=False)]
+Sampler = Literal["tpe", "cmaes", "nsga2"]
+
+
+class Part(BaseModel):
+    """What documents and records of studies are made of."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
+
+
+class Budget(Part):
+    """What a study may cost at most; the first that is used up ends its search."""
+
+    trials: Annotated[int, Field(strict=True, ge=1, le=1000)] = Field(
+        default=30, description="settings that are tried by moving the motor"
+    )
+    time_s: Annotated[float, Field(strict=True, gt=0, le=86_400, allow_inf_nan=False)] = Field(
+        default=900.0, description="of the server's clock, proof included [s]"
+    )
+    distance_fullsteps: Positive | None = Field(
+        default=None, description="way of the motor, there and back, proof included [full steps]; null: no bound"
+    )
+
+
+class FastestMove(Part):
+    """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder."""
+
+    kind: Literal["fastest_move"] = "fastest_move"
+    distance: Int = Field(description="of a move, and back again; its sign says to which side [microsteps]")
+    margin: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.1, description="no step may be lost at so much more speed and acceleration either: 0.1 is 10 %"
+    )
+    velocity_max_pps: Positive | None = Field(
+        default=None, description="never faster, margin included [pps]; null: as the soft limit, else ten times as now"
+    )
+    acceleration_max_pps2: Positive | None = Field(default=None, description="the same of the acceleration [pps^2]")
+    repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
+        default=2, description="moves there and back with each setting that is tried"
+    )
+    pairs: Annotated[int, Field(strict=True, ge=10, le=300)] = Field(
+        default=10, description="of the proof: as many moves with the old setting and with the new, in turn"
+    )
+    band_fullsteps: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = Field(
+        default=1.0, description="a move is over when the encoder stays within it of the target [full steps]"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.01, description="what is less than this share faster is no improvement"
+    )
+    quiet: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="look for little deviation under way too: a front of both"
+    )
+    sampler: Sampler | None = Field(default=None, description="null: TPE for one objective, NSGA-II for two")
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> FastestMove:
+        if self.distance == 0:
+            raise ValueError("distance is 0: a move goes somewhere")
+        if self.quiet and self.sampler == "cmaes":
+            raise ValueError("CMA-ES knows one objective: leave quiet out, or take tpe or nsga2")
+        return self
+
+
+class FirstLook(Part):
+    """What an axis is: direction, encoder, switches, travel, and what is missing. Small moves alone."""
+
+    kind: Literal["first_look"] = "first_look"
+    turns: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = Field(
+        default=1.0, description="how far it turns to either side, to look at the encoder [turns of the motor]"
+    )
+    velocity_rps: Annotated[float, Field(strict=True, gt=0, le=5, allow_inf_nan=False)] = Field(
+        default=0.5, description="of these moves [turns of the motor a second]"
+    )
+    travel_turns: Annotated[float, Field(strict=True, ge=0, le=10_000, allow_inf_nan=False)] = Field(
+        default=0.0, description="how far to look for switches to either side [turns of the motor]; 0: not at all"
+    )
+
+
+What: TypeAlias = Annotated[FastestMove | FirstLook, Field(discriminator="kind")]
+Kind = Literal["fastest_move", "first_look"]
+TITLES: dict[Kind, str] = {"fastest_move": "Fastest move", "first_look": "First look"}
+
+
+class StudyDocument(Part):
+    """One study of one axis. Raises ValidationError for what is none."""
+
+    format: Literal["stepscope-study"] = FORMAT
+    version: Literal[1] = VERSION
+    name: Annotated[str, StringConstraints(strict=True, max_length=100, strip_whitespace=True)] = ""
+    device: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)] = Field(
+        description="the device's id: a slug of its name"
+    )
+    axis: Annotated[int, Field(strict=True, ge=0, le=31)] = 0
+    study: What
+    budget: Budget = Field(default_factory=Budget)
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1)] = Field(
+        default=1, description="of everything drawn: the same seed asks for the same settings first"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_this_format(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            if data.get("format", FORMAT) != FORMAT:
+                raise ValueError("this is no study of stepscope")
+            version = data.get("version", VERSION)
+            if isinstance(version, int) and version > VERSION:
+                raise ValueError(f"it is of a newer stepscope: version {version}, known is {VERSION}")
+        return data
+
+    @property
+    def title(self) -> str:
+        """Its name, or what it is."""
+        return self.name or TITLES[self.study.kind]

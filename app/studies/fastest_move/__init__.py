@@ -1,0 +1,1 @@
+"""The study that finds the fastest ramp for a distance."""

@@ -1,0 +1,146 @@
+"""Where the fastest move is looked for: the space of speeds and accelerations, and what is missing before it can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...devices.core.capabilities import EncoderSetting, PositionFromEncoder
+from ...devices.core.device import Device
+from ...devices.core.results import AxisState
+from ...errors import BenchError, WrongState
+from ...number_text import plain
+from ..document import Budget, FastestMove
+from ..families import ramp_of
+from ..plan import StudyPlan
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of, least_time_s
+from ..search import Dimension
+
+FASTER, SLOWER = 10.0, 0.5
+"""How far from the present setting is looked at most, where no limit says otherwise."""
+AROUND_S = 0.6
+"""What a move there and back takes beside its ramps: coming to rest, and looking [s]."""
+WRITING_S = 0.1
+"""What setting registers takes, about [s]."""
+BASELINE_RUNS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Ranges:
+    """What is known before the first move."""
+
+    space: RampSpace
+    dimensions: tuple[Dimension, ...]
+    start: int
+    microsteps: int
+    """Of a full step."""
+    period: int
+    """An electrical period [microsteps]: runs begin at different places of it."""
+
+
+@dataclass(slots=True)
+class Looked:
+    """What there is, and what is missing."""
+
+    ranges: Ranges | None = None
+    missing: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) -> dict[str, tuple[float, float]]:
+    soft, now = device.axes[axis].settings.limits, space.now()
+    found = {}
+    for name, limit, asked in (
+        (SPEED, soft.velocity_max_pps, wanted.velocity_max_pps),
+        (ACCELERATION, soft.acceleration_max_pps2, wanted.acceleration_max_pps2),
+    ):
+        usual = limit if limit is not None else now[name] * FASTER
+        most = min(usual if asked is None else asked, space.most(name), limit if limit is not None else float("inf"))
+        if name == SPEED:
+            most = min(most, device.motion.speed_limit_pps(axis))
+        found[name] = (now[name] * SLOWER, most / (1 + wanted.margin))
+    return found
+
+
+async def look(device: Device, axis: int, wanted: FastestMove) -> Looked:
+    """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
+    looked = Looked()
+    say = looked.missing.append
+    device.session.require_connected()
+    try:
+        names = ramp_of(device)
+        device.need(EncoderSetting).require_encoder(axis)
+        device.need(PositionFromEncoder)
+        space = RampSpace(device, axis, names, await held_of(device))
+    except WrongState as error:
+        say(str(error))
+        return looked
+    state: AxisState = await device.monitor.axis_state(axis)
+    microsteps = device.axis(axis).microsteps_per_full_step
+    if microsteps is None:
+        say("how many microsteps a full step has is not known: start the axis up")
+        return looked
+    if state.moving:
+        say("the axis moves: stop it first")
+    if state.encoder_position is None:
+        say("no encoder tells its position: without one lost steps cannot be seen")
+    now = space.now()
+    if not all(now.values()):
+        say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
+        return looked
+    period, limits = 4 * microsteps, device.axes[axis].settings.limits
+    way = wanted.distance + (period if wanted.distance > 0 else -period)
+    ends = sorted((state.position, state.position + way))
+    for end in ends:
+        if limits.beyond(end):
+            say(f"it would go to {end}, and the soft limits end before: begin elsewhere, or by a shorter distance")
+            break
+    if not limits.ranged:
+        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    ranges = _limits(device, axis, wanted, space)
+    for name, (low, high) in ranges.items():
+        if high <= low:
+            say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
+            return looked
+    dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
+    looked.ranges = Ranges(space, dimensions, state.position, microsteps, period)
+    return looked
+
+
+async def plan(device: Device, axis: int, wanted: FastestMove, budget: Budget) -> StudyPlan:
+    """What the study would do. Nothing moves."""
+    try:
+        looked = await look(device, axis, wanted)
+    except BenchError as error:
+        return StudyPlan(title="Fastest move", missing=[str(error)])
+    told = StudyPlan(title="Fastest move", missing=looked.missing, warnings=looked.warnings)
+    ranges = looked.ranges
+    if ranges is None:
+        return told
+    now, most = ranges.space.now(), {each.name: each.high * (1 + wanted.margin) for each in ranges.dimensions}
+    step_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
+    runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs
+    share = (1 + wanted.margin) * 100
+    way = abs(wanted.distance) + ranges.period
+    told.moves_max = 2 * runs
+    told.way_fullsteps = 2 * runs * way / ranges.microsteps
+    told.time_s = min(budget.time_s, runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S)
+    if budget.distance_fullsteps is not None:
+        told.way_fullsteps = min(told.way_fullsteps, budget.distance_fullsteps)
+    far = ranges.start + (1 if wanted.distance > 0 else -1) * way
+    told.position_from, told.position_to = min(ranges.start, far), max(ranges.start, far)
+    told.velocity_max_pps, told.acceleration_max_pps2 = most[SPEED], most[ACCELERATION]
+    told.registers = [f"{each.name} of axis {axis}" for each in ranges.space.before]
+    present = f"{plain(now[SPEED])} pps, {plain(now[ACCELERATION])} pps^2"
+    told.steps = [
+        f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
+        f"up to {budget.trials} settings: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
+        "beyond the edge steps will be lost, which is loud",
+        "after lost steps the position is taken from the encoder, and the motor goes back slowly",
+        f"{wanted.pairs} moves with the old and {wanted.pairs} with the best setting, in turn; as many with margin",
+        "the setting as it is now goes back, whatever came of it; one click takes the best one",
+    ]
+    told.unwatched = [
+        "an encoder that slips on its shaft looks like lost steps",
+        "what is behind the motor's shaft (a belt that jumps) is not seen by an encoder on that shaft",
+    ]
+    return told

@@ -1,0 +1,404 @@
+"""The study itself: baseline, search, proof."""
+
+from __future__ import annotations
+
+import math
+import random
+import statistics
+from collections.abc import Mapping, Sequence
+
+from ...clock import WallClock
+from ...devices.core.capabilities import PositionFromEncoder
+from ...errors import SoftLimit, WrongState
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ..document import FastestMove
+from ..moves import MeasuredMoves, MoveFigures
+from ..proof import is_better, paired_effect, rate_bound
+from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
+from ..record import Evidence, Figures, Pair, Trial
+from ..run import StudyRun
+from ..search import Asked, Searcher
+from .ranges import BASELINE_RUNS, Ranges, look
+
+ASKED_FOR_ONE = 12
+"""So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
+LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
+"""The first settings: so many times the present speed and acceleration, as far as the space goes."""
+CANDIDATES = 8
+"""So many of the best go to the proof, one after the other, where one of them loses steps there."""
+TOO_SLOW = 10.0
+"""Times the baseline: what is told of a setting without a time."""
+
+
+class FastestMoveStudy(StudyRun):
+    """Looks for the ramp with the shortest move there and back at which no step is lost."""
+
+    _ranges: Ranges
+    _moves: MeasuredMoves
+
+    @property
+    def wanted(self) -> FastestMove:
+        study = self.record.document.study
+        assert isinstance(study, FastestMove)
+        return study
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        looked = await look(self.device, self.axis, wanted)
+        if looked.missing or looked.ranges is None:
+            raise WrongState("; ".join(looked.missing) or "nothing to look at", "see what the plan says is missing")
+        ranges = self._ranges = looked.ranges
+        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ranges.microsteps, wanted.band_fullsteps)
+        self._way_before = record.way_fullsteps
+        self._random = random.Random(record.document.seed + len(record.trials))
+        if not record.baseline:
+            record.baseline = ranges.space.before
+            record.baseline_setting = ranges.space.now()
+        record.units = dict(UNITS)
+        await self.keeper.save(record)
+        await self._baseline()
+        await self._search()
+        await self._proof()
+        await self.back()
+        await self._moves.go(ranges.start)
+
+    # --- one run ----------------------------------------------------------------------------------
+
+    async def _run_once(self, jitter: int | None = None) -> tuple[MoveFigures, MoveFigures]:
+        """There and back, from a place of the electrical period that is drawn anew. Lost steps are mended."""
+        ranges, wanted = self._ranges, self.wanted
+        way = 1 if wanted.distance > 0 else -1
+        begin = ranges.start + way * (self._random.randrange(ranges.period) if jitter is None else jitter)
+        await self._moves.go(begin)
+        there = await self._moves.measured(begin + wanted.distance)
+        if there.lost_fullsteps:
+            await self._mend()
+            figures = there, there
+        else:
+            back = await self._moves.measured(begin)
+            if back.lost_fullsteps:
+                await self._mend()
+            figures = there, back
+        self.record.runs += 1
+        self.record.way_fullsteps = self._way_before + self._moves.way_fullsteps
+        return figures
+
+    async def _mend(self) -> None:
+        """After lost steps: the position as the encoder has it, and slowly back to where the study began."""
+        self.keeper.mark("steps lost: the position is taken from the encoder")
+        await self.device.need(PositionFromEncoder).position_from_encoder(self.axis)
+        await self.apply(self.record.baseline, "the setting before the study")
+        await self._moves.go(self._ranges.start)
+
+    @staticmethod
+    def _figures(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
+        moves = [move for run in runs for move in run]
+        times = [move.time_s for move in moves]
+        known = [time_s for time_s in times if time_s is not None]
+        whole = len(known) == len(times) and len(known) > 0
+        return Figures(
+            time_s=statistics.fmean(known) if whole else None,
+            spread_s=statistics.stdev(known) if whole and len(known) > 2 else None,
+            deviation_fullsteps=max((move.deviation_fullsteps for move in moves), default=None),
+            lost_fullsteps=max((move.lost_fullsteps for move in moves), default=0.0),
+            runs=len(runs),
+        )
+
+    # --- baseline ---------------------------------------------------------------------------------
+
+    async def _baseline(self) -> None:
+        record = self.record
+        if record.baseline_figures is not None:
+            return
+        self.tell("baseline", 0.0, "moving as the axis is set now")
+        self.keeper.mark("baseline")
+        self._touched = True  # a loss is mended by the setting before, which writes
+        runs = []
+        for index in range(BASELINE_RUNS):
+            runs.append(await self._run_once())
+            figures = self._figures(runs)
+            if figures.lost_fullsteps:
+                raise Failed(
+                    f"position and encoder part by {figures.lost_fullsteps:g} full steps as the axis is set now: "
+                    "too fast for it, too much load, an open phase, an encoder that slips, or a wrong resolution of it"
+                )
+            if figures.time_s is None:
+                raise Failed(
+                    f"as it is set now the encoder does not end within {self.wanted.band_fullsteps:g} full steps "
+                    "of the target: its resolution is set wrong (first look), or the band is too narrow"
+                )
+            self.tell("baseline", 0.05 * (index + 1) / BASELINE_RUNS, "moving as the axis is set now")
+        record.baseline_figures = self._figures(runs)
+        await self.keeper.save(record)
+
+    # --- search -----------------------------------------------------------------------------------
+
+    async def _search(self) -> None:
+        record, wanted, budget = self.record, self.wanted, self.record.document.budget
+        objectives = 2 if wanted.quiet else 1
+        sampler = wanted.sampler or ("nsga2" if wanted.quiet else "tpe")
+        searcher = Searcher(
+            self.keeper.folder / "optuna.db",
+            self._ranges.dimensions,
+            objectives,
+            sampler,
+            record.document.seed + len(record.trials),
+            aside=isinstance(self.clock, WallClock),
+        )
+        try:
+            if not await searcher.open():
+                await searcher.first(self._ladder())
+            passed = 0
+            while self._moved() < budget.trials and not self._spent(share=0.75) and passed < ASKED_FOR_ONE:
+                tried = self._moved()
+                left = budget.trials - tried
+                each_s = self.since_s / max(1, tried) if tried else 0.0
+                best = self._best_text()
+                self.tell(
+                    "search", 0.05 + 0.7 * tried / budget.trials, f"trial {tried + 1}{best}", left * each_s or None
+                )
+                asked = await searcher.ask()
+                trial = await self._trial(searcher, asked)
+                passed = passed + 1 if trial.state == "pruned" else 0
+                record.trials.append(trial)
+                self._judge()
+                if trial.state != "pruned":
+                    await self.keeper.save(record)
+        finally:
+            searcher.close()
+
+    def _moved(self) -> int:
+        return sum(trial.state != "pruned" for trial in self.record.trials)
+
+    def _spent(self, share: float = 1.0) -> bool:
+        budget = self.record.document.budget
+        far = budget.distance_fullsteps is not None and self.record.way_fullsteps > share * budget.distance_fullsteps
+        return far or self.since_s > share * budget.time_s
+
+    def _ladder(self) -> list[dict[str, float]]:
+        now, dimensions = self.record.baseline_setting, self._ranges.dimensions
+        return [{each.name: min(now[each.name] * times, each.high) for each in dimensions} for times in LADDER]
+
+    async def _trial(self, searcher: Searcher, asked: Asked) -> Trial:
+        record, space = self.record, self._ranges.space
+        setting = space.rounded(asked.values)
+        expected_s = least_time_s(self.wanted.distance, setting[SPEED], setting[ACCELERATION])
+        trial = Trial(
+            number=asked.number,
+            setting=setting,
+            registers=space.registers(setting),
+            state="pruned",
+            figures=Figures(),
+            expected_s=expected_s,
+            at_s=round(self.since_s, 3),
+        )
+        baseline = record.baseline_figures
+        assert baseline is not None
+        assert baseline.time_s is not None
+        trial.why = self._hopeless(setting, expected_s)
+        if trial.why:
+            await searcher.prune(asked, expected_s)
+            return trial
+        self.keeper.mark(f"trial {asked.number}: {self._words(setting)}")
+        try:
+            trial.figures = await self._measure(setting)
+        except (Failed, SoftLimit, WrongState) as error:
+            trial.state, trial.why = "failed", str(error)
+            await searcher.fail(asked)
+            await self._moves_home()
+            return trial
+        figures = trial.figures
+        trial.state = "feasible" if not figures.lost_fullsteps and figures.time_s is not None else "infeasible"
+        if trial.state == "infeasible":
+            trial.why = (
+                f"{figures.lost_fullsteps:g} full steps lost"
+                if figures.lost_fullsteps
+                else "it did not settle in its band"
+            )
+        time_s = figures.time_s if figures.time_s is not None else TOO_SLOW * baseline.time_s
+        values = [time_s if trial.state == "feasible" else expected_s]
+        if self.wanted.quiet:
+            values.append(figures.deviation_fullsteps or 0.0)
+        violation = figures.lost_fullsteps or (1.0 if trial.state == "infeasible" else 0.0)
+        await searcher.tell(asked, values, violation if trial.state == "infeasible" else -1.0)
+        return trial
+
+    async def _moves_home(self) -> None:
+        await self.apply(self.record.baseline, "the setting before the study")
+        await self._moves.go(self._ranges.start)
+
+    async def _measure(self, setting: Mapping[str, float]) -> Figures:
+        """With the margin first: where that loses steps, the rest is not worth a move."""
+        margin = self.wanted.margin
+        if margin:
+            figures = await self._stress(setting, self.wanted.repeats)
+            if figures.lost_fullsteps:
+                return figures
+        await self._set(setting)
+        runs = [await self._run_once() for _ in range(1 if margin else self.wanted.repeats)]
+        return self._figures(runs)
+
+    async def _stress(self, setting: Mapping[str, float], repeats: int) -> Figures:
+        """As fast as the margin asks."""
+        times = 1 + self.wanted.margin
+        await self._set({name: value * times for name, value in setting.items()})
+        runs = []
+        for _ in range(repeats):
+            runs.append(await self._run_once())
+            if runs[-1][0].lost_fullsteps or runs[-1][1].lost_fullsteps:
+                break
+        return self._figures(runs)
+
+    async def _set(self, setting: Mapping[str, float]) -> None:
+        await self.apply(self._ranges.space.registers(setting), self._words(setting))
+
+    @staticmethod
+    def _words(setting: Mapping[str, float]) -> str:
+        return f"{plain(setting[SPEED], 4)} pps, {plain(setting[ACCELERATION], 4)} pps^2"
+
+    def _hopeless(self, setting: Mapping[str, float], expected_s: float) -> str:
+        """Why a setting need not be tried; empty where it is worth it."""
+        best, baseline = self.record.trial(self.record.best), self.record.baseline_figures
+        if self.wanted.quiet or baseline is None or baseline.time_s is None:
+            return ""
+        now = self.record.baseline_setting
+        # What beside its ramp a move takes until the encoder rests, at the least seen so far.
+        over_s = baseline.time_s - least_time_s(self.wanted.distance, now[SPEED], now[ACCELERATION])
+        to_beat_s = baseline.time_s
+        if best is not None and best.figures.time_s is not None and best.expected_s is not None:
+            over_s = min(over_s, best.figures.time_s - best.expected_s)
+            to_beat_s = best.figures.time_s
+        if expected_s + min(over_s, 0.0) >= to_beat_s:
+            return "its ramp alone takes longer than the best so far"
+        worse = [
+            trial
+            for trial in self.record.trials
+            if trial.state == "infeasible" and all(trial.setting[name] <= setting[name] for name in setting)
+        ]
+        # Two, not one: a setting may sit on a resonance that a faster one passes by.
+        if len(worse) >= 2:
+            return "two gentler settings lost steps"
+        return ""
+
+    def _judge(self) -> None:
+        """The best so far, and the front of two objectives."""
+        feasible = [trial for trial in self.record.trials if trial.state == "feasible"]
+        timed = [trial for trial in feasible if trial.figures.time_s is not None]
+        best = min(timed, key=lambda trial: trial.figures.time_s or math.inf, default=None)
+        self.record.best = None if best is None else best.number
+        if self.wanted.quiet:
+            self.record.front = [one.number for one in timed if not any(_beats(other, one) for other in timed)]
+
+    def _best_text(self) -> str:
+        best = self.record.trial(self.record.best)
+        return "" if best is None or best.figures.time_s is None else f", best {plain(best.figures.time_s, 4)} s"
+
+    # --- proof ------------------------------------------------------------------------------------
+
+    async def _proof(self) -> None:
+        record = self.record
+        for _ in range(CANDIDATES):
+            best, baseline = record.trial(record.best), record.baseline_figures
+            assert baseline is not None
+            assert baseline.time_s is not None
+            if best is None or best.figures.time_s is None:
+                record.improved, record.verdict = False, "no setting that was tried held its steps: it stays as it is"
+                return
+            if best.figures.time_s >= baseline.time_s * (1 - self.wanted.smallest_gain):
+                record.improved = False
+                record.verdict = "nothing that was tried is faster by more than can be told: it stays as it is"
+                record.next = "more room: a higher limit of speed or acceleration, or more current"
+                return
+            if await self._pairs(best):
+                return
+        record.improved = False
+        record.verdict = f"the best settings, {CANDIDATES} at most, lost steps in the proof: it stays as it is"
+        record.next = "a greater margin, more repeats"
+
+    async def _pairs(self, best: Trial) -> bool:
+        """The pairs of one candidate; False where it lost steps."""
+        record, wanted = self.record, self.wanted
+        record.pairs, lost, runs = [], 0, 0
+        self.keeper.mark(f"proof of trial {best.number}: {self._words(best.setting)}")
+        for index in range(wanted.pairs):
+            if self._spent():
+                break
+            self.tell("proof", 0.75 + 0.25 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
+            jitter = self._random.randrange(self._ranges.period)
+            # A B, then B A: what drifts with time is neither's advantage.
+            order = ("AB", "BA")[index % 2]
+            times: dict[str, float] = {}
+            for which in order:
+                await self.apply(record.baseline, "the setting before") if which == "A" else await self._set(
+                    best.setting
+                )
+                figures = self._figures([await self._run_once(jitter)])
+                if which == "B":
+                    runs += 1
+                    lost += bool(figures.lost_fullsteps)
+                if figures.time_s is None:
+                    if which == "A":
+                        raise Failed("the setting before lost steps, or did not settle, in the proof")
+                    return self._refuted(best, figures)
+                times[which] = figures.time_s
+            if wanted.margin:
+                figures = await self._stress(best.setting, 1)
+                runs += figures.runs
+                if figures.lost_fullsteps:
+                    return self._refuted(best, figures)
+            record.pairs.append(Pair(baseline_s=times["A"], winner_s=times["B"], order="AB" if order == "AB" else "BA"))
+        self._decide(best, lost, runs)
+        await self.keeper.save(record)
+        return True
+
+    def _refuted(self, best: Trial, figures: Figures) -> bool:
+        best.state, best.figures.lost_fullsteps = "infeasible", figures.lost_fullsteps
+        best.why = "it lost steps, or did not settle, in the proof"
+        self._judge()
+        return False
+
+    def _decide(self, best: Trial, lost: int, runs: int) -> None:
+        record, wanted = self.record, self.wanted
+        if len(record.pairs) < 10:
+            record.improved = None
+            record.verdict = f"the budget ended after {len(record.pairs)} of {wanted.pairs} pairs: nothing is shown"
+            record.next = "more time or way"
+            return
+        before, after = [pair.baseline_s for pair in record.pairs], [pair.winner_s for pair in record.pairs]
+        effect = paired_effect(before, after, record.document.seed)
+        old, new = statistics.fmean(before), statistics.fmean(after)
+        all_runs = runs + best.figures.runs + (wanted.repeats if wanted.margin else 0)
+        better = is_better(effect, old, wanted.smallest_gain)
+        record.evidence = Evidence(
+            pairs=len(record.pairs),
+            baseline_s=old,
+            winner_s=new,
+            difference_s=effect.mean,
+            interval_s=(effect.low, effect.high),
+            share=effect.mean / old,
+            p=effect.p,
+            test="Wilcoxon signed-rank, two-sided; interval: bootstrap and Student's t over the pairs, the wider",
+            significant=better,
+            lost_runs=lost,
+            runs=all_runs,
+            loss_rate_max=rate_bound(lost, all_runs),
+        )
+        record.improved = better
+        if better:
+            record.verdict = (
+                f"{-100 * effect.mean / old:.3g} % faster ({plain(old, 4)} s to {plain(new, 4)} s; 95 %: "
+                f"{plain(-effect.high * 1e3, 3)} to {plain(-effect.low * 1e3, 3)} ms less), "
+                f"no step lost in {all_runs} runs: fewer than {100 * record.evidence.loss_rate_max:.2g} % lose some"
+            )
+            record.next = "more pairs bound the rate of lost steps closer: 299 runs without one show less than 1 %"
+        else:
+            record.verdict = "the best setting is not shown to be faster: it stays as it is"
+
+
+def _beats(one: Trial, other: Trial) -> bool:
+    """Whether it is nowhere worse and somewhere better."""
+    here = (one.figures.time_s or math.inf, one.figures.deviation_fullsteps or 0.0)
+    there = (other.figures.time_s or math.inf, other.figures.deviation_fullsteps or 0.0)
+    return all(a <= b for a, b in zip(here, there, strict=True)) and here != there

@@ -1,0 +1,1 @@
+"""The study that finds out what an axis is."""

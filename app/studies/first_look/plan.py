@@ -1,0 +1,110 @@
+"""What the first look will do, and what is missing before it can."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...devices.core.device import Device
+from ...errors import BenchError, WrongState
+from ...number_text import plain
+from ..document import FirstLook
+from ..families import ramp_of
+from ..plan import StudyPlan
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of
+
+SPEED_UP_S = 0.25
+"""How long these moves speed up and brake [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What is known before the first move. start, turn : [microsteps]; ramp : [pps, pps^2]."""
+
+    space: RampSpace
+    start: int
+    turn: int
+    ramp: dict[str, float]
+
+
+@dataclass(slots=True)
+class Looked:
+    """What there is, and what is missing."""
+
+    ground: Ground | None = None
+    missing: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+async def look(device: Device, axis: int, wanted: FirstLook) -> Looked:
+    """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
+    looked = Looked()
+    say = looked.missing.append
+    device.session.require_connected()
+    try:
+        space = RampSpace(device, axis, ramp_of(device), await held_of(device))
+    except WrongState as error:
+        say(str(error))
+        return looked
+    state = await device.monitor.axis_state(axis)
+    microsteps = device.axis(axis).microsteps
+    if microsteps is None:
+        say("how many microsteps a turn has is not known: start the axis up")
+        return looked
+    if state.moving:
+        say("the axis moves: stop it first")
+    for sign in device.monitor.signs(axis, state).faults:
+        say(f"{sign.cause}: see the condition of the axis")
+    turn = microsteps[1]
+    limits = device.axes[axis].settings.limits
+    far = round(wanted.turns * turn)
+    if limits.beyond(state.position + far):
+        say(f"it would turn to {state.position + far}, and the soft limits end before: begin elsewhere")
+    if not limits.ranged and wanted.travel_turns:
+        looked.warnings.append("no soft limits of position are set: it looks for switches as far as it was told")
+    speed = min(wanted.velocity_rps * turn, limits.velocity_max_pps or float("inf"), space.most(SPEED))
+    acceleration = min(speed / SPEED_UP_S, limits.acceleration_max_pps2 or float("inf"), space.most(ACCELERATION))
+    looked.ground = Ground(space, state.position, turn, {SPEED: speed, ACCELERATION: acceleration})
+    return looked
+
+
+def travel_of(device: Device, axis: int, wanted: FirstLook, ground: Ground) -> tuple[int, int]:
+    """How far it looks for switches to the left and to the right, soft limits kept [microsteps]."""
+    limits, far = device.axes[axis].settings.limits, round(wanted.travel_turns * ground.turn)
+    low, high = ground.start - far, ground.start + far
+    if limits.position_min is not None:
+        low = max(low, limits.position_min)
+    if limits.position_max is not None:
+        high = min(high, limits.position_max)
+    return low, high
+
+
+async def plan(device: Device, axis: int, wanted: FirstLook) -> StudyPlan:
+    """What the study would do. Nothing moves."""
+    try:
+        looked = await look(device, axis, wanted)
+    except BenchError as error:
+        return StudyPlan(title="First look", missing=[str(error)])
+    told = StudyPlan(title="First look", missing=looked.missing, warnings=looked.warnings)
+    ground = looked.ground
+    if ground is None:
+        return told
+    far = ground.start + round(wanted.turns * ground.turn)
+    told.position_from, told.position_to = ground.start, far
+    told.velocity_max_pps, told.acceleration_max_pps2 = ground.ramp[SPEED], ground.ramp[ACCELERATION]
+    told.moves_max, ways = 2, 2 * abs(far - ground.start)
+    told.steps = [f"{plain(wanted.turns)} turns there and back at {plain(wanted.velocity_rps)} turns a second"]
+    if wanted.travel_turns:
+        low, high = travel_of(device, axis, wanted, ground)
+        told.position_from, told.position_to = min(low, ground.start), max(high, far)
+        told.steps.append(
+            f"slowly to the left until a switch, {low} at most, then to the right, {high} at most, and back"
+        )
+        told.moves_max, ways = 5, ways + 2 * (high - low)
+    told.steps.append("the setting as it is now goes back")
+    told.way_fullsteps = ways / (ground.turn / device.axes[axis].settings.full_steps_per_rev)
+    told.time_s = ways / ground.ramp[SPEED] + told.moves_max * (SPEED_UP_S + 0.3)
+    told.registers = [f"{each.name} of axis {axis}" for each in ground.space.before]
+    told.unwatched = [
+        "where a hard stop is, nothing tells: leave the travel out, or set soft limits, where one is near"
+    ]
+    return told

@@ -1,0 +1,258 @@
+"""The first look itself: a slow turn there and back, and, where it may, the way to the switches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+
+import numpy as np
+
+from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS
+from ...devices.core.capabilities import EncoderSetting
+from ...devices.core.results import AxisState
+from ...devices.core.signs import EncoderSeen
+from ...errors import WrongState
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ...telemetry.sampling import FloatArray, Sampling
+from ..document import FirstLook
+from ..ramp_settings import UNITS
+from ..record import Finding, Mend
+from ..run import StudyRun
+from .encoder_fit import EncoderFit, fit_encoder
+from .plan import Ground, look, travel_of
+
+RATE_HZ = 250.0
+POLL_S = 0.02
+LONGEST = 3.0
+REST_S = 0.2
+STANDS = 0.02
+"""An encoder that has gone less than this share of the way stands still."""
+RIGHT = 0.01
+"""A ratio this near to 1 is right: slips and wrong resolutions are farther off."""
+
+
+class FirstLookStudy(StudyRun):
+    """Tells what an axis is: findings with how sure they are, and the registers that would set it right."""
+
+    _ground: Ground
+
+    @property
+    def wanted(self) -> FirstLook:
+        study = self.record.document.study
+        assert isinstance(study, FirstLook)
+        return study
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        looked = await look(self.device, self.axis, wanted)
+        if looked.missing or looked.ground is None:
+            raise WrongState("; ".join(looked.missing), "see what the plan says is missing")
+        ground = self._ground = looked.ground
+        record.findings = []
+        if not record.baseline:
+            record.baseline, record.baseline_setting = ground.space.before, ground.space.now()
+        record.units = dict(UNITS)
+        await self.keeper.save(record)
+        await self.apply(ground.space.registers(ground.ramp), "slow moves")
+        await self._encoder()
+        if wanted.travel_turns:
+            await self._travel()
+        else:
+            self._find("switches", "not looked for: travel_turns is 0", sure="cannot be told")
+        self._find(
+            "direction",
+            "which way is out, up or closing only eyes can tell: the shaft bit turns the sign where it is wrong",
+            sure="cannot be told",
+        )
+        await self.back()
+        wrong = [one for one in record.findings if one.remedy or one.sure == "missing"]
+        record.verdict = (
+            f"{len(wrong)} to be set right: {', '.join(one.name for one in wrong)}" if wrong else "all is well"
+        )
+        record.next = "set these right, and look once more" if wrong else "fastest move"
+
+    def _find(self, name: str, text: str, **more: object) -> None:
+        self.record.findings.append(Finding.model_validate({"name": name, "text": text, **more}))
+
+    # --- the encoder --------------------------------------------------------------------------------
+
+    async def _encoder(self) -> None:
+        ground, wanted = self._ground, self.wanted
+        state = await self._state()
+        if state.encoder_position is None:
+            self._find("encoder", "none is read: connect one, and start the axis up with its counts", sure="missing")
+            return
+        self.tell("look", 0.1, "turning there")
+        self.keeper.mark("turning there and back")
+        far = ground.start + round(wanted.turns * ground.turn)
+        there = await self._sampled(far)
+        self.tell("look", 0.4, "and back")
+        back = await self._sampled(ground.start)
+        position = np.concatenate((there[0], back[0]))
+        encoder = np.concatenate((there[1], back[1]))
+        forward = np.arange(len(position)) < len(there[0])
+        try:
+            found = fit_encoder(position, encoder, forward, ground.turn)
+        except ValueError as error:
+            raise Failed(f"nothing to fit: {error}") from error
+        self._tell_encoder(found, await self._state(), far - ground.start)
+
+    def _tell_encoder(self, found: EncoderFit, state: AxisState, way: int) -> None:
+        if abs(found.ratio) < STANDS:
+            self._find(
+                "encoder",
+                "it stands still while the motor is told to turn: not connected, not on this shaft, or the motor does "
+                "not turn at all (driver off, no supply, an open phase)",
+                value=found.ratio,
+                sure="missing",
+            )
+            return
+        seen = EncoderSeen(ratio=found.ratio, way=way, slack=SLACK_MICROSTEPS)
+        turn_deg = 360 / self._ground.turn
+        if abs(found.ratio - 1) > RIGHT:
+            setting = self.device.part(EncoderSetting)
+            remedies = () if setting is None else setting.encoder_remedies(self.axis, state, seen)
+            label, remedy = "no setting that fits is known", None
+            if remedies:
+                label = remedies[0].label
+                remedy = Mend.model_validate(asdict(remedies[0]))
+            self._find(
+                "encoder",
+                f"it tells {plain(found.ratio, 5)} of the way that the motor is told to go: {label}",
+                value=found.ratio,
+                interval=found.ratio_interval,
+                remedy=remedy,
+            )
+            if found.ratio < 0:
+                self._find("polarity", "it counts against the motor", value=-1.0, sure="certain")
+            return
+        self._find(
+            "encoder",
+            "its resolution is set right: it tells the way that the motor goes",
+            value=found.ratio,
+            interval=found.ratio_interval,
+        )
+        self._find("polarity", "it counts with the motor", value=1.0, sure="certain")
+        self._find(
+            "play",
+            "between both ways: friction, backlash before the encoder, and half a count",
+            value=found.play,
+            unit="microsteps",
+            interval=found.play_interval,
+        )
+        if found.eccentricity is None:
+            self._find("eccentricity", "less than a turn was looked at", sure="cannot be told")
+        else:
+            assert found.eccentricity_interval is not None
+            low, high = found.eccentricity_interval
+            self._find(
+                "eccentricity",
+                "once a turn: of the encoder or its coupling, which a look from one side cannot tell apart",
+                value=found.eccentricity * turn_deg,
+                unit="deg of the shaft",
+                interval=(low * turn_deg, high * turn_deg),
+            )
+        self._find("index", "not looked for: see the encoder page", sure="cannot be told")
+
+    async def _sampled(self, target: int) -> tuple[FloatArray, FloatArray]:
+        """A move, and position and encoder on its way [microsteps]."""
+        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
+        rows: list[FloatArray] = []
+        failures: list[Exception] = []
+        sampling = Sampling(self.device, names, RATE_HZ, self.clock, failures.append)
+
+        def take() -> None:
+            port = self.device.session.sampling_port
+            if port is not None:
+                port.run_due_samples()
+            block = sampling.take()
+            if len(block.time_s):
+                rows.append(block.samples)
+
+        try:
+            await self._go(target, take)
+        finally:
+            sampling.end()
+        if not rows:
+            raise Failed(f"not one sample came{f': {failures[0]}' if failures else ''}")
+        position, encoder = np.concatenate(rows).T
+        known = np.isfinite(position) & np.isfinite(encoder)
+        return position[known], encoder[known]
+
+    # --- the switches -------------------------------------------------------------------------------
+
+    async def _travel(self) -> None:
+        low, high = travel_of(self.device, self.axis, self.wanted, self._ground)
+        edges: dict[str, int] = {}
+        for at, (side, end) in enumerate((("left", low), ("right", high))):
+            self.tell("look", 0.5 + 0.2 * at, f"looking for the {side} switch")
+            self.keeper.mark(f"looking for the {side} switch")
+            place = await self._until_switch(side, end)
+            if place is None:
+                self._find(f"{side} switch", f"none until {end}", sure="missing")
+            else:
+                edges[side] = place
+                self._find(f"{side} switch", f"active at {place}", value=float(place), unit="microsteps")
+        if len(edges) == 2:
+            turns = (edges["right"] - edges["left"]) / self._ground.turn
+            self._find("travel", "from switch to switch", value=turns, unit="turns of the motor")
+        self.tell("look", 0.9, "going back")
+        await self._go(self._ground.start, lambda: None)
+
+    async def _until_switch(self, side: str, end: int) -> int | None:
+        state = await self._state()
+        if getattr(state.switches, side) is None:
+            return None
+        if not getattr(state.switches, side):
+            await self.device.motion.move(self.axis, end)
+        until_s = self.clock.now() + self._longest_s(abs(end - state.position))
+        while True:
+            state = await self._state()
+            if getattr(state.switches, side):
+                place = state.position
+                if state.moving:
+                    await self.device.stop(self.axis)
+                await self._come_to_rest(until_s)
+                return place
+            if not state.moving and state.position == end:
+                return None
+            if self.clock.now() > until_s:
+                raise Failed(f"neither the {side} switch nor {end} came within its time")
+            await self.clock.sleep(POLL_S)
+
+    # --- moves ----------------------------------------------------------------------------------------
+
+    async def _go(self, target: int, take: Callable[[], None]) -> None:
+        state = await self._state()
+        self.record.runs += 1
+        full_step = self._ground.turn / self.device.axes[self.axis].settings.full_steps_per_rev
+        self.record.way_fullsteps += abs(target - state.position) / full_step
+        until_s = self.clock.now() + self._longest_s(abs(target - state.position))
+        if state.position != target:
+            await self.device.motion.move(self.axis, target)
+        while True:
+            await self.clock.sleep(POLL_S)
+            take()
+            state = await self._state()
+            if not state.moving and state.position == target:
+                break
+            if not state.moving and self.clock.now() > until_s - self._longest_s(0):
+                raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
+            if self.clock.now() > until_s:
+                raise Failed(f"the motor has not arrived at {target} within its time")
+        await self.clock.sleep(REST_S)
+
+    def _longest_s(self, way: float) -> float:
+        scale = self.device.session.time_scale or 1.0
+        return (way / self._ground.ramp["speed"] * LONGEST + 5.0) / min(scale, 1.0)
+
+    async def _come_to_rest(self, until_s: float) -> None:
+        while (await self._state()).moving:
+            if self.clock.now() > until_s:
+                raise Failed("the motor does not come to rest")
+            await self.clock.sleep(POLL_S)
+
+    async def _state(self) -> AxisState:
+        return await self.device.monitor.axis_state(self.axis)

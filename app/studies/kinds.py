@@ -1,0 +1,60 @@
+"""The studies that there are: what each is for, how it is planned, and how it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+
+from ..clock import Clock
+from ..devices.core.device import Device
+from .document import Kind, StudyDocument
+from .fastest_move import ranges as fastest_move
+from .fastest_move.study import FastestMoveStudy
+from .first_look import plan as first_look
+from .first_look.study import FirstLookStudy
+from .plan import StudyPlan
+from .record import StudyRecord
+from .run import Keeper, StudyRun
+
+
+@dataclass(frozen=True, slots=True)
+class StudyKind:
+    """One of them. channels : what its recording has of the axis."""
+
+    kind: Kind
+    title: str
+    purpose: str
+    channels: tuple[str, ...]
+    make: Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]
+    plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
+
+
+async def _plan_fastest(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
+    assert document.study.kind == "fastest_move"
+    return await fastest_move.plan(device, axis, document.study, document.budget)
+
+
+async def _plan_first_look(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
+    assert document.study.kind == "first_look"
+    return await first_look.plan(device, axis, document.study)
+
+
+POSITIONS = ("position", "encoder_position", "velocity")
+KINDS: dict[Kind, StudyKind] = {
+    "first_look": StudyKind(
+        "first_look",
+        "First look",
+        "direction, encoder, switches, travel, and what is missing: small moves alone",
+        POSITIONS,
+        FirstLookStudy,
+        _plan_first_look,
+    ),
+    "fastest_move": StudyKind(
+        "fastest_move",
+        "Fastest move",
+        "faster: the ramp with the shortest move at which no step is lost, with a margin",
+        POSITIONS,
+        FastestMoveStudy,
+        _plan_fastest,
+    ),
+}

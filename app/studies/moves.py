@@ -1,0 +1,150 @@
+"""Moves that are measured: how long one took until the encoder rested, how far it was off, and what was lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..calc.signals.step_response import score
+from ..clock import Clock
+from ..devices.core.device import Device
+from ..devices.core.results import AxisState
+from ..errors import BenchError
+from ..procedures.procedure import POLL_S, Failed
+from ..telemetry.sampling import FloatArray, Sampling
+
+RATE_HZ = 500.0
+REST_S = 0.12
+"""How long the shaft may ring before it is looked at [s]."""
+STILL_S = 0.05
+"""From one look at the shaft to the next [s]: it rests when it has moved less than `STILL_FULLSTEPS` meanwhile."""
+STILL_FULLSTEPS = 0.25
+STILL_MAX = 40
+"""Looks at a shaft that does not come to rest, e.g. one that is still turned by its load."""
+LONGEST = 3.0
+"""A move may take so many times what it should."""
+LOOK_S = 0.25
+PERIOD_FULLSTEPS = 4.0
+"""A rotor that slips does so by whole electrical periods."""
+
+
+@dataclass(frozen=True, slots=True)
+class MoveFigures:
+    """Of one move. `time_s` is None where the encoder did not end within its band of the target [s]."""
+
+    time_s: float | None
+    deviation_fullsteps: float
+    lost_fullsteps: float
+
+
+class MeasuredMoves:
+    """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
+
+    def __init__(self, device: Device, axis: int, clock: Clock, microsteps: int, band_fullsteps: float) -> None:
+        """`microsteps` of a full step. `band_fullsteps`: how near the encoder has to stay."""
+        self._device, self._axis, self._clock = device, axis, clock
+        self._microsteps, self._band = microsteps, band_fullsteps * microsteps
+        self._failure: BenchError | None = None
+        self.way_fullsteps = 0.0
+        """Of all moves so far."""
+
+    async def state(self) -> AxisState:
+        """The axis now."""
+        return await self._device.monitor.axis_state(self._axis)
+
+    async def go(self, target: int) -> None:
+        """Move without measuring. Raises Failed where the motor rests elsewhere, BenchError."""
+        state = await self.state()
+        if state.position == target:
+            return
+        self.way_fullsteps += abs(target - state.position) / self._microsteps
+        started = await self._device.motion.move(self._axis, target)
+        await self._arrive(target, started.predicted_duration_s, lambda: None)
+        await self.deviation()
+
+    async def measured(self, target: int) -> MoveFigures:
+        """Move to `target` and measure. Raises Failed where it does not arrive, BenchError."""
+        before = await self.deviation()
+        names = [f"position.{self._axis}", f"encoder_position.{self._axis}"]
+        times: list[FloatArray] = []
+        rows: list[FloatArray] = []
+        self._failure = None
+        sampling = Sampling(self._device, names, RATE_HZ, self._clock, self._failed)
+
+        def take() -> None:
+            port = self._device.session.sampling_port
+            if port is not None:
+                port.run_due_samples()
+            block = sampling.take()
+            if len(block.time_s):
+                times.append(block.time_s)
+                rows.append(block.samples)
+            if self._failure is not None:
+                raise self._failure
+
+        try:
+            start = (await self.state()).position
+            self.way_fullsteps += abs(target - start) / self._microsteps
+            started = await self._device.motion.move(self._axis, target)
+            await self._arrive(target, started.predicted_duration_s, take)
+            after = await self.deviation()
+            take()
+        finally:
+            sampling.end()
+        if not times:
+            raise Failed("not one sample came")
+        time_s = np.concatenate(times) - started.started_at_s
+        commanded, encoder = np.concatenate(rows).T
+        off = (after - before) / self._microsteps
+        lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
+        found = score(time_s, float(target), commanded, encoder - before, self._band, float(target - start))
+        return MoveFigures(
+            time_s=None if lost else found.settling_s,
+            deviation_fullsteps=found.peak / self._microsteps,
+            lost_fullsteps=abs(lost),
+        )
+
+    async def deviation(self) -> float:
+        """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""
+        await self._clock.sleep(REST_S)
+        last = await self._deviation_now()
+        for _ in range(STILL_MAX):
+            await self._clock.sleep(STILL_S)
+            now = await self._deviation_now()
+            if abs(now - last) < STILL_FULLSTEPS * self._microsteps:
+                return now
+            last = now
+        raise Failed("the shaft does not come to rest: its encoder goes on counting")
+
+    async def _deviation_now(self) -> float:
+        state = await self.state()
+        if state.encoder_position is None:
+            raise Failed("the encoder tells nothing")
+        return float(state.encoder_position - state.position)
+
+    async def _arrive(self, target: int, predicted_s: float | None, take: Callable[[], None]) -> None:
+        """Return when the ramp is over. Device time may run faster or slower than ours."""
+        device, clock = self._device, self._clock
+        began_s = device.device_time_s()
+        usual_s = 60.0 if predicted_s is None else predicted_s
+        longest_s, pause_s = usual_s * LONGEST + 2.0, POLL_S
+        while True:
+            device_s, server_s = device.device_time_s(), clock.now()
+            await clock.sleep(pause_s)
+            take()
+            passed_s = clock.now() - server_s
+            rate = (device.device_time_s() - device_s) / passed_s if passed_s > 0 else 0.0
+            left_s = (began_s + usual_s - device.device_time_s()) / rate if rate > 0 else LOOK_S
+            pause_s = min(max(left_s / 2, POLL_S), LOOK_S)
+            state = await self.state()
+            if state.position_reached and not state.moving and state.position == target:
+                return
+            if not state.moving and device.device_time_s() - began_s > POLL_S:
+                raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
+            if device.device_time_s() - began_s > longest_s:
+                raise Failed(f"the motor has not arrived at {target} after {longest_s:.3g} s")
+
+    def _failed(self, error: BenchError) -> None:
+        self._failure = error

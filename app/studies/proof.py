@@ -1,0 +1,76 @@
+"""Whether a new setting is better than the old one, by pairs of runs, and how sure that is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+# scipy is imported where it is used: the server starts without it.
+
+LEVEL = 0.05
+RESAMPLES = 4000
+
+
+@dataclass(frozen=True, slots=True)
+class PairedEffect:
+    """Mean of (new less old), its 95 % interval, and the two-sided p of Wilcoxon's signed-rank test."""
+
+    mean: float
+    low: float
+    high: float
+    p: float
+
+
+def paired_effect(old: Sequence[float], new: Sequence[float], seed: int = 0) -> PairedEffect:
+    """The paired difference of two series of the same length, 5 pairs at the least. Raises ValueError.
+
+    The interval is a bootstrap over the pairs; of differences that are all the same it has no width.
+    """
+    from scipy import stats
+
+    before, after = np.asarray(old, dtype=float), np.asarray(new, dtype=float)
+    if before.shape != after.shape or before.ndim != 1 or len(before) < 5:
+        raise ValueError(f"pairs are two series of one length, 5 at the least, not {before.shape} and {after.shape}")
+    if not (np.isfinite(before).all() and np.isfinite(after).all()):
+        raise ValueError("a pair without a figure is no pair")
+    difference = after - before
+    mean = float(difference.mean())
+    if np.ptp(difference) == 0:
+        low = high = mean
+    else:
+        found = stats.bootstrap(
+            (difference,), np.mean, n_resamples=RESAMPLES, method="percentile", rng=np.random.default_rng(seed)
+        ).confidence_interval
+        # A percentile bootstrap of few pairs is too narrow: Student's interval is not.
+        n = len(difference)
+        half = float(stats.t.ppf(1 - LEVEL / 2, n - 1)) * float(difference.std(ddof=1)) / math.sqrt(n)
+        low, high = min(float(found.low), mean - half), max(float(found.high), mean + half)
+    p = 1.0 if not difference.any() else float(stats.wilcoxon(difference).pvalue)
+    return PairedEffect(mean, low, high, p)
+
+
+def is_better(effect: PairedEffect, old_mean: float, smallest_share: float) -> bool:
+    """Whether less is shown: the test says so, and the whole interval lies below the smallest gain that counts."""
+    return effect.p < LEVEL and effect.high < -abs(smallest_share * old_mean)
+
+
+def rate_bound(failures: int, runs: int) -> float:
+    """Upper bound of a failure rate, 95 %, one-sided, exact (Clopper and Pearson); 1 without any run.
+
+    0 of 59 runs shows less than 5 %, 0 of 299 less than 1 %.
+    """
+    if runs <= 0 or failures >= runs:
+        return 1.0
+    if failures == 0:
+        return float(1 - LEVEL ** (1 / runs))
+    from scipy import stats
+
+    return float(stats.beta.ppf(1 - LEVEL, failures + 1, runs - failures))
+
+
+def runs_for(rate: float) -> int:
+    """How many runs without a failure show less than `rate`."""
+    return math.ceil(math.log(LEVEL) / math.log(1 - rate))

@@ -1,0 +1,139 @@
+"""The ramp of an axis as settings in physical units: which registers hold its speed and acceleration, and how to write
+them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..devices.core.device import Device
+from ..errors import WrongState
+from ..profiles.capture import CapturedConfiguration, axis_part, read_held
+from ..profiles.document import ProfileDocument, RegisterPart
+from ..profiles.items import Key, items_by_key, key_of
+from ..profiles.physical import UnitContext
+from ..registers.model import Register
+from .record import Held
+
+SPEED, ACCELERATION = "speed", "acceleration"
+UNITS = {SPEED: "pps", ACCELERATION: "pps^2"}
+
+
+@dataclass(frozen=True, slots=True)
+class RampRegisters:
+    """Which registers of an axis make a ramp of one speed and one acceleration.
+
+    off : what is written with them so that nothing else has a part in it, where the chip has it
+    """
+
+    speed: tuple[str, ...]
+    acceleration: tuple[str, ...]
+    off: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Setting:
+    rows: tuple[Register, ...]
+    unit: float
+    """What one more in the register is [pps, pps^2]."""
+    most: int
+
+    def raw(self, value: float) -> int:
+        return min(max(round(value / self.unit), 1), self.most)
+
+
+class RampSpace:
+    """Speed and acceleration of one axis, and the registers that hold them."""
+
+    def __init__(self, device: Device, axis: int, names: RampRegisters, held: CapturedConfiguration) -> None:
+        """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
+        self._device, self._axis = device, axis
+        context = UnitContext(
+            device.model, device.clock_hz, tuple(axis_part(each.settings) for each in device.axes), held.words
+        )
+        self._settings = {
+            SPEED: self._setting(context, names.speed),
+            ACCELERATION: self._setting(context, names.acceleration),
+        }
+        off = [(row, value) for name, value in names.off.items() if (row := self._find(name)) is not None]
+        self._off = [Held(name=row.name, axis=row.axis, value=value) for row, value in off]
+        rows = [row for setting in self._settings.values() for row in setting.rows] + [row for row, _ in off]
+        items = items_by_key(device.model)
+        self.before: list[Held] = []
+        for row in rows:
+            word = held.words.get(key_of(row))
+            if word is None or key_of(row) not in items:
+                raise WrongState(
+                    f"what {row.name} holds is not known, so it could not be put back",
+                    "write it once, or start the axis up (POST .../start-up)",
+                )
+            self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word)))
+
+    def _find(self, name: str) -> Register | None:
+        found = self._device.family.table.find(name, self._axis)
+        return None if found is None or found[1] is not None else found[0]
+
+    def _setting(self, context: UnitContext, names: Sequence[str]) -> _Setting:
+        rows = tuple(row for name in names if (row := self._find(name)) is not None)
+        unit = context.physical(rows[0], 1)
+        if unit is None:
+            raise WrongState(f"what {rows[0].name} counts in is not known", "")
+        return _Setting(rows, unit.value, min(row.maximum for row in rows))
+
+    def most(self, name: str) -> float:
+        """The greatest that its registers hold [pps, pps^2]."""
+        setting = self._settings[name]
+        return setting.most * setting.unit
+
+    def now(self) -> dict[str, float]:
+        """Speed and acceleration as the axis was set before: of several accelerations the first."""
+        held = {each.name: each.value for each in self.before}
+        return {name: held[setting.rows[0].name] * setting.unit for name, setting in self._settings.items()}
+
+    def registers(self, values: Mapping[str, float]) -> list[Held]:
+        """What to write for them [pps, pps^2], each at its nearest number."""
+        wanted = list(self._off)
+        for name, setting in self._settings.items():
+            raw = setting.raw(values[name])
+            wanted += [Held(name=row.name, axis=row.axis, value=raw) for row in setting.rows]
+        return wanted
+
+    def rounded(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The setting that the chip makes of it."""
+        return {name: setting.raw(values[name]) * setting.unit for name, setting in self._settings.items()}
+
+
+def document_of(device: Device, registers: Sequence[Held], name: str) -> ProfileDocument:
+    """A profile of these registers alone."""
+    return ProfileDocument(
+        name=name,
+        model=device.model,
+        clock_hz=device.clock_hz,
+        axes=[axis_part(axis.settings) for axis in device.axes],
+        registers=[RegisterPart(name=each.name, axis=each.axis, value=each.value) for each in registers],
+    )
+
+
+async def held_of(device: Device) -> CapturedConfiguration:
+    """What the device is set to now. Raises BenchError."""
+    return await read_held(device)
+
+
+def value_now(device: Device, held: CapturedConfiguration, register: Held) -> int | None:
+    """What a register holds now; None where nobody knows."""
+    found = device.family.table.find(register.name, register.axis)
+    if found is None:
+        return None
+    key: Key = key_of(found[0])
+    word = held.words.get(key)
+    return None if word is None else found[0].decode(word)
+
+
+def least_time_s(distance: float, speed: float, acceleration: float) -> float:
+    """The least that a move by `distance` [microsteps] takes from rest to rest, at most at `speed` [pps] and
+    `acceleration` [pps^2] either way [s]: a trapezoid, or a triangle where it does not get to that speed."""
+    distance = abs(distance)
+    if distance * acceleration <= speed**2:
+        return 2 * math.sqrt(distance / acceleration)
+    return distance / speed + speed / acceleration

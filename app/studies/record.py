@@ -1,0 +1,129 @@
+"""What came of a study: its document, what was tried, measured and found, and what is left. One JSON file a study."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from .document import Part, StudyDocument
+
+State = Literal["running", "done", "failed", "aborted", "interrupted"]
+"""interrupted: the server ended in the middle of it."""
+Phase = Literal["preconditions", "baseline", "search", "proof", "look", "over"]
+
+
+class Held(Part):
+    """A register as a study found it, or set it."""
+
+    name: str
+    axis: int | None = None
+    value: int
+
+
+class Figures(Part):
+    """Of a setting: means over its moves. Null where nothing was measured."""
+
+    time_s: float | None = Field(default=None, description="from the command until the encoder stays in its band [s]")
+    spread_s: float | None = Field(default=None, description="standard deviation of that [s]")
+    deviation_fullsteps: float | None = Field(default=None, description="peak of encoder less position, under way")
+    lost_fullsteps: float = Field(default=0.0, description="worst of all moves; multiples of 4 of a whole loss")
+    runs: int = Field(default=0, description="moves there and back")
+
+
+class Trial(Part):
+    """A setting that was tried."""
+
+    number: int
+    setting: dict[str, float] = Field(description="in physical units, as the chip holds it")
+    registers: list[Held]
+    state: Literal["feasible", "infeasible", "pruned", "failed"]
+    figures: Figures
+    expected_s: float | None = Field(default=None, description="the least time that this ramp can take [s]")
+    why: str = ""
+    at_s: float = Field(default=0.0, description="since the study began [s]")
+
+
+class Pair(Part):
+    """A move with the old setting and the same one with the new."""
+
+    baseline_s: float
+    winner_s: float
+    order: Literal["AB", "BA"]
+
+
+class Evidence(Part):
+    """The winner against the baseline, by pairs. Differences are winner less baseline."""
+
+    pairs: int
+    baseline_s: float
+    winner_s: float
+    difference_s: float
+    interval_s: tuple[float, float] = Field(description="of the mean difference, 95 %")
+    share: float = Field(description="difference over the baseline: -0.2 is a fifth faster")
+    p: float = Field(description="of the paired test (Wilcoxon), two-sided")
+    test: str
+    significant: bool
+    lost_runs: int = Field(description="of the winner's, margin included")
+    runs: int
+    loss_rate_max: float = Field(description="upper bound of the winner's loss rate, 95 %: what so many runs can show")
+
+
+class Mend(Part):
+    """A call of the REST API that sets something right; `path` is behind the device's own address."""
+
+    label: str
+    method: Literal["POST", "PUT", "PATCH"]
+    path: str
+    body: dict[str, Any] | None = None
+    moves: bool = Field(default=False, description="it may set the motor in motion")
+
+
+class Finding(Part):
+    """Something that was found of the axis."""
+
+    name: str
+    text: str
+    value: float | None = None
+    unit: str = ""
+    interval: tuple[float, float] | None = Field(default=None, description="95 %")
+    sure: Literal["certain", "measured", "cannot be told", "missing"] = "measured"
+    remedy: Mend | None = Field(default=None, description="what would set it right")
+
+
+class StudyRecord(Part):
+    """A study and all that came of it."""
+
+    id: str
+    document: StudyDocument
+    state: State = "running"
+    phase: Phase = "preconditions"
+    progress: float = 0.0
+    left_s: float | None = Field(default=None, description="about how long it takes yet [s]")
+    message: str = ""
+    started_unix_s: float
+    ended_unix_s: float | None = None
+    by: str = ""
+    device_name: str = ""
+    model: str = ""
+    baseline: list[Held] = Field(default_factory=list, description="what the axis was set to before")
+    baseline_setting: dict[str, float] = Field(default_factory=dict)
+    baseline_figures: Figures | None = None
+    units: dict[str, str] = Field(default_factory=dict, description="of each setting of the space")
+    trials: list[Trial] = Field(default_factory=list)
+    best: int | None = Field(default=None, description="number of the trial that is the best so far")
+    front: list[int] = Field(default_factory=list, description="of two objectives: those that none beats in both")
+    pairs: list[Pair] = Field(default_factory=list)
+    evidence: Evidence | None = None
+    improved: bool | None = Field(default=None, description="null: it did not come to a proof")
+    verdict: str = ""
+    findings: list[Finding] = Field(default_factory=list)
+    runs: int = 0
+    way_fullsteps: float = 0.0
+    left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
+    recording: str | None = None
+    next: str = Field(default="", description="what would be worth doing next")
+
+    def trial(self, number: int | None) -> Trial | None:
+        """The trial of that number."""
+        return next((trial for trial in self.trials if trial.number == number), None)

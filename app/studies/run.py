@@ -1,0 +1,146 @@
+"""A study that runs: a procedure on one axis whose settings go back to what they were, however it ends."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from ..clock import Clock
+from ..devices.core.actor import actor
+from ..devices.core.device import Device
+from ..errors import BenchError
+from ..procedures.procedure import Ended, Failed, Procedure
+from ..profiles.apply import Transaction
+from .ramp_settings import document_of
+from .record import Held, Phase, StudyRecord
+
+log = logging.getLogger("stepscope.studies")
+
+REST_WITHIN_S = 10.0
+"""How long a motor may take to come to rest before its settings go back [s]."""
+POLL_S = 0.02
+
+
+class Keeper(Protocol):
+    """Where a study leaves what came of it."""
+
+    @property
+    def folder(self) -> Path:
+        """Of this study alone."""
+        ...
+
+    async def save(self, record: StudyRecord) -> None:
+        """On disk when this returns. Raises StoreUnavailable where the disk takes nothing."""
+        ...
+
+    def mark(self, text: str) -> None:
+        """Say in its recording what begins now."""
+        ...
+
+
+class StudyRun(Procedure):
+    """One study of one axis. Everything that it is and found stands in `record`."""
+
+    kind = "study"
+
+    def __init__(self, device: Device, axis: int, clock: Clock, record: StudyRecord, keeper: Keeper) -> None:
+        super().__init__(device, axis, clock)
+        self.record = record
+        self.keeper = keeper
+        self._began_s = clock.now()
+        self._setting: Transaction | None = None
+        self._touched = False
+        """Whether registers may be other than before."""
+        self.over: Callable[[], None] = lambda: None
+        """Called when all is as it will stay."""
+        record.by = record.by or actor.get().name
+
+    # --- what it is made of ---------------------------------------------------------------------
+
+    @property
+    def since_s(self) -> float:
+        """How long it runs [s]."""
+        return self.clock.now() - self._began_s
+
+    def tell(self, phase: Phase, progress: float, message: str, left_s: float | None = None) -> None:
+        """How far it is, for whoever looks."""
+        record = self.record
+        record.phase, record.progress, record.message = phase, min(1.0, progress), message
+        record.left_s = left_s
+
+    async def apply(self, registers: Sequence[Held], what: str) -> None:
+        """Set registers as one transaction: all of them, or as before. Raises BenchError.
+
+        What is under way comes to its end although the study is stopped meanwhile: the motor stands.
+        """
+        self._touched = True
+        self._setting = transaction = Transaction(self.device, document_of(self.device, registers, what))
+        task = asyncio.create_task(transaction.run(), name=f"{what} {self.device.id}")
+        try:
+            await asyncio.shield(task)
+        except asyncio.CancelledError:
+            await asyncio.wait({task})
+            if not task.cancelled():
+                task.exception()  # heard: what it has left goes back next
+            raise
+
+    async def back(self) -> None:
+        """Set the axis as it was before the study. Raises BenchError."""
+        if self.record.baseline:
+            await self.apply(self.record.baseline, "the setting before the study")
+        self._touched = False
+
+    def is_own(self, by: object) -> bool:
+        return super().is_own(by) or (by is not None and by is self._setting)
+
+    # --- its end --------------------------------------------------------------------------------
+
+    @abstractmethod
+    async def _study(self) -> None:
+        """The study itself. Raises Failed or BenchError."""
+
+    async def _run(self) -> None:
+        await self._study()
+
+    def _over(self, how: Ended) -> None:
+        self._how = how
+
+    async def _give_back(self) -> None:
+        record = self.record
+        try:
+            if self._touched:
+                await self._rest()
+                await self.back()
+            record.left = []
+        except (BenchError, Failed) as error:
+            record.left = await self._left(error)
+        finally:
+            assert self._how in ("done", "failed", "aborted")
+            record.state = self._how
+            record.message = self.message or record.message
+            record.phase, record.left_s = "over", None
+            if self._how == "done":
+                record.progress = 1.0
+            record.ended_unix_s = time.time()
+            try:
+                await self.keeper.save(record)
+            except BenchError as error:
+                log.warning("study %s is not on disk: %s", record.id, error)
+            self.over()
+
+    async def _rest(self) -> None:
+        until_s = self.clock.now() + REST_WITHIN_S
+        while (await self.device.monitor.axis_state(self.axis)).moving:
+            if self.clock.now() > until_s:
+                raise Failed(f"the motor still moves after {REST_WITHIN_S:g} s")
+            await self.clock.sleep(POLL_S)
+
+    async def _left(self, error: Exception) -> list[str]:
+        """Which registers are not as before, as far as they can be read."""
+        names = ", ".join(f"{each.name} (was {each.value})" for each in self.record.baseline)
+        return [f"the setting could not be put back: {error}", f"look at {names}"]

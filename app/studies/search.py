@@ -1,0 +1,178 @@
+"""Which setting is tried next: Optuna, asked and told, with its memory in a SQLite file of the study.
+
+On the machine's clock everything of it runs in one thread of its own: neither its import nor its database holds up the
+event loop, and the file has one writer. On a clock that waits for us there is nobody to hold up.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from .document import Sampler
+
+T = TypeVar("T")
+STUDY = "study"
+LOST = "lost steps"
+STARTUP_TRIALS = 8
+"""Drawn at random before a model of them is made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """One setting of the space: from low to high, in equal ratios where `log`."""
+
+    name: str
+    low: float
+    high: float
+    log: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is to be tried next."""
+
+    number: int
+    values: Mapping[str, float]
+
+
+class Searcher:
+    """Asks Optuna for settings, and tells it what came of them. `close` it."""
+
+    def __init__(
+        self,
+        path: Path,
+        dimensions: Sequence[Dimension],
+        objectives: int,
+        sampler: Sampler,
+        seed: int,
+        *,
+        aside: bool = True,
+    ) -> None:
+        """`aside`: in a thread of its own."""
+        self._path, self._dimensions, self._objectives = path, tuple(dimensions), objectives
+        self._sampler, self._seed = sampler, seed
+        self._thread = ThreadPoolExecutor(1, "study search") if aside else None
+        self._study: Any = None
+        self._storage: Any = None
+        self._open_trials: dict[int, Any] = {}
+
+    async def open(self) -> int:
+        """Begin, or go on where an earlier process was cut off; how many trials it knows."""
+        return await self._do(self._open)
+
+    def _open(self) -> int:
+        import optuna
+        from optuna.trial import TrialState
+
+        optuna.logging.set_verbosity(optuna.logging.ERROR)
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        self._storage = optuna.storages.RDBStorage(f"sqlite:///{self._path}")
+        self._study = optuna.create_study(
+            study_name=STUDY,
+            storage=self._storage,
+            load_if_exists=True,
+            directions=["minimize"] * self._objectives,
+            sampler=self._make_sampler(optuna),
+            pruner=optuna.pruners.NopPruner(),
+        )
+        known = self._study.get_trials(deepcopy=False)
+        for trial in known:
+            if trial.state == TrialState.RUNNING:  # of a process that was cut off
+                self._study.tell(trial.number, state=TrialState.FAIL, skip_if_finished=True)
+        return len(known)
+
+    def _make_sampler(self, optuna: Any) -> Any:
+        samplers = optuna.samplers
+        # Another seed after a restart: else it would ask for what it has asked for already.
+        seed = self._seed
+        if self._sampler == "cmaes":
+            return samplers.CmaEsSampler(seed=seed, n_startup_trials=STARTUP_TRIALS)
+        if self._sampler == "nsga2":
+            return samplers.NSGAIISampler(seed=seed, population_size=max(8, STARTUP_TRIALS))
+        return samplers.TPESampler(seed=seed, n_startup_trials=STARTUP_TRIALS)
+
+    async def first(self, settings: Sequence[Mapping[str, float]]) -> None:
+        """Ask for these before any other."""
+
+        def work() -> None:
+            for setting in settings:
+                self._study.enqueue_trial(dict(setting), skip_if_exists=True)
+
+        await self._do(work)
+
+    async def ask(self) -> Asked:
+        """What to try next."""
+
+        def work() -> Asked:
+            import optuna
+
+            distributions = {
+                each.name: optuna.distributions.FloatDistribution(each.low, each.high, log=each.log)
+                for each in self._dimensions
+            }
+            trial = self._study.ask(distributions)
+            self._open_trials[trial.number] = trial
+            return Asked(trial.number, dict(trial.params))
+
+        return await self._do(work)
+
+    async def tell(self, asked: Asked, values: Sequence[float], violation: float) -> None:
+        """What came of it: a figure an objective, the less the better; `violation` above 0 where it may not be."""
+
+        def work() -> None:
+            trial = self._open_trials.pop(asked.number)
+            trial.set_constraint(LOST, violation)
+            self._study.tell(trial, list(values))
+
+        await self._do(work)
+
+    async def prune(self, asked: Asked, value: float) -> None:
+        """It was not tried: it could not be better."""
+
+        def work() -> None:
+            from optuna.trial import TrialState
+
+            trial = self._open_trials.pop(asked.number)
+            if self._objectives == 1:
+                trial.report(value, 0)
+                trial.set_constraint(LOST, 0.0)
+                self._study.tell(trial, state=TrialState.PRUNED)
+            else:
+                self._study.tell(trial, state=TrialState.FAIL)
+
+        await self._do(work)
+
+    async def fail(self, asked: Asked) -> None:
+        """It came to nothing."""
+
+        def work() -> None:
+            from optuna.trial import TrialState
+
+            if self._open_trials.pop(asked.number, None) is not None:
+                self._study.tell(asked.number, state=TrialState.FAIL, skip_if_finished=True)
+
+        await self._do(work)
+
+    async def _do(self, work: Callable[[], T]) -> T:
+        if self._thread is None:
+            return work()
+        return await asyncio.get_running_loop().run_in_executor(self._thread, work)
+
+    def close(self) -> None:
+        """Let go of the file. What runs in the thread comes to its end."""
+
+        def work() -> None:
+            if self._storage is not None:
+                self._storage.remove_session()
+                self._storage.engine.dispose()
+
+        if self._thread is None:
+            work()
+            return
+        self._thread.submit(work)
+        self._thread.shutdown(wait=False)

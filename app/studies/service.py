@@ -1,0 +1,288 @@
+"""Studies of this server: planned, started, looked at, ended, gone on with, and what they found taken or put back."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from ..clock import Clock, WallClock
+from ..devices.core.device import Device
+from ..errors import BenchError, WrongState
+from ..procedures.procedures import Procedures
+from ..profiles.capture import capture
+from ..profiles.document import ProfileDocument, RegisterPart
+from ..profiles.service import ProfileService
+from ..recording.service import RecordingService, axes_of, configuration_of
+from ..store.profiles import ProfileStore, SavedProfile
+from ..store.recordings.library import NAME_MAX, Label
+from ..telemetry.recorder import Trigger
+from .document import StudyDocument
+from .kinds import KINDS
+from .plan import StudyPlan
+from .ramp_settings import document_of, held_of, value_now
+from .record import Held, StudyRecord
+from .run import StudyRun
+from .store import StudyStore
+
+log = logging.getLogger("stepscope.studies")
+
+RECORD_HZ = 200.0
+Which = Literal["best", "baseline"]
+
+
+@dataclass(slots=True)
+class _Kept:
+    """Where one study leaves what came of it."""
+
+    store: StudyStore
+    study: str
+    note: Callable[[str, str], None]
+    recording: str | None
+
+    @property
+    def folder(self) -> Path:
+        return self.store.folder(self.study)
+
+    async def save(self, record: StudyRecord) -> None:
+        await self.store.save(record)
+
+    def mark(self, text: str) -> None:
+        if self.recording is not None:
+            self.note(self.recording, text)
+
+
+class StudyService:
+    """All studies of this server."""
+
+    def __init__(
+        self,
+        data_dir: Path,
+        clock: Clock,
+        device_of: Callable[[str], Device],
+        procedures: Procedures,
+        profiles: ProfileService,
+        recordings: RecordingService,
+        profile_store: ProfileStore,
+    ) -> None:
+        self._clock, self._device_of = clock, device_of
+        self._procedures, self._profiles = procedures, profiles
+        self._recordings, self._profile_store = recordings, profile_store
+        self._store = StudyStore(data_dir, aside=isinstance(clock, WallClock))
+        self._runs: dict[str, StudyRun] = {}
+        self._ending: set[asyncio.Task[None]] = set()
+
+    # --- looking --------------------------------------------------------------------------------
+
+    def load(self) -> None:
+        """For the start: read what is there, and tell of what was cut off. Nothing is done about it. Blocks."""
+        for record in self._store.load():
+            if record.state == "interrupted":
+                log.warning("study %s of %s was cut off: GET /studies/%s", record.id, record.document.device, record.id)
+
+    def all(self) -> list[StudyRecord]:
+        """The latest first."""
+        return self._store.all()
+
+    def get(self, study: str) -> StudyRecord:
+        """Raises UnknownThing."""
+        return self._store.get(study)
+
+    async def plan(self, document: StudyDocument) -> StudyPlan:
+        """What a study would do. Nothing moves. Raises UnknownThing, WrongState where the device is not connected."""
+        device, axis = self._of(document)
+        device.session.require_connected()
+        plan = await KINDS[document.study.kind].plan(device, axis, document)
+        plan.missing += self._in_the_way(device, axis)
+        return plan
+
+    def _of(self, document: StudyDocument) -> tuple[Device, int]:
+        device = self._device_of(document.device)
+        return device, device.axis(document.axis).index
+
+    def _in_the_way(self, device: Device, axis: int) -> list[str]:
+        found = [f"a {one.kind} runs on axis {one.axis}: stop it first" for one in self._procedures.running(device)]
+        if self._profiles.progress(device) is not None:
+            found.append("a profile is being applied: wait until that is over")
+        if self._profiles.unfinished(device) is not None:
+            found.append("a profile is left half applied: take it back first (POST .../profile/apply/way-back)")
+        for record in self._store.all():
+            about = record.document
+            if record.left and (about.device, about.axis) == (device.id, axis):
+                found.append(f"study {record.id} has left the axis other than before: put that back first")
+                break
+        return found
+
+    # --- running --------------------------------------------------------------------------------
+
+    async def start(self, document: StudyDocument) -> StudyRecord:
+        """Begin one, and answer at once. Raises UnknownThing, and WrongState with what is missing."""
+        plan = await self.plan(document)
+        if plan.missing:
+            raise WrongState("; ".join(plan.missing), "see to it first: POST .../studies/plan tells the same")
+        record = self._store.begin(document)
+        return await self._begin(record)
+
+    async def resume(self, study: str) -> StudyRecord:
+        """Put the axis back as it was, and go on where it was cut off. Raises UnknownThing, WrongState, BenchError."""
+        record = self._store.get(study)
+        if record.state in ("running", "done"):
+            raise WrongState(f"the study {'runs' if record.state == 'running' else 'is over'}", "start a new one")
+        if record.left:
+            await self.restore(study)
+        plan = await self.plan(record.document)
+        if plan.missing:
+            raise WrongState("; ".join(plan.missing), "see to it first")
+        record.state, record.ended_unix_s, record.message = "running", None, ""
+        return await self._begin(record)
+
+    async def _begin(self, record: StudyRecord) -> StudyRecord:
+        device, axis = self._of(record.document)
+        record.device_name, record.model = device.name, device.model
+        kind = KINDS[record.document.study.kind]
+        record.recording = await self._start_recording(device, axis, record, kind.channels)
+        keeper = _Kept(self._store, record.id, self._note, record.recording)
+        run = kind.make(device, axis, self._clock, record, keeper)
+        run.over = lambda: self._ended(record)
+        await keeper.save(record)
+        try:
+            self._procedures.start(run)
+        except BenchError:
+            record.state, record.message = "failed", "it could not begin"
+            self._ended(record)
+            raise
+        self._runs[record.id] = run
+        return record
+
+    async def _start_recording(
+        self, device: Device, axis: int, record: StudyRecord, quantities: Sequence[str]
+    ) -> str | None:
+        there = {channel.name for channel in device.telemetry.channels()}
+        names = tuple(name for quantity in quantities if (name := f"{quantity}.{axis}") in there)
+        label = Label(f"{record.document.title} of {device.name}"[:NAME_MAX], f"study {record.id}")
+        try:
+            configuration, axes = await configuration_of(device), await axes_of(device)
+            return await self._recordings.start(
+                device, names, RECORD_HZ, Trigger(), record.document.budget.time_s * 1.5, label, configuration, axes
+            )
+        except BenchError as error:
+            log.warning("study %s is not recorded: %s", record.id, error)
+            return None
+
+    def _note(self, recording: str, text: str) -> None:
+        try:
+            self._recordings.note(recording, text)
+        except BenchError as error:  # it is over: a full disk ends it
+            log.info("%s is not in the recording: %s", text, error)
+
+    def _ended(self, record: StudyRecord) -> None:
+        self._runs.pop(record.id, None)
+        if record.recording is not None:
+            task = asyncio.create_task(self._stop_recording(record.recording), name=f"end of study {record.id}")
+            self._ending.add(task)
+            task.add_done_callback(self._ending.discard)
+
+    async def _stop_recording(self, recording: str) -> None:
+        try:
+            await self._recordings.stop(recording)
+        except BenchError as error:
+            log.info("%s", error)
+
+    async def stop(self, study: str) -> StudyRecord:
+        """End it at once: the motor stops, and the setting before goes back. The record afterwards."""
+        record = self._store.get(study)
+        run = self._runs.get(study)
+        if run is not None:
+            await run.abort("stopped on request")
+        return record
+
+    async def close(self) -> None:
+        """For the end of the program: studies have been ended by their procedures."""
+        if self._ending:
+            await asyncio.wait(set(self._ending), timeout=1.0)
+
+    async def delete(self, study: str) -> None:
+        """Gone for good, but for its recording. Raises UnknownThing, WrongState, StoreUnavailable."""
+        await asyncio.to_thread(self._store.delete, study)
+
+    # --- what came of it --------------------------------------------------------------------------
+
+    def _registers(self, record: StudyRecord, which: Which) -> list[Held]:
+        if which == "baseline":
+            found = record.baseline
+        else:
+            best = record.trial(record.best)
+            found = [] if best is None else best.registers
+        if not found:
+            raise WrongState(f"study {record.id} has no {which} setting", "its record tells what came of it")
+        return found
+
+    async def take(self, study: str, which: Which) -> StudyRecord:
+        """Set the axis to what the study found, or to what it was before: one transaction.
+
+        Raises UnknownThing, WrongState, and what `ProfileService.apply` does.
+        """
+        record = self._store.get(study)
+        if record.state == "running":
+            raise WrongState("the study runs", "stop it first, or wait for its end")
+        device, _ = self._of(record.document)
+        if record.model != device.model:
+            raise WrongState(f"it was a study of a {record.model}, and {device.name} is a {device.model}", "")
+        registers = self._registers(record, which)
+        await self._profiles.apply(device, document_of(device, registers, f"{which} of study {study}"))
+        record.left = []
+        await self._store.save(record)
+        return record
+
+    async def restore(self, study: str) -> StudyRecord:
+        """Put back what a study has left that was cut off. Raises as `take`."""
+        return await self.take(study, "baseline")
+
+    async def left(self, study: str) -> list[str]:
+        """What is not as before now, register by register, of a study that was cut off. Raises BenchError."""
+        record = self._store.get(study)
+        if not record.left:
+            return []
+        device, _ = self._of(record.document)
+        held = await held_of(device)
+        told = []
+        for each in record.baseline:
+            now = value_now(device, held, each)
+            if now != each.value:
+                told.append(f"{each.name} is {'not known' if now is None else now}, and was {each.value}")
+        return told
+
+    async def keep(self, study: str) -> list[SavedProfile]:
+        """Keep the setting before and the best one as whole profiles. Raises WrongState, StoreUnavailable."""
+        record = self._store.get(study)
+        device, _ = self._of(record.document)
+        now = await capture(device)
+        kept = []
+        whiches: tuple[Which, ...] = ("baseline", "best")
+        for which in whiches:
+            try:
+                registers = self._registers(record, which)
+            except WrongState:
+                continue
+            name = f"{device.name}: {'before' if which == 'baseline' else 'best of'} {record.document.title}"[:100]
+            document = _with(now, registers)
+            kept.append(await self._profile_store.add(name, f"study {study}", document.model_dump(mode="json")))
+        if not kept:
+            raise WrongState(f"study {study} has no setting to be kept", "its record tells what came of it")
+        return kept
+
+
+def _with(document: ProfileDocument, registers: Sequence[Held]) -> ProfileDocument:
+    """A profile with these registers instead of its own."""
+    other = {(each.name, each.axis): each.value for each in registers}
+    parts = [
+        RegisterPart(name=part.name, axis=part.axis, value=other.pop((part.name, part.axis)), unit=part.unit)
+        if (part.name, part.axis) in other
+        else part
+        for part in document.registers
+    ]
+    parts += [RegisterPart(name=name, axis=axis, value=value) for (name, axis), value in other.items()]
+    return document.model_copy(update={"registers": parts})

@@ -1,0 +1,140 @@
+"""Studies over REST: planned, run, taken, undone, kept, reported; and what is left of one that was cut off."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from app.clock import VirtualClock
+from app.main import bench_of, create_app
+from app.settings import Settings
+
+LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+MOVE = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
+NAMES = ("VMAX", "AMAX", "DMAX")
+STEP_S = 0.1
+
+
+@pytest.fixture
+async def slide(client: httpx.AsyncClient) -> str:
+    """An emulated TMC5160 with a motor, a load and an encoder, that moves: its id."""
+    link = {"kind": "emulator", "load": LOAD}
+    answer = await client.post("devices", json={"name": "Slide", "model": "tmc5160", "link": link})
+    assert answer.status_code == 201, answer.text
+    start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000}
+    answer = await client.post("devices/slide/start-up", json=start)
+    assert answer.status_code == 200, answer.text
+    return "slide"
+
+
+async def held(client: httpx.AsyncClient) -> dict[str, int]:
+    found = (await client.get("devices/slide/profile")).json()["registers"]
+    return {one["name"]: one["value"] for one in found if one["name"] in NAMES}
+
+
+async def over(client: httpx.AsyncClient, clock: VirtualClock, study: str, within_s: float = 600) -> dict[str, Any]:
+    for _ in range(int(within_s / STEP_S)):
+        await clock.advance(STEP_S)
+        found: dict[str, Any] = (await client.get(f"studies/{study}")).json()
+        if found["state"] != "running":
+            return found
+    raise AssertionError(found["message"])
+
+
+async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:
+    before = await held(client)
+    document = {"device": slide, "axis": 0, "study": MOVE, "budget": {"trials": 6}, "name": "Slide, faster"}
+    plan = (await client.post("studies/plan", json=document)).json()
+    assert plan["missing"] == []
+    assert plan["position_to"] == 12_800 + 1024
+    assert await held(client) == before
+    begun = await client.post("studies", json=document)
+    assert begun.status_code == 201, begun.text
+    study = begun.json()["id"]
+    # nothing else may set the device meanwhile, and no second study begins
+    profile = (await client.get("devices/slide/profile")).json()
+    assert (await client.put("devices/slide/profile", json=profile)).status_code == 409
+    assert (await client.post("studies", json=document)).status_code == 409
+    found = await over(client, clock, study)
+    assert (found["state"], found["improved"], found["left"]) == ("done", True, []), found["message"]
+    assert await held(client) == before
+    assert (await client.get("studies")).json()["studies"][0]["verdict"] == found["verdict"]
+    marks = (await client.get(f"recordings/{found['recording']}")).json()["marks"]
+    assert any(mark["text"].startswith("trial 0:") for mark in marks)
+    # the best is taken and undone by a call each; both are kept as profiles
+    best = next(trial for trial in found["trials"] if trial["number"] == found["best"])
+    taken = await client.post(f"studies/{study}/take", json={"which": "best"})
+    assert taken.status_code == 200, taken.text
+    assert await held(client) == {one["name"]: one["value"] for one in best["registers"] if one["name"] in NAMES}
+    kept = (await client.post(f"studies/{study}/profiles")).json()["profiles"]
+    assert [("before" in one["name"], "best" in one["name"]) for one in kept] == [(True, False), (False, True)]
+    await client.post(f"studies/{study}/take", json={"which": "baseline"})
+    assert await held(client) == before
+    report = await client.get(f"studies/{study}/report")
+    assert report.headers["content-type"].startswith("text/html")
+    assert "Slide, faster" in report.text
+    assert (await client.delete(f"studies/{study}")).status_code == 204
+    assert (await client.get(f"studies/{study}")).status_code == 404
+
+
+async def test_the_red_button_ends_it_and_the_setting_goes_back(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    before = await held(client)
+    document = {"device": slide, "study": MOVE}
+    study = (await client.post("studies", json=document)).json()["id"]
+    await clock.advance(7.0)
+    await client.post("stop")
+    found = await over(client, clock, study, 30)
+    assert (found["state"], found["left"]) == ("aborted", [])
+    assert "stop" in found["message"]
+    assert await held(client) == before
+
+
+async def test_what_a_killed_server_has_left_is_told_and_put_back(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI, settings: Settings
+) -> None:
+    before = await held(client)
+    study = (await client.post("studies", json={"device": slide, "study": MOVE})).json()["id"]
+    while await held(client) == before:
+        await clock.advance(0.3)
+    record = bench_of(app).studies.get(study)
+    folder = settings.data_dir / "studies" / study
+    text = (folder / "study.json").read_text()
+    assert '"state": "running"' in text
+    assert record.baseline
+    later = create_app(settings, VirtualClock(2000.0))
+    bench_of(later).studies.load()  # what the next start does
+    left = bench_of(later).studies.get(study)
+    assert left.state == "interrupted"
+    assert any("VMAX" in line for line in left.left)
+    await client.post("stop")
+    await over(client, clock, study, 30)
+    assert await held(client) == before
+
+
+@pytest.mark.parametrize(
+    ("study", "said"),
+    [
+        ({"kind": "fastest_move", "distance": 0}, "goes somewhere"),
+        ({"kind": "fastest_move", "distance": 10, "pairs": 3}, "greater than or equal to 10"),
+        ({"kind": "guess"}, "first_look"),
+    ],
+    ids=["no way", "few pairs", "no study"],
+)
+async def test_a_document_that_cannot_be_is_refused_by_its_place(
+    client: httpx.AsyncClient, slide: str, study: dict[str, Any], said: str
+) -> None:
+    answer = await client.post("studies", json={"device": slide, "study": study})
+    assert answer.status_code == 422
+    assert said in answer.text
+
+
+async def test_a_chip_without_an_encoder_is_told_so(client: httpx.AsyncClient) -> None:
+    plan = (await client.post("studies/plan", json={"device": "bench", "study": MOVE})).json()
+    assert len(plan["missing"]) == 1
+    assert "TMC428" in plan["missing"][0]
+    assert (await client.post("studies", json={"device": "bench", "study": MOVE})).status_code == 409

@@ -1,0 +1,1 @@
+"""Plants that are drawn from a seed: axes that no study knows."""

@@ -1,0 +1,126 @@
+"""The fastest move on an emulated axis with a motor: found, proved, put back, and told where there is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.studies.fastest_move import ranges
+from app.studies.ramp_settings import least_time_s
+from app.studies.report import html_of
+from tests.studies.harness import Studied, studied
+
+MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
+HEAVY = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+NAMES = ("VMAX", "AMAX", "DMAX", "V1")
+
+
+def plant(s: Studied) -> Any:
+    """The ground truth, which no study sees."""
+    return s.b.wire.state().axes[0].truth
+
+
+async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(MOVE, budget={"trials": 8}))
+        record = await s.finish(run)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        best, evidence = record.trial(record.best), record.evidence
+        assert best is not None
+        assert evidence is not None
+        assert best.figures.time_s is not None
+        assert evidence.winner_s < evidence.baseline_s
+        assert evidence.interval_s[1] < 0
+        assert evidence.pairs == 10
+        assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / evidence.runs))
+        assert any(trial.state == "infeasible" for trial in record.trials), "its edge was found"
+        assert plant(s).lost_fullsteps != 0, "steps were lost on the way there"
+        assert record == s.store.get(record.id)
+        report = html_of(record)
+        assert record.verdict.split(" (")[0] in report
+        assert report.count("<svg") == 3
+        assert "<script" not in report
+
+
+async def test_a_setting_that_cannot_be_beaten_stays(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        close = {"velocity_max_pps": 50_001.0 * 1.1, "acceleration_max_pps2": 200_002.0 * 1.1}
+        record = await s.finish(s.begin(s.document({**MOVE, **close}, budget={"trials": 4})))
+        assert (record.state, record.improved) == ("done", False), record.message
+        assert "stays as it is" in record.verdict
+        assert record.evidence is None or not record.evidence.significant
+
+
+@pytest.mark.parametrize("at_s", [0.3, 4.0, 9.7, 16.1])
+async def test_a_stop_at_any_moment_leaves_the_axis_as_before(tmp_path: Path, at_s: float) -> None:
+    async with studied(tmp_path) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(MOVE, budget={"trials": 8}))
+        await s.clock.advance(at_s)
+        assert run.running
+        await s.device.stop_axes([0])
+        await s.finish(run, 20)
+        assert (run.record.state, run.record.left) == ("aborted", []), run.record.message
+        assert await s.settings(*NAMES) == before
+        assert not (await s.b.state()).moving
+
+
+async def test_a_dead_link_is_told_with_what_may_be_left(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        run = s.begin(s.document(MOVE, budget={"trials": 8}))
+        await s.clock.advance(5)
+        s.b.fault(unplugged=True)
+        record = await s.finish(run, 60)
+        assert record.state == "failed"
+        assert any("VMAX" in line and str(record.baseline[0].value) in line for line in record.left)
+
+
+async def test_it_goes_on_where_it_was_cut_off(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        run = s.begin(s.document(MOVE, budget={"trials": 6}))
+        while sum(trial.state != "pruned" for trial in run.record.trials) < 3:
+            await s.clock.advance(0.2)
+        await s.passing(run.abort("cut off"))
+        tried = [trial.number for trial in run.record.trials]
+        again = s.begin(run.record.document, run.record)
+        record = await s.finish(again)
+        assert record.state == "done", record.message
+        numbers = [trial.number for trial in record.trials]
+        assert numbers[: len(tried)] == tried
+        assert len(set(numbers)) == len(numbers) > len(tried)
+
+
+async def test_an_axis_that_loses_steps_as_it_is_set_is_called_by_its_name(tmp_path: Path) -> None:
+    async with studied(tmp_path, load={"torque_nm": 0.0}) as s:
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
+        record = await s.finish(s.begin(s.document(MOVE)), 60)
+        assert record.state == "failed"
+        assert "part by" in record.message
+        assert record.improved is None
+
+
+async def test_the_plan_says_what_will_move_and_what_is_missing(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        document = s.document(MOVE)
+        assert document.study.kind == "fastest_move"
+        plan = await ranges.plan(s.device, 0, document.study, document.budget)
+        assert plan.missing == []
+        assert (plan.position_from, plan.position_to) == (0, 12_800 + 4 * 256)
+        assert plan.acceleration_max_pps2 == pytest.approx(2e6, rel=1e-3)
+        assert plan.velocity_max_pps == pytest.approx(500_000, rel=1e-4)
+        await s.device.motion.rotate(0, 1000)
+        await s.clock.advance(0.1)
+        assert any(
+            "moves" in line for line in (await ranges.plan(s.device, 0, document.study, document.budget)).missing
+        )
+
+
+@pytest.mark.parametrize(("speed", "seconds"), [(100.0, 11.0), (1e9, 2 * (1000 / 100) ** 0.5)])
+def test_the_least_time_is_that_of_a_trapezoid_or_a_triangle(speed: float, seconds: float) -> None:
+    assert least_time_s(-1000, speed, 100) == pytest.approx(seconds)

@@ -1,0 +1,113 @@
+"""The first look at an emulated axis: what it says of encoder and switches, against the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.studies.first_look.encoder_fit import fit_encoder
+from app.studies.first_look.study import FirstLookStudy
+from app.studies.record import Finding, StudyRecord
+from tests.devices.tmc5xxx.harness import START
+from tests.studies.harness import Kept, Studied, studied
+
+TURN = 51_200
+NAMES = ("VMAX", "AMAX", "DMAX", "V1")
+
+
+async def looked(s: Studied, **study: Any) -> StudyRecord:
+    record = s.store.begin(s.document({"kind": "first_look", **study}))
+    run = FirstLookStudy(s.device, 0, s.clock, record, Kept(s.store, record.id))
+    s.procedures.start(run)
+    await s.finish(run, 120)
+    assert record.state == "done", record.message
+    return record
+
+
+def named(record: StudyRecord) -> dict[str, Finding]:
+    return {one.name: one for one in record.findings}
+
+
+async def test_a_right_encoder_is_told_right_and_the_axis_is_as_before(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        before = await s.settings(*NAMES)
+        record = await looked(s)
+        found = named(record)
+        assert record.verdict == "all is well"
+        assert found["encoder"].value == pytest.approx(1, abs=1e-3)
+        assert found["polarity"].value == 1
+        assert found["eccentricity"].value == pytest.approx(0, abs=0.02)
+        assert found["direction"].sure == "cannot be told"
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+
+
+@pytest.mark.parametrize(("lines", "backwards"), [(1000, False), (10_000, True), (512, True)])
+async def test_a_wrong_resolution_is_set_right_by_the_cure_that_it_names(
+    tmp_path: Path, lines: int, backwards: bool
+) -> None:
+    async with studied(tmp_path, encoder={"lines": lines, "reversed": backwards}) as s:
+        found = named(await looked(s))
+        remedy = found["encoder"].remedy
+        assert remedy is not None
+        assert f"{4 * lines:,} counts a turn" in remedy.label
+        assert ("polarity" in found) == backwards
+        body = remedy.body
+        assert body is not None
+        for write in body["writes"]:
+            await s.device.registers.write(write["name"], write["axis"], write.get("value"), write.get("fields"))
+        again = named(await looked(s))
+        assert again["encoder"].remedy is None
+        assert again["encoder"].value == pytest.approx(1, abs=2e-3)
+
+
+async def test_an_encoder_that_stands_still_is_missing(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
+        record = await looked(s)
+        assert named(record)["encoder"].sure == "missing"
+        assert "encoder" in record.verdict
+
+
+async def test_switches_are_found_where_they_are(tmp_path: Path) -> None:
+    stage = {"left_at_fullsteps": -900.0, "right_at_fullsteps": 1500.0}
+    async with studied(tmp_path, START, stage=stage) as s:
+        found = named(await looked(s, travel_turns=10.0, velocity_rps=2.0))
+        assert found["left switch"].value == pytest.approx(-900 * 256, abs=0.06 * TURN)
+        assert found["right switch"].value == pytest.approx(1500 * 256, abs=0.06 * TURN)
+        assert found["travel"].value == pytest.approx(12, abs=0.12)
+        assert (await s.b.state()).position == 0
+
+
+async def test_no_switch_within_what_it_may_go_is_told(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        found = named(await looked(s, travel_turns=1.5, velocity_rps=2.0))
+        assert (found["left switch"].sure, found["right switch"].sure) == ("missing", "missing")
+
+
+def test_the_fit_finds_what_it_was_made_of_and_its_intervals_hold_it() -> None:
+    rng = np.random.default_rng(3)
+    held = 0
+    for _ in range(100):
+        ratio, play, once, phase = rng.uniform(0.9, 1.1), rng.uniform(0, 40), rng.uniform(20, 90), rng.uniform(0, 6)
+        there = np.linspace(0, TURN, 400)
+        position = np.concatenate((there, there[::-1]))
+        forward = np.arange(800) < 400
+        error = once * np.sin(2 * np.pi * position / TURN + phase) + rng.normal(0, 4, 800)
+        found = fit_encoder(position, ratio * position + np.where(forward, play / 2, -play / 2) + error, forward, TURN)
+        assert found.ratio == pytest.approx(ratio, abs=1e-4)
+        assert found.eccentricity == pytest.approx(once, abs=1.5)
+        held += found.play_interval[0] <= play <= found.play_interval[1]
+    assert held >= 95
+
+
+def test_less_than_a_turn_tells_no_eccentricity() -> None:
+    position = np.linspace(0, TURN / 2, 100)
+    found = fit_encoder(position, position, position < TURN / 4, TURN)
+    assert (found.eccentricity, found.twice) == (None, None)
+    with pytest.raises(ValueError, match="40 samples"):
+        fit_encoder(position[:10], position[:10], position[:10] < 3, TURN)

@@ -1,0 +1,68 @@
+import { Text } from "@mantine/core";
+import { Card } from "../../lib/Card";
+import { compact } from "../../lib/format";
+import { colorOf } from "../../lib/palette";
+import { useScheme } from "../../lib/useScheme";
+import { Plot } from "../../plots/Plot";
+import { Parallel } from "./Parallel";
+import { frontOf, historyOf, type Study, spaceOf } from "./study";
+
+/** What was tried, live: times over trials, the space of the settings, the front of two objectives, and all at once. */
+export function TrialPlots({ study }: { study: Study }) {
+  const scheme = useScheme();
+  const held = colorOf("velocity", scheme);
+  const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
+  const dots = { dots: 7, line: false } as const;
+  const names = Object.keys(study.units);
+  const tried = study.trials.filter(({ state }) => state !== "pruned").length;
+  return (
+    <Card title="Trials" note={`${tried} tried, ${study.trials.length - tried} passed over`}>
+      <div className="column">
+        <Plot
+          label="Time of each trial"
+          summary={`${tried} settings were tried`}
+          height={170}
+          series={[
+            { label: "held", unit: "s", color: held, ...dots },
+            { label: "lost steps (its ramp)", unit: "s", color: lost, ...dots },
+            { label: "best so far", unit: "s", color: held, stepped: true },
+          ]}
+          x={{ label: "trial" }}
+          scales={{ y: { label: "time", unit: "s" } }}
+          data={historyOf(study.trials)}
+        />
+        {names.length >= 2 && (
+          <Plot
+            label={`${names[1]} over ${names[0]} of each trial`}
+            height={200}
+            series={[
+              { label: "held", unit: study.units[names[1] ?? ""] ?? "", color: held, ...dots },
+              { label: "lost steps", unit: study.units[names[1] ?? ""] ?? "", color: lost, ...dots },
+            ]}
+            x={{ label: names[0] ?? "", unit: study.units[names[0] ?? ""] ?? "" }}
+            scales={{ y: { label: names[1] ?? "", unit: study.units[names[1] ?? ""] ?? "" } }}
+            data={spaceOf(study.trials, names)}
+          />
+        )}
+        {study.front.length > 0 && (
+          <Plot
+            label="Deviation over time: the front of both"
+            summary={`${study.front.length} settings that none beats in both`}
+            height={170}
+            series={[
+              { label: "held", unit: "full steps", color: held, ...dots },
+              { label: "front", unit: "full steps", color: colorOf("acceleration", scheme), dots: 11, line: true },
+            ]}
+            x={{ label: "time", unit: "s" }}
+            scales={{ y: { label: "deviation", unit: "full steps" } }}
+            data={frontOf(study.trials, study.front)}
+          />
+        )}
+        <Parallel study={study} held={held} lost={lost} />
+        <Text size="sm" className="dim">
+          Way of the motor so far: {compact(study.way_fullsteps)} full steps in {study.runs} runs.
+        </Text>
+      </div>
+    </Card>
+  );
+}

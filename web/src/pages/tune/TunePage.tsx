@@ -1,0 +1,49 @@
+import { IconTargetArrow } from "@tabler/icons-react";
+import { useState } from "react";
+import { can, type Device } from "../../api/queries";
+import { NoDevice, Waiting } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
+import { DeviceNotice } from "../../lib/rows/DeviceNotice";
+import { useSelectedAxis } from "../../live/selection";
+import { StudyList } from "./StudyList";
+import { StudyView } from "./StudyView";
+import { useChanges, useStudies } from "./useStudies";
+import { WishCard } from "./WishCard";
+
+const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a chip with an encoder" };
+
+/** Studies of an axis: what is wanted, what that does to the machine, how it goes, and what came of it. */
+export default function TunePage() {
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="Tune" />;
+  if (!device || !entry || !can(device, "encoder")) return <NoDevice {...NOTHING} />;
+  return <Tune key={key} device={device} axis={entry} />;
+}
+
+function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
+  const studies = useStudies();
+  const [picked, setPicked] = useState<string | null>(null);
+  const changes = useChanges(setPicked);
+  const own = studies.data?.studies.filter((study) => study.device === device.id && study.axis === axis.index) ?? [];
+  const shown = own.find(({ id }) => id === picked)?.id ?? own[0]?.id ?? null;
+  return (
+    <Page name="Tune">
+      <DeviceNotice device={device} />
+      <div className="columns design until-75">
+        <div className="column">
+          <WishCard device={device} axis={axis} changes={changes} busy={own.some(({ state }) => state === "running")} />
+          <StudyList
+            studies={own}
+            error={studies.error}
+            shown={shown}
+            onPick={setPicked}
+            retry={() => void studies.refetch()}
+          />
+        </div>
+        <div className="column">
+          <StudyView id={shown} changes={changes} />
+        </div>
+      </div>
+    </Page>
+  );
+}

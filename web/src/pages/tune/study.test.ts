@@ -1,0 +1,88 @@
+import { describe, expect, it } from "vitest";
+import { crossings, documentOf, firstForm, frontOf, historyOf, rangesOf, remedyOf, type Study, spaceOf } from "./study";
+
+type Trial = Study["trials"][number];
+
+function trial(number: number, state: Trial["state"], speed: number, time: number | null): Trial {
+  return {
+    number,
+    state,
+    setting: { speed, acceleration: speed * 4 },
+    registers: [],
+    figures: { time_s: time, spread_s: null, deviation_fullsteps: number, lost_fullsteps: 0, runs: 1 },
+    expected_s: 0.5,
+    why: "",
+    at_s: 0,
+  };
+}
+
+const TRIALS = [
+  trial(0, "feasible", 100, 1),
+  trial(1, "pruned", 50, null),
+  trial(2, "infeasible", 1000, null),
+  trial(3, "feasible", 400, 0.6),
+  trial(4, "feasible", 300, 0.8),
+];
+
+describe("a study on the page", () => {
+  it("asks for a move with its margin as a share, and for a look without a budget", () => {
+    const form = { ...firstForm(200 * 256), kind: "fastest_move" as const, marginPercent: 15, trials: 12 };
+    expect(documentOf(form, "slide", 1)).toMatchObject({
+      device: "slide",
+      axis: 1,
+      budget: { trials: 12 },
+      study: { kind: "fastest_move", distance: 102_400, margin: 0.15 },
+    });
+    expect(documentOf({ ...form, kind: "first_look" }, "slide", 0)).toEqual({
+      device: "slide",
+      axis: 0,
+      study: { kind: "first_look", turns: 1, travel_turns: 0 },
+    });
+  });
+
+  it("shows what held, what lost steps, and the best so far; what was not tried is left out", () => {
+    expect(historyOf(TRIALS)).toEqual([
+      [0, 2, 3, 4],
+      [1, null, 0.6, 0.8],
+      [null, 0.5, null, null],
+      [1, 1, 0.6, 0.6],
+    ]);
+  });
+
+  it("draws the space in rising order of the first setting", () => {
+    expect(spaceOf(TRIALS, ["speed", "acceleration"])).toEqual([
+      [100, 300, 400, 1000],
+      [400, 1200, 1600, null],
+      [null, null, null, 4000],
+    ]);
+  });
+
+  it("marks the front of two objectives", () => {
+    expect(frontOf(TRIALS, [0, 3])).toEqual([
+      [0.6, 0.8, 1],
+      [3, 4, 0],
+      [3, null, 0],
+    ]);
+  });
+
+  it("crosses parallel axes between the least and the greatest, settings by their ratio", () => {
+    const study = { trials: TRIALS, units: { speed: "pps", acceleration: "pps^2" } } as unknown as Study;
+    const ranges = rangesOf(study);
+    expect(ranges.map(({ name, low, high }) => [name, low, high])).toEqual([
+      ["speed", 100, 1000],
+      ["acceleration", 400, 4000],
+      ["time", 0.5, 1],
+    ]);
+    expect(crossings(TRIALS[0] as Trial, ranges)).toEqual([0, 0, 1]);
+    const middle = crossings(trial(9, "feasible", Math.sqrt(1e5), 0.75), ranges);
+    for (const height of middle) expect(height).toBeCloseTo(0.5);
+    expect(rangesOf({ ...study, trials: TRIALS.slice(0, 1) } as Study)).toEqual([]);
+  });
+
+  it("makes a cure's address whole", () => {
+    const remedy = { label: "write", method: "POST" as const, path: "registers", body: {}, moves: true };
+    const finding = { remedy } as unknown as Study["findings"][number];
+    expect(remedyOf("a b", finding)?.path).toBe("/api/v1/devices/a%20b/registers");
+    expect(remedyOf("a", { ...finding, remedy: null })).toBeNull();
+  });
+});

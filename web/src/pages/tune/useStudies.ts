@@ -1,0 +1,61 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { api } from "../../api/client";
+import type { Wish } from "./study";
+
+/** All studies and which kinds there are, looked at now and then: others start them too. */
+export function useStudies() {
+  return useQuery({
+    queryKey: ["studies"],
+    queryFn: () => api.GET("/api/v1/studies"),
+    refetchInterval: ({ state: { data } }) => (data?.studies.some(({ state }) => state === "running") ? 1000 : 4000),
+  });
+}
+
+/** One study, looked at twice a second while it runs. */
+export function useStudy(id: string | null) {
+  return useQuery({
+    queryKey: ["study", id],
+    queryFn: () => api.GET("/api/v1/studies/{study}", { path: { study: id ?? "" } }),
+    enabled: id !== null,
+    refetchInterval: ({ state: { data } }) => (data?.state === "running" ? 500 : false),
+    retry: false,
+  });
+}
+
+/** What a study would do, asked anew as the form changes. Nothing moves by it. */
+export function usePlan(wish: Wish, enabled: boolean) {
+  return useQuery({
+    queryKey: ["study plan", wish],
+    queryFn: () => api.POST("/api/v1/studies/plan", { body: wish }),
+    enabled,
+    refetchInterval: 3000,
+    placeholderData: (before) => before,
+    retry: false,
+  });
+}
+
+/** What changes studies, or an axis by one. */
+export function useChanges(onStarted: (id: string) => void) {
+  const queries = useQueryClient();
+  const onSettled = () =>
+    Promise.all(
+      ["studies", "study", "study plan", "devices"].map((key) => queries.invalidateQueries({ queryKey: [key] })),
+    );
+  const one = <T>(call: (id: string) => Promise<T>) => useMutation({ mutationFn: call, onSettled });
+  const at = (id: string) => ({ path: { study: id } });
+  return {
+    start: useMutation({
+      mutationFn: (wish: Wish) => api.POST("/api/v1/studies", { body: wish }),
+      onSuccess: ({ id }) => onStarted(id),
+      onSettled,
+    }),
+    stop: one((id) => api.POST("/api/v1/studies/{study}/stop", at(id))),
+    resume: one((id) => api.POST("/api/v1/studies/{study}/resume", at(id))),
+    best: one((id) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "best" } })),
+    undo: one((id) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "baseline" } })),
+    keep: one((id) => api.POST("/api/v1/studies/{study}/profiles", at(id))),
+    remove: one((id) => api.DELETE("/api/v1/studies/{study}", at(id))),
+  };
+}
+
+export type Changes = ReturnType<typeof useChanges>;
