@@ -52,6 +52,13 @@ class Pair(Part):
     order: Literal["AB", "BA"]
 
 
+class Interval(Part):
+    """From where to where something lies, 95 %."""
+
+    low: float
+    high: float
+
+
 class Evidence(Part):
     """The winner against the baseline, by pairs. Differences are winner less baseline."""
 
@@ -59,7 +66,7 @@ class Evidence(Part):
     baseline_s: float
     winner_s: float
     difference_s: float
-    interval_s: tuple[float, float] = Field(description="of the mean difference, 95 %")
+    interval_s: Interval = Field(description="of the mean difference, 95 %")
     share: float = Field(description="difference over the baseline: -0.2 is a fifth faster")
     p: float = Field(description="of the paired test (Wilcoxon), two-sided")
     test: str
@@ -86,7 +93,7 @@ class Finding(Part):
     text: str
     value: float | None = None
     unit: str = ""
-    interval: tuple[float, float] | None = Field(default=None, description="95 %")
+    interval: Interval | None = Field(default=None, description="95 %")
     sure: Literal["certain", "measured", "cannot be told", "missing"] = "measured"
     remedy: Mend | None = Field(default=None, description="what would set it right")
 

@@ -82,14 +82,14 @@ def _number(value: float | None, digits: int = 4) -> str:
 def _findings(record: StudyRecord) -> str:
     rows = []
     for one in record.findings:
-        between = "" if one.interval is None else f"{_number(one.interval[0])} to {_number(one.interval[1])}"
+        between = "" if one.interval is None else f"{_number(one.interval.low)} to {_number(one.interval.high)}"
         value = f"{_number(one.value)} {one.unit}".strip()
         rows.append((one.name, one.text, value, between, one.sure, "" if one.remedy is None else one.remedy.label))
     return _table(("what", "", "value", "95 %", "how sure", "cure"), rows)
 
 
 def _evidence(evidence: Evidence) -> str:
-    low, high = evidence.interval_s
+    low, high = evidence.interval_s.low, evidence.interval_s.high
     return _table(
         ("", ""),
         (

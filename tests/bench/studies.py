@@ -1,8 +1,8 @@
 """Studies on plants drawn from a seed that they do not know; the judge reads the ground truth afterwards.
 
 The fastest move is compared with the best of a grid of speeds and accelerations on the same plant, each tried three
-times with the study's margin: the first that holds, in order of the time that its ramp takes. Time is the emulator's own,
-so a busy machine changes nothing but how long this takes.
+times with the study's margin: the first that holds, in order of the time that its ramp takes. Time is the emulator's
+own, so a busy machine changes nothing but how long this takes.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from app.devices.core.capabilities import PositionFromEncoder
+from app.procedures.procedure import Failed
+from app.profiles.apply import Transaction
+from app.studies.document import FastestMove
 from app.studies.fastest_move.ranges import look
 from app.studies.moves import MeasuredMoves
 from app.studies.ramp_settings import ACCELERATION, SPEED, document_of, least_time_s
-from app.profiles.apply import Transaction
-from app.procedures.procedure import Failed
-from app.studies.document import FastestMove
 from tests.bench.table import Row
 from tests.plants.axes import drawn
 from tests.studies.harness import STEP_S, Studied, studied

@@ -14,14 +14,17 @@ MOTORS = (
     (1.2, 1.5e-3, 0.55, 2.5, 82e-7),
     (1.6, 3.0e-3, 0.59, 2.0, 82e-7),
 )
-"""NEMA 17 motors: the first four figures of klipper_tmc_autotune's public list (motor_database.cfg: 17HS08-1004S, 17HS4401,
-17HS15-1504S, LDO-42STH47-1684A, LDO-42STH48-2504AC, LDO-42STH48-2004AC); inertia by body length of the 42HS series."""
-SQRT_2 = 2**0.5
+"""NEMA 17 motors: the first four figures of klipper_tmc_autotune's public list (motor_database.cfg: 17HS08-1004S,
+17HS4401, 17HS15-1504S, LDO-42STH47-1684A, LDO-42STH48-2504AC, LDO-42STH48-2004AC); inertia by body length of the 42HS
+series."""
 
 
 def drawn(seed: int) -> dict[str, Any]:
-    """Options of an emulated TMC5160: R within 10 %, L 20 %, torque 10 % of the motor's, detent 2 to 8 % of it, load 0.5 to
-    20 rotor inertias, viscous and Coulomb friction, 24 to 48 V, run at its rated current at the greatest scale."""
+    """Options of an emulated TMC5160.
+
+    R within 10 %, L 20 %, torque 10 % of the motor's, detent 2 to 8 % of it, load of 0.5 to 20 rotor inertias, viscous
+    and Coulomb friction, 24 to 48 V, rated current at the greatest scale.
+    """
     rng = random.Random(seed)
     resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
     torque *= rng.uniform(0.9, 1.1)
@@ -36,7 +39,10 @@ def drawn(seed: int) -> dict[str, Any]:
             "viscous_nms": 10 ** rng.uniform(-3.5, -2.7),
             "friction_nm": torque * rng.uniform(0.005, 0.03),
         },
-        "load": {"inertia_kgm2": inertia * 10 ** rng.uniform(-0.3, 1.3), "friction_nm": torque * rng.uniform(0.0, 0.15)},
+        "load": {
+            "inertia_kgm2": inertia * 10 ** rng.uniform(-0.3, 1.3),
+            "friction_nm": torque * rng.uniform(0.0, 0.15),
+        },
         "supply_v": rng.uniform(24, 48),
         "full_scale_a": current,
         "seed": rng.randrange(1 << 16),

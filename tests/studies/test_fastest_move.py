@@ -36,7 +36,7 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert evidence is not None
         assert best.figures.time_s is not None
         assert evidence.winner_s < evidence.baseline_s
-        assert evidence.interval_s[1] < 0
+        assert evidence.interval_s.high < 0
         assert evidence.pairs == 10
         assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / evidence.runs))
         assert any(trial.state == "infeasible" for trial in record.trials), "its edge was found"

@@ -16,7 +16,7 @@ from ..document import FastestMove
 from ..moves import MeasuredMoves, MoveFigures
 from ..proof import is_better, paired_effect, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
-from ..record import Evidence, Figures, Pair, Trial
+from ..record import Evidence, Figures, Interval, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher
 from .ranges import BASELINE_RUNS, Ranges, look
@@ -376,7 +376,7 @@ class FastestMoveStudy(StudyRun):
             baseline_s=old,
             winner_s=new,
             difference_s=effect.mean,
-            interval_s=(effect.low, effect.high),
+            interval_s=Interval(low=effect.low, high=effect.high),
             share=effect.mean / old,
             p=effect.p,
             test="Wilcoxon signed-rank, two-sided; interval: bootstrap and Student's t over the pairs, the wider",

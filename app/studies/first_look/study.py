@@ -17,7 +17,7 @@ from ...procedures.procedure import Failed
 from ...telemetry.sampling import FloatArray, Sampling
 from ..document import FirstLook
 from ..ramp_settings import UNITS
-from ..record import Finding, Mend
+from ..record import Finding, Interval, Mend
 from ..run import StudyRun
 from .encoder_fit import EncoderFit, fit_encoder
 from .plan import Ground, look, travel_of
@@ -122,7 +122,7 @@ class FirstLookStudy(StudyRun):
                 "encoder",
                 f"it tells {plain(found.ratio, 5)} of the way that the motor is told to go: {label}",
                 value=found.ratio,
-                interval=found.ratio_interval,
+                interval=_between(found.ratio_interval),
                 remedy=remedy,
             )
             if found.ratio < 0:
@@ -132,7 +132,7 @@ class FirstLookStudy(StudyRun):
             "encoder",
             "its resolution is set right: it tells the way that the motor goes",
             value=found.ratio,
-            interval=found.ratio_interval,
+            interval=_between(found.ratio_interval),
         )
         self._find("polarity", "it counts with the motor", value=1.0, sure="certain")
         self._find(
@@ -140,7 +140,7 @@ class FirstLookStudy(StudyRun):
             "between both ways: friction, backlash before the encoder, and half a count",
             value=found.play,
             unit="microsteps",
-            interval=found.play_interval,
+            interval=_between(found.play_interval),
         )
         if found.eccentricity is None:
             self._find("eccentricity", "less than a turn was looked at", sure="cannot be told")
@@ -152,7 +152,7 @@ class FirstLookStudy(StudyRun):
                 "once a turn: of the encoder or its coupling, which a look from one side cannot tell apart",
                 value=found.eccentricity * turn_deg,
                 unit="deg of the shaft",
-                interval=(low * turn_deg, high * turn_deg),
+                interval=_between((low * turn_deg, high * turn_deg)),
             )
         self._find("index", "not looked for: see the encoder page", sure="cannot be told")
 
@@ -256,3 +256,7 @@ class FirstLookStudy(StudyRun):
 
     async def _state(self) -> AxisState:
         return await self.device.monitor.axis_state(self.axis)
+
+
+def _between(ends: tuple[float, float]) -> Interval:
+    return Interval(low=ends[0], high=ends[1])

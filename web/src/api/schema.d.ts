@@ -2355,6 +2355,47 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/wiring": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Wiring
+         * @description Which pins of emulated devices are wired together, and whether that works. It is set with their links.
+         */
+        get: operations["get_wiring"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/start-together": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Together
+         * @description Start moves of axes of any devices together. All are judged before anything starts; answers when they have
+         *     started, with how far apart. Where one does not start, all are stopped.
+         */
+        post: operations["start_together"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/audit": {
         parameters: {
             query?: never;
@@ -3073,6 +3114,39 @@ export interface components {
             limits: components["schemas"]["Limits-Output"] | null;
         };
         /**
+         * AxisStart
+         * @description How one axis started.
+         */
+        AxisStart: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * How
+             * @enum {string}
+             */
+            how: "START wire" | "command";
+            /** From Position */
+            from_position: number;
+            /** Target Position */
+            target_position: number;
+            /**
+             * Skew S
+             * @description after the first one [s]
+             */
+            skew_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
+            /** Predicted Duration S */
+            predicted_duration_s: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * AxisStartUp
          * @description Set one axis up after power-on. irun and ihold are other names of run_scale and hold_scale.
          */
@@ -3716,6 +3790,12 @@ export interface components {
              * @default 0
              */
             stall_threshold?: number;
+            /**
+             * Wires
+             * @description pins that are wired to other emulators of this server: START, and STEP1, its step and direction output
+             * @default []
+             */
+            wires?: components["schemas"]["Tmc4361Wire"][];
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -6084,14 +6164,8 @@ export interface components {
              * @default
              */
             unit: string;
-            /**
-             * Interval
-             * @description 95 %
-             */
-            interval: [
-                number,
-                number
-            ] | null;
+            /** @description 95 % */
+            interval: components["schemas"]["Interval"] | null;
             /**
              * Sure
              * @default measured
@@ -6543,6 +6617,16 @@ export interface components {
              * @description what SIO has set
              */
             outputs: number[];
+        };
+        /**
+         * Interval
+         * @description From where to where something lies, 95 %.
+         */
+        Interval: {
+            /** Low */
+            low: number;
+            /** High */
+            high: number;
         };
         /** KeepRotating */
         KeepRotating: {
@@ -8278,6 +8362,53 @@ export interface components {
              */
             mirror?: number;
             registers?: components["schemas"]["MslutWords"] | null;
+        };
+        /**
+         * Net
+         * @description Pins of emulated devices that are wired together: those whose options (`wires`) name the same net.
+         */
+        Net: {
+            /** Net */
+            net: string;
+            /** Pins */
+            pins: components["schemas"]["NetPin"][];
+            /**
+             * Open
+             * @description why it connects nothing; null where it does
+             */
+            open: string | null;
+            /**
+             * Equal Clocks
+             * @description an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it
+             */
+            equal_clocks: boolean;
+            /**
+             * Seen Within S
+             * @description how far apart an edge is seen at the most [s]
+             */
+            seen_within_s: number;
+        };
+        /**
+         * NetPin
+         * @description A pin on a net.
+         */
+        NetPin: {
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /**
+             * Pin
+             * @description START, or STEP1 to STEP3: step and direction of an axis
+             */
+            pin: string;
+            /**
+             * Role
+             * @description level: either way, as the chip is set
+             * @enum {string}
+             */
+            role: "level" | "output" | "input";
         };
         /**
          * NowTrigger
@@ -11487,6 +11618,26 @@ export interface components {
             why: string;
         };
         /**
+         * StartTogether
+         * @description Moves of axes of any devices that start together.
+         */
+        StartTogether: {
+            /** Moves */
+            moves: components["schemas"]["TogetherMove"][];
+            /**
+             * Use Wires
+             * @description start chips whose START pins are wired by one edge; false: each by its command
+             * @default true
+             */
+            use_wires?: boolean;
+            /**
+             * Start Wires
+             * @description devices on real links whose START pins are wired together; emulated ones tell of their wires
+             * @default []
+             */
+            start_wires?: string[][];
+        };
+        /**
          * StartUpReport
          * @description What a start-up writes, or has written and read back.
          */
@@ -11589,6 +11740,24 @@ export interface components {
              * @description it was read back; null of a dry run, and where it cannot be read
              */
             verified: boolean | null;
+        };
+        /**
+         * StartedTogether
+         * @description How all of them started.
+         */
+        StartedTogether: {
+            /** Axes */
+            axes: components["schemas"]["AxisStart"][];
+            /**
+             * Spread S
+             * @description between the first and the last start [s]
+             */
+            spread_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
         };
         /**
          * StepDirState
@@ -12360,6 +12529,19 @@ export interface components {
             faults: components["schemas"]["ChipFaultsState"];
             truth: components["schemas"]["TruthState"];
         };
+        /** Tmc4361Wire */
+        Tmc4361Wire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "START" | "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
+        };
         /**
          * Tmc5xxxPatch
          * @description A change to a running chip; what is left out stays. A power cycle comes first.
@@ -12678,6 +12860,29 @@ export interface components {
              * @description file that keeps the EEPROM; null: forgotten with the process
              */
             eeprom_path: string | null;
+        };
+        /** TogetherMove */
+        TogetherMove: {
+            /** Target */
+            target: number;
+            /**
+             * Relative
+             * @default false
+             */
+            relative?: boolean;
+            /**
+             * Unit
+             * @default microsteps
+             * @enum {string}
+             */
+            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /** Axis */
+            axis: number;
         };
         /**
          * TokenAdd
@@ -13482,6 +13687,14 @@ export interface components {
              */
             frames: "datagram" | "uart" | "board" | "tmcl";
         };
+        /**
+         * Wiring
+         * @description All nets, by name.
+         */
+        Wiring: {
+            /** Nets */
+            nets: components["schemas"]["Net"][];
+        };
         /** Switches */
         MotionSwitches: {
             /** Left */
@@ -14026,14 +14239,8 @@ export interface components {
             winner_s: number;
             /** Difference S */
             difference_s: number;
-            /**
-             * Interval S
-             * @description of the mean difference, 95 %
-             */
-            interval_s: [
-                number,
-                number
-            ];
+            /** @description of the mean difference, 95 % */
+            interval_s: components["schemas"]["Interval"];
             /**
              * Share
              * @description difference over the baseline: -0.2 is a fifth faster
@@ -25235,6 +25442,131 @@ export interface operations {
             };
             /** @description The 3D view cannot be shown (/problems/twin-failed) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_wiring: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_together: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartTogether"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartedTogether"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -56,6 +56,7 @@ describe("pages", () => {
       "StallGuard",
       "Rotary",
       "3D",
+      "Tune",
       "Recordings",
       "Profiles",
       "Console",

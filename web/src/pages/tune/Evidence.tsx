@@ -14,7 +14,7 @@ interface Props {
 /** How sure it is: the difference of each pair, its mean with the interval, and what the runs bound. */
 export function Evidence({ study, evidence }: Props) {
   const scheme = useScheme();
-  const [low, high] = evidence.interval_s;
+  const { low, high } = evidence.interval_s;
   const differences = study.pairs.map(({ winner_s: winner, baseline_s: baseline }) => (winner - baseline) * 1e3);
   const summary = `${compact(evidence.difference_s * 1e3)} ms on average, 95 %: ${compact(low * 1e3)} to ${compact(high * 1e3)} ms`;
   return (

@@ -7,7 +7,7 @@ import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Remedies } from "../../lib/Remedies";
 import { Evidence } from "./Evidence";
-import { remedyOf, type Study, valueOf } from "./study";
+import { figureOf, remedyOf, type Study } from "./study";
 import { TrialPlots } from "./TrialPlots";
 import { type Changes, useStudy } from "./useStudies";
 
@@ -191,7 +191,7 @@ function Findings({ study }: { study: Study }) {
           return (
             <li key={finding.name} style={{ padding: "4px 0" }}>
               <Text size="sm">
-                <b>{finding.name}</b> <span className="dim">({finding.sure})</span> {valueOf(finding)}
+                <b>{finding.name}</b> <span className="dim">({finding.sure})</span> {figureOf(finding)}
               </Text>
               <Text size="sm">{finding.text}</Text>
               {remedy && <Remedies remedies={[remedy]} />}

@@ -161,9 +161,9 @@ export function crossings(trial: Trial, ranges: readonly Range[]): number[] {
 }
 
 /** What of a finding stands beside its name: 0.25 deg, 0.2 to 0.3. */
-export function valueOf({ value, unit, interval }: Finding): string {
+export function figureOf({ value, unit, interval }: Finding): string {
   if (value === null) return "";
-  const between = interval === null ? "" : ` (95 %: ${compact(interval[0])} to ${compact(interval[1])})`;
+  const between = interval === null ? "" : ` (95 %: ${compact(interval.low)} to ${compact(interval.high)})`;
   return `${compact(value)} ${unit}`.trim() + between;
 }
 

@@ -41,20 +41,25 @@ export function useChanges(onStarted: (id: string) => void) {
     Promise.all(
       ["studies", "study", "study plan", "devices"].map((key) => queries.invalidateQueries({ queryKey: [key] })),
     );
-  const one = <T>(call: (id: string) => Promise<T>) => useMutation({ mutationFn: call, onSettled });
-  const at = (id: string) => ({ path: { study: id } });
+  const at = (study: string) => ({ path: { study } });
   return {
     start: useMutation({
       mutationFn: (wish: Wish) => api.POST("/api/v1/studies", { body: wish }),
       onSuccess: ({ id }) => onStarted(id),
       onSettled,
     }),
-    stop: one((id) => api.POST("/api/v1/studies/{study}/stop", at(id))),
-    resume: one((id) => api.POST("/api/v1/studies/{study}/resume", at(id))),
-    best: one((id) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "best" } })),
-    undo: one((id) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "baseline" } })),
-    keep: one((id) => api.POST("/api/v1/studies/{study}/profiles", at(id))),
-    remove: one((id) => api.DELETE("/api/v1/studies/{study}", at(id))),
+    stop: useMutation({ mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/stop", at(id)), onSettled }),
+    resume: useMutation({ mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/resume", at(id)), onSettled }),
+    best: useMutation({
+      mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "best" } }),
+      onSettled,
+    }),
+    undo: useMutation({
+      mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "baseline" } }),
+      onSettled,
+    }),
+    keep: useMutation({ mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/profiles", at(id)), onSettled }),
+    remove: useMutation({ mutationFn: (id: string) => api.DELETE("/api/v1/studies/{study}", at(id)), onSettled }),
   };
 }
 
