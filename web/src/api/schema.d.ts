@@ -1695,6 +1695,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/serial-encoder": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Serial Encoder
+         * @description The bits of a serial encoder's answer at a TMC4361, how long it takes, and how fast the shaft may turn.
+         */
+        post: operations["calculate_serial_encoder"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/catalog": {
         parameters: {
             query?: never;
@@ -3388,7 +3408,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3453,7 +3473,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3547,7 +3567,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -4651,7 +4671,7 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
@@ -4698,7 +4718,7 @@ export interface components {
             /** Name */
             name: string;
             /** Model */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -5025,7 +5045,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240";
+            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -5083,6 +5103,12 @@ export interface components {
              */
             full_scale_a?: number | null;
             /**
+             * Wires
+             * @description STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net
+             * @default []
+             */
+            wires?: components["schemas"]["StepInputWire"][];
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -5121,6 +5147,12 @@ export interface components {
              * @description steps a second that come in at STEP, negative with DIR high
              */
             step_hz: number;
+            /**
+             * Steps
+             * @description steps taken from a wired controller since power-on, those back taken off
+             * @default 0
+             */
+            steps?: number;
         };
         /**
          * DriverPlaceRow
@@ -5195,7 +5227,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240";
+            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
             /** Link */
             link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -5278,6 +5310,12 @@ export interface components {
              * @description one stage an axis; axes beyond the list have the default stage
              */
             stages?: components["schemas"]["StageOptions"][];
+            /**
+             * Wires
+             * @description TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server
+             * @default []
+             */
+            wires?: components["schemas"]["StepOutputWire"][];
             /**
              * Driver Microsteps
              * @description TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers
@@ -5443,6 +5481,29 @@ export interface components {
             external_reversed?: boolean;
         };
         /**
+         * EncoderOutputState
+         * @description The serial encoder output, as a listener gets it.
+         */
+        EncoderOutputState: {
+            /** Enabled */
+            enabled: boolean;
+            /**
+             * Length
+             * @description bits of an answer
+             */
+            length: number;
+            /**
+             * Heard
+             * @description the latest answer that was clocked out, first bit first; empty: none yet
+             */
+            heard: string;
+            /**
+             * Repeated
+             * @description it was the one before again: the monoflop time had not passed
+             */
+            repeated: boolean;
+        };
+        /**
          * EncoderPatch
          * @description Whatever is not given stays.
          */
@@ -5463,6 +5524,21 @@ export interface components {
             zero_fullsteps?: number | null;
             /** Status Bits */
             status_bits?: number | null;
+            /**
+             * Kind
+             * @description another encoder on the shaft
+             */
+            kind?: ("abn" | "ssi" | "spi") | null;
+            /** Lines */
+            lines?: number | null;
+            /** Single Turn Bits */
+            single_turn_bits?: number | null;
+            /** Multi Turn Bits */
+            multi_turn_bits?: number | null;
+            /** Gray */
+            gray?: boolean | null;
+            /** Status Bit Count */
+            status_bit_count?: number | null;
             /**
              * Spoil Next
              * @description bits of an absolute encoder's next answer that arrive wrong
@@ -7215,6 +7291,23 @@ export interface components {
             link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
         };
         /**
+         * ListenChange
+         * @description Clocks at the serial encoder output, as from a listener.
+         */
+        ListenChange: {
+            /**
+             * Clocks
+             * @description so many, at once
+             */
+            clocks: number;
+            /**
+             * Rate Hz
+             * @description clocks a second
+             * @default 100000
+             */
+            rate_hz?: number;
+        };
+        /**
          * LoadOptions
          * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
          */
@@ -8716,7 +8809,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161") | string | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A": reached by a link of kind landungsbruecke
@@ -11113,6 +11206,155 @@ export interface components {
             fd_b: number;
         };
         /**
+         * SerialEncoder
+         * @description The answer of an encoder, and how it is asked.
+         */
+        SerialEncoder: {
+            /**
+             * Kind
+             * @default ssi
+             * @enum {string}
+             */
+            kind?: "ssi" | "spi";
+            /**
+             * Clock Hz
+             * @description fCLK [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Single Bits
+             * @description of the angle
+             */
+            single_bits: number;
+            /**
+             * Multi Bits
+             * @description of the turns, 0: none
+             * @default 0
+             */
+            multi_bits?: number;
+            /**
+             * Status Bits
+             * @default 0
+             */
+            status_bits?: number;
+            /**
+             * Gray
+             * @default false
+             */
+            gray?: boolean;
+            /**
+             * Status Last
+             * @description left_aligned_data
+             * @default false
+             */
+            status_last?: boolean;
+            /**
+             * High
+             * @description SER_CLK_IN_HIGH
+             * @default 160
+             */
+            high?: number;
+            /**
+             * Low
+             * @description SER_CLK_IN_LOW
+             * @default 160
+             */
+            low?: number;
+            /**
+             * Delay
+             * @description SSI_IN_CLK_DELAY
+             * @default 0
+             */
+            delay?: number;
+            /**
+             * Repeat Wait
+             * @description SSI_IN_WTIME
+             * @default 0
+             */
+            repeat_wait?: number;
+            /**
+             * Period
+             * @description SER_PTIME
+             * @default 0
+             */
+            period?: number;
+            /**
+             * Twice
+             * @description ssi_multi_cycle_data
+             * @default false
+             */
+            twice?: boolean;
+            /**
+             * Variation
+             * @description SER_ENC_VARIATION
+             * @default 0
+             */
+            variation?: number;
+            /**
+             * Counts Per Turn
+             * @description ENC_IN_RES
+             * @default 0
+             */
+            counts_per_turn?: number;
+            /**
+             * Turns
+             * @description of the place whose answer is shown
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Angle
+             * @description of that place, counts
+             * @default 1
+             */
+            angle?: number;
+        };
+        /** SerialEncoderResult */
+        SerialEncoderResult: {
+            /**
+             * Names
+             * @description T turns, A angle, S status with their places, the first sent first
+             */
+            names: string[];
+            /**
+             * Bits
+             * @description of the place that was asked for
+             */
+            bits: number[];
+            /** Bit Hz */
+            bit_hz: number;
+            /** Answer S */
+            answer_s: number;
+            /**
+             * Period S
+             * @description from one request to the next
+             */
+            period_s: number;
+            /**
+             * Pause S
+             * @description rest of the clock between two requests
+             */
+            pause_s: number;
+            /**
+             * Angle Deg
+             * @description one count
+             */
+            angle_deg: number;
+            /**
+             * Turns
+             * @description turns that are told apart
+             */
+            turns: number;
+            /**
+             * Speed Rpm
+             * @description fastest that turns are counted right; null: no limit
+             */
+            speed_rpm: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * ShaftEncoder
          * @description The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts.
          */
@@ -11783,6 +12025,19 @@ export interface components {
             /** Pulse Clocks */
             pulse_clocks: number;
         };
+        /** StepInputWire */
+        StepInputWire: {
+            /**
+             * Pin
+             * @constant
+             */
+            pin: "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
+        };
         /**
          * StepOutputState
          * @description The step output since power-on.
@@ -11812,6 +12067,19 @@ export interface components {
              * @description microsteps sent, in 1/256 full step
              */
             microsteps_256: number;
+        };
+        /** StepOutputWire */
+        StepOutputWire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "STEP1" | "STEP2" | "STEP3";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * StepResponseStart
@@ -12462,6 +12730,7 @@ export interface components {
             pins?: components["schemas"]["Tmc4361PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
             step_dir?: components["schemas"]["Tmc4361StepDirChange"] | null;
+            listen?: components["schemas"]["ListenChange"] | null;
             faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
@@ -12516,6 +12785,7 @@ export interface components {
             switches: components["schemas"]["Tmc4361SwitchesState"];
             pins: components["schemas"]["Tmc4361PinsState"];
             encoder: components["schemas"]["Tmc4361EncoderState"];
+            encoder_output: components["schemas"]["EncoderOutputState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
             step_output: components["schemas"]["StepOutputState"];
@@ -12647,7 +12917,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc2130" | "tmc2209" | "tmc2240";
+            model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
@@ -13366,7 +13636,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "pd42-1241" | "tmcm-1161";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -13893,6 +14163,20 @@ export interface components {
              * @description what an absolute encoder's status bits are
              */
             status_bits: number;
+            /**
+             * Single Turn Bits
+             * @description ssi, spi: bits of the place in the turn
+             */
+            single_turn_bits: number;
+            /**
+             * Multi Turn Bits
+             * @description ssi, spi: bits of the turns counted
+             */
+            multi_turn_bits: number;
+            /** Gray */
+            gray: boolean;
+            /** Status Bit Count */
+            status_bit_count: number;
         };
         /**
          * PinsChange
@@ -22784,6 +23068,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["InputFilterResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_serial_encoder: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SerialEncoder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SerialEncoderResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

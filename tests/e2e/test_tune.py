@@ -1,0 +1,67 @@
+"""The page Tune in a browser: a first look at an axis, its cure by a click, then a faster ramp, taken and undone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.e2e.chips import Chip, a_chip, select
+from tests.e2e.conftest import PHONE
+from tests.e2e.motor import wait_for
+
+LONG_MS = 90_000
+START = {"velocity_pps": 100_000, "acceleration_pps2": 400_000, "counts_per_rev": 4000, "stops": False}
+"""The encoder of an emulated chip has 40 000."""
+
+
+@pytest.fixture(scope="module")
+def slide(api: httpx.Client) -> Iterator[Chip]:
+    with a_chip(api, "tuned slide") as chip:
+        api.post(f"/devices/{chip.device}/start-up", json=START).raise_for_status()
+        chip.emulator(time_scale=4.0)
+        yield chip
+
+
+def test_an_axis_is_looked_at_set_right_and_made_faster(
+    page: Page, slide: Chip, check_axe: Callable[[Page], None]
+) -> None:
+    select(page, slide)
+    page.goto("/tune")
+    plan = page.get_by_test_id("plan")
+    expect(plan).to_contain_text("turns there and back")
+    expect(plan).to_contain_text("It sets, and sets back: VMAX")
+    before = slide.register("VMAX")["value"]
+
+    page.get_by_test_id("begin").press("Enter")
+    verdict = page.get_by_test_id("verdict")
+    expect(verdict).to_contain_text("1 to be set right: encoder", timeout=LONG_MS)
+    check_axe(page)
+    page.get_by_role("button", name=re.compile("40,000 counts a turn")).click()
+    expect(page.get_by_test_id("begin")).to_be_enabled(timeout=LONG_MS)
+
+    page.get_by_label("The axis shall be").click()
+    page.get_by_role("option", name="Faster").click()
+    for label, value in (("Distance", "0.25"), ("Settings tried at most", "3")):
+        field = page.get_by_label(label, exact=True)
+        field.fill(value)
+        field.press("Tab")
+    expect(plan).to_contain_text("up to 3 settings")
+    page.get_by_test_id("begin").click()
+    expect(page.get_by_role("progressbar", name="How far the study is")).to_be_visible(timeout=LONG_MS)
+    expect(verdict).to_contain_text("% faster", timeout=LONG_MS)
+    assert slide.register("VMAX")["value"] == before
+    expect(page.get_by_role("figure", name="All settings and the time of each trial")).to_be_visible()
+
+    page.get_by_role("button", name="Take the best").click()
+    wait_for(lambda: slide.register("VMAX")["value"] > before, "the best setting is taken")
+    page.get_by_role("button", name="Undo").click()
+    wait_for(lambda: slide.register("VMAX")["value"] == before, "the setting is as before")
+    check_axe(page)
+    page.set_viewport_size(PHONE)
+    expect(verdict).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.goto("/connections")  # before the chip is gone
