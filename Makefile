@@ -120,10 +120,11 @@ $(STAMPS)/venv:
 	@$(PIP) install --quiet --upgrade "pip>=25.1"
 	@mkdir -p $(STAMPS) && touch $@
 
+# Each module is compiled when it is first imported, which of many never happens.
 # The UI first, then the package: so that pip's build finds it done, and fetches no second Node.js for it.
 $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
 	@echo "installing stepscope into .venv (the first time takes a minute or two)"
-	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
+	@$(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
 	@touch $@
 
 # Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
@@ -135,5 +136,5 @@ $(STAMPS)/kernels: $(STAMPS)/app
 # Behind the package: two of pip at once in one environment overwrite each other's files.
 $(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS) | $(STAMPS)/app
 	@echo "installing the development tools into .venv"
-	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --group test
+	@$(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --group test
 	@touch $@
