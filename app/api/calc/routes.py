@@ -30,7 +30,8 @@ from .sixpoint_schemas import Chopper, ChopperResult, CoilCurrent, CoilCurrentRe
 from .tmc5xxx import motor as motor_calculators
 from .tmc428.current_scales import current_scales
 from .tmc428.current_schemas import CurrentScaling, CurrentScalingResult
-from .tmc4361 import input_filters
+from .tmc4361 import currents, input_filters
+from .tmc4361.current_schemas import DriveCurrent, DriveCurrentResult, PwmDuty, PwmDutyResult
 from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
 from .tmc4361.serial_encoder import serial_encoder
 from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
@@ -111,6 +112,18 @@ def calculate_input_filter(body: InputFilter) -> InputFilterResult:
 def calculate_serial_encoder(body: SerialEncoder) -> SerialEncoderResult:
     """The bits of a serial encoder's answer at a TMC4361, how long it takes, and how fast the shaft may turn."""
     return serial_encoder(body)
+
+
+@router.post("/drive-current")
+def calculate_drive_current(body: DriveCurrent) -> DriveCurrentResult:
+    """Current scale and coil current of a TMC4361 over a move: boost, drive, hold, freewheeling, their delays."""
+    return currents.drive_current(body)
+
+
+@router.post("/pwm-duty")
+def calculate_pwm_duty(body: PwmDuty) -> PwmDutyResult:
+    """Duty of a TMC4361's PWM outputs: their amplitude over speed, and both of them over the electrical turn."""
+    return currents.pwm_duty(body)
 
 
 policy_of_all(router, Policy(lease="free", role="look", audit="silent"))

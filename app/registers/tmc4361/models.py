@@ -26,6 +26,7 @@ MODELS = (
                 "ramp.s",
                 "microsteps.mslut",
                 "current",
+                "current.ramp",
                 "encoder",
                 "closed_loop",
                 "serial_encoder",

@@ -86,6 +86,13 @@ def s_ramp(body: Ramp) -> RampResult:
     )
 
 
+def planned(body: Ramp) -> tuple[SRampPlan, float]:
+    """The motion of a request, and until when it is looked at [s]. Raises what `s_ramp` raises."""
+    wanted = _understood(body)
+    plan = _plan(wanted, body.distance)
+    return plan, plan.duration_s if wanted.positioning else _seen_s(plan, body.distance)
+
+
 def _understood(body: Ramp) -> RampRequest:
     given = dict(body.parameters)
     known = (*VALUES, "vbreak", *STATE, *FLAGS, *CHOICES, "clock_hz")

@@ -1,4 +1,4 @@
-import { IconBinary, IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
+import { IconBinary, IconBolt, IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
 import { api } from "../../api/client";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
@@ -20,6 +20,10 @@ export const tmc4361: Family = {
     {
       ...page(32, "/serial-encoder", "Serial encoder", "SSI/SPI", IconBinary, { needs: ["serial_encoder"] }),
       load: () => import("./serial/SerialEncoderPage"),
+    },
+    {
+      ...page(41, "/drive-currents", "Drive currents", "Currents", IconBolt, { needs: ["current.ramp"] }),
+      load: () => import("./output/OutputPage"),
     },
   ],
   Controls: later(() => import("./Controls").then((part) => part.Controls)),

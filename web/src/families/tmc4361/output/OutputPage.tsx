@@ -1,0 +1,50 @@
+import type { Device } from "../../../api/queries";
+import { Waiting } from "../../../lib/NoDevice";
+import { Page } from "../../../lib/Page";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
+import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
+import { useChipRows } from "../../../lib/rows/useChipRows";
+import { useSelectedAxis } from "../../../live/selection";
+import { CurrentOverMove } from "./CurrentOverMove";
+import { PwmSection } from "./PwmSection";
+import { ScaleFields } from "./ScaleFields";
+
+const GROUPS = ["general", "ramp", "clock", "current", "pwm", "microsteps"] as const;
+const DEFAULT_CLOCK = 16e6;
+
+/** What the coils get, by what the ramp does: current scales over a move, and the duty of PWM outputs. */
+export default function OutputPage() {
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting || device === undefined || entry === undefined) return <Waiting page="Drive currents" />;
+  return <OfChip key={key} device={device} axis={entry} />;
+}
+
+function OfChip({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
+  const chip = useChipRows(device, axis.index, GROUPS);
+  const connected = device.state === "connected";
+  const clockHz = device.clock_hz ?? DEFAULT_CLOCK;
+  return (
+    <Page name="Drive currents">
+      <DeviceNotice device={device} />
+      {chip.live.catalog.isError && (
+        <ProblemAlert
+          error={chip.live.catalog.error}
+          doing="Reading the register list"
+          retry={() => void chip.live.catalog.refetch()}
+        />
+      )}
+      {chip.live.readings.isError && connected && (
+        <ProblemAlert error={chip.live.readings.error} doing="Reading the registers" />
+      )}
+      <div className="columns side-left until-62" data-stale={!connected}>
+        <ScaleFields chip={chip} clockHz={clockHz} disabled={!chip.known} />
+        <div className="column ahead">
+          <CurrentOverMove chip={chip} clockHz={clockHz} axis={axis} of={`${device.id}.${axis.index}`} />
+          <PwmSection chip={chip} clockHz={clockHz} disabled={!chip.known} />
+        </div>
+      </div>
+      <StagedDrawer chip={chip} device={device} />
+    </Page>
+  );
+}
