@@ -64,6 +64,50 @@ def fast_forward(seconds: int) -> tuple[float, int, int]:
     return seconds / elapsed_s, travelled, ask(ENC_POS) - ask(XACTUAL)
 
 
+TIMES = 4 << 20 | 4 << 24 | 4 << 28
+DRIVERS = {"steps": (11 | TIMES, 0xEF010), "currents": (10 | TIMES, 0xEF090)}
+"""SPI_OUT_CONF for a TMC26x, and DRVCONF without and with SDOFF."""
+COVERED = (0xA0000, 0xD001F, 0x00000, 0x901B4)
+
+
+def with_driver(seconds: int, by: str) -> tuple[float, int, float]:
+    """(chip seconds per second, microsteps travelled, full steps that the rotor is off in the end) with a TMC26x."""
+    chip = build_emulator("tmc4361", VirtualClock(), Tmc4361Options(driver="tmc26x"))
+    output, conf = DRIVERS[by]
+    now_s = 0.0
+
+    def put(address: int, word: int) -> None:
+        chip.exchange(write(address, word & 0xFFFFFFFF), now_s)
+
+    def position() -> int:
+        chip.exchange(read(XACTUAL), now_s)
+        word = Reply.decode(chip.exchange(FETCH, now_s)).data
+        return word - (1 << 32) if word >> 31 else word
+
+    put(0x04, output)
+    for word in (conf, *COVERED):
+        put(0x6C, word)
+        now_s += 0.001
+    for address, word in SETTINGS.items():
+        put(address, word)
+    first_fullsteps = chip.ground_truth(0, now_s).shaft_fullsteps
+    travelled, last, target = 0, 0, 60_000
+    put(XTARGET, target)
+    start = time.process_time()
+    for _ in range(100 * seconds):
+        now_s += LOOK_S
+        at = position()
+        travelled += abs(at - last)
+        last = at
+        if at == target:
+            target = -target
+            put(XTARGET, target)
+    elapsed_s = time.process_time() - start
+    put(XTARGET, 0)
+    now_s += 10.0
+    return seconds / elapsed_s, travelled, chip.ground_truth(0, now_s).shaft_fullsteps - first_fullsteps
+
+
 def standing(seconds: int) -> float:
     """Chip seconds per second of a chip whose motor holds its place."""
     chip = build_emulator("tmc4361", VirtualClock(), Tmc4361Options())
@@ -85,7 +129,20 @@ def measure(quick: bool) -> Sequence[Row]:
     exact = sum(one.exact for one in endings)
     changes = sum(one.changes for one in endings)
     first_wrong = next((f"; the first that is not: {one}" for one in endings if not one.exact), "")
+    behind = {by: max(with_driver(5 if quick else 20, by) for _ in range(2)) for by in DRIVERS}
+    slowest = min(one[0] for one in behind.values())
+    lost = max(abs(one[2]) for one in behind.values())
+    told = [f"by {by} {one[0]:,.0f} s per s, rotor {one[2]:.2f} full steps off" for by, one in behind.items()]
     return [
+        Row(
+            what="emulated TMC4361 with a TMC26x behind: S-ramps, driver, motor and encoder",
+            measured=f"{slowest:,.0f} s per s",
+            peer="real time",
+            ratio=slowest,
+            required=f">= {REQUIRED:g}",
+            ok=slowest >= REQUIRED and all(one[1] > 0 for one in behind.values()) and lost < 1,
+            notes=("of CPU time", *told),
+        ),
         Row(
             what="emulated TMC4361: S-ramps, motor and encoder",
             measured=f"{speed:,.0f} s per s",

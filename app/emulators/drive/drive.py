@@ -62,6 +62,7 @@ _KEPT = (
 )
 """Cells that a power cycle leaves."""
 
+DriveCells = tuple[k.Cells, k.Floats, k.Floats]
 Followed = Literal["ramp", "steps", "currents"]
 """What can move the field."""
 
@@ -86,12 +87,13 @@ class Drive:
     Nothing here is thread-safe; the kernel releases the GIL.
     """
 
-    def __init__(self, options: DriveOptions | None = None) -> None:
-        """The rotor stands at `options.start_fullsteps`, the chip has just been switched on."""
+    def __init__(self, options: DriveOptions | None = None, cells: DriveCells | None = None) -> None:
+        """The rotor stands at `options.start_fullsteps`, the chip has just been switched on.
+
+        cells : state, figures and microstep table to work on, all 0, in place of its own: a part of a larger state
+        """
         self.options = options = options or DriveOptions()
-        self._s = np.zeros(k.INTEGERS, dtype=np.int64)
-        self._f = np.zeros(k.REALS, dtype=np.float64)
-        self._table = np.zeros(1024, dtype=np.float64)
+        self._s, self._f, self._table = cells or (np.zeros(k.INTEGERS, np.int64), np.zeros(k.REALS), np.zeros(1024))
         self._registers: dict[str, int] = {}
         self._gstat = 0
         self._wired = True
@@ -371,7 +373,7 @@ class Drive:
         return self.event(kinds) if kinds else None
 
     @property
-    def cells(self) -> tuple[k.Cells, k.Floats, k.Floats]:
+    def cells(self) -> DriveCells:
         """What `kernel.advance` goes by, for compiled code that calls it itself: state, figures, microstep table."""
         return self._s, self._f, self._table
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .drive import Drive, Followed
+from .drive import Drive, DriveCells, Followed
 from .options import DriveOptions
 from .units import bits
 
@@ -54,9 +54,12 @@ class Tmc26x:
     `drive` has the plant: load, temperature, shorts and plug of the motor are set there.
     """
 
-    def __init__(self, options: DriveOptions) -> None:
-        """Just switched on: all registers 0, so the bridges are off. `options.full_scale_a` is with VSENSE 0."""
-        self.drive = Drive(options)
+    def __init__(self, options: DriveOptions, cells: DriveCells | None = None) -> None:
+        """Just switched on: all registers 0, so the bridges are off. `options.full_scale_a` is with VSENSE 0.
+
+        cells : as of `Drive`
+        """
+        self.drive = Drive(options, cells)
         self.drive.warning_c = WARNING_C
         self.words: dict[int, int] = {}
         """What was written, by register: 17 bits, of DRVCTRL 18."""

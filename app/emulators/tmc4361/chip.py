@@ -53,6 +53,7 @@ class EmulatedTmc4361(EmulatorBase40[Chip, Tmc4361Patch, Tmc4361State]):
         plant.check(self._chip, change)
 
     def _change(self, change: Tmc4361Patch) -> None:
+        self._chip.catch_up_driver()
         self._chip.feedback.change(change.feedback())
         if change.power_cycle:
             self._power_cycle()

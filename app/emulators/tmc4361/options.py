@@ -19,7 +19,7 @@ from ..drive.documents import (
 )
 from ..drive.options import MotorOptions, StageSwitches
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed
-from .feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
+from .feedback import DriverBehind, EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
 
 FaultsChange = ChipFaultsChange
 
@@ -43,7 +43,14 @@ class Tmc4361Options(MotorDocument):
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = rest_only(
         2.1, "peak coil current at current scale 255 [A]: the default motor's holding torque"
     )
-    stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(0, "SGT of the driver's StallGuard2")
+    driver: DriverBehind = rest_only(
+        "wired",
+        "what is behind the chip: wired, bridges that take its currents; tmc26x, a driver that cover datagrams have to "
+        "set up and that follows steps or currents",
+    )
+    stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(
+        0, "SGT of a wired driver's StallGuard2"
+    )
 
     wires: Annotated[list[Tmc4361Wire], Field(max_length=WIRES_MAX)] = rest_only(
         [], "pins that are wired to other emulators of this server: START, and STEP1, its step and direction output"
@@ -54,10 +61,12 @@ class Tmc4361Options(MotorDocument):
         return FeedbackOptions(
             motor=self.motor,
             load=self.load,
+            stage=self.stage,
             encoder=self.encoder,
             supply_v=self.supply_v,
             full_scale_a=self.full_scale_a,
             stall_threshold=self.stall_threshold,
+            driver=self.driver,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
         )

@@ -8,10 +8,11 @@ from ..core.base import Times
 from ..drive.documents import ChipFaultsState, Forced, StageState, check_stage
 from ..drive.options import StageSwitches
 from . import layout as c
+from .driver import STATUS_FLAGS
 from .feedback.layout import SHAFT_FULLSTEPS
 from .options import Tmc4361Patch
 from .registers import Chip
-from .state import LevelState, PinsState, RampState, StepOutputState, SwitchesState, Tmc4361State
+from .state import DriverBehindState, LevelState, PinsState, RampState, StepOutputState, SwitchesState, Tmc4361State
 
 _PLACES = {
     "left_at_fullsteps": c.LEFT_AT,
@@ -65,6 +66,21 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
     # the shaft may have been turned by hand, and the switches look at it at once
     chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.plant_state.rotor_fullsteps
     chip.settle()
+
+
+def _driver(chip: Chip) -> DriverBehindState | None:
+    driver = chip.feedback.driver
+    if driver is None:
+        return None
+    status, flags = driver.drive.read("DRV_STATUS"), driver.flags
+    return DriverBehindState(
+        kind="tmc26x",
+        follows="currents" if driver.takes_currents else "steps",
+        bridges=driver.drive.plant_state.bridges,
+        current_scale=status >> 16 & 31,
+        load=status & 0x3FF,
+        flags=[name for at, name in enumerate(STATUS_FLAGS) if flags >> at & 1],
+    )
 
 
 def _force(chip: Chip, pin: int, forced: Forced) -> None:
@@ -130,7 +146,8 @@ def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float)
             pulse_clocks=(int(r[c.STP_LENGTH]) & 0xFFFF) + 1,
             microsteps_256=int(s[c.FIELD]),
         ),
-        driver_words=dict(chip.driver.words),
+        driver_words=chip.driver_words,
+        driver=_driver(chip),
         faults=faults,
         truth=behind.truth,
     )

@@ -15,7 +15,7 @@ from ...registers.tmc4361.table import TMC4361
 from ..drive import kernel as motor
 from . import kernel, recording
 from . import layout as c
-from .driver import BITS, Tmc26x
+from .driver import BITS, NAMES, KeptWords
 from .feedback import FeedbackOptions, FeedbackUnit
 from .feedback import layout as fl
 from .pins import levels
@@ -65,7 +65,7 @@ class Chip:
         self.s: c.Cells = np.zeros(c.INTEGERS, dtype=np.int64)
         self.f: c.Floats = np.zeros(c.REALS, dtype=np.float64)
         self.feedback = FeedbackUnit(options, clock_hz)
-        self.driver = Tmc26x()
+        self._kept_words = KeptWords()
         self._general_told = 0
         self._selected: tuple[int, ...] = ()
         self._freeze_written = False
@@ -91,8 +91,12 @@ class Chip:
 
     # --- power and time --------------------------------------------------------------------------
 
-    def reset(self) -> None:
-        """Registers, counters and the ramp generator as after power-on; the plant stays, and time goes on."""
+    def reset(self, power: bool = True) -> None:
+        """Registers, counters and the ramp generator as after power-on; the plant stays, and time goes on.
+
+        power : the supply was away, and a driver behind begins anew too
+        """
+        self.catch_up_driver()
         r, s, f = self.r, self.s, self.f
         kept = [(cell, int(s[cell])) for cell in _KEPT]
         kept_reals = [(cell, float(f[cell])) for cell in _KEPT_REALS]
@@ -110,8 +114,8 @@ class Chip:
         s[c.DIR] = 1
         s[c.START_OUT] = s[c.ZERO_WAIT] = s[c.TICK]
         s[c.READY] = s[c.FREE] = s[c.CLOCK]
-        self.feedback.reset()
-        self.driver = Tmc26x()
+        self.feedback.reset(power)
+        self._kept_words = KeptWords()
         self._cover_answer = 0
         self._freeze_written = False
         self._general_told = int(r[c.GENERAL_CONF])
@@ -194,7 +198,7 @@ class Chip:
         word &= _MASKS[address]
         match address:
             case c.RESET_CLK_GATING if word >> 8 == RESET_WORD:
-                self.reset()
+                self.reset(power=False)
                 return
             case c.FREEZE:
                 if self._freeze_written or self.f[c.V] != 0.0:
@@ -248,8 +252,25 @@ class Chip:
         return events
 
     def _polled(self) -> int:
-        """POLLING_STATUS: what the driver would answer now."""
+        """POLLING_STATUS: the driver's latest answer, or what one that keeps words alone would answer now."""
+        driver = self.feedback.driver
+        if driver is not None:
+            return driver.answer & ~0xFF | int(self.s[c.STATUS]) >> 24 & 0xFF
         return self._driver_load << 10 | int(self.s[c.STATUS]) >> 24 & 0xFF
+
+    def catch_up_driver(self) -> None:
+        """Bring a driver behind that rests to the chip's time."""
+        self.feedback.catch_up(int(self.s[c.CLOCK]))
+
+    @property
+    def driver_words(self) -> dict[str, int]:
+        """What has been written into the driver, as datagrams: of a real one every register, of words that are kept
+        those that came."""
+        driver = self.feedback.driver
+        if driver is None:
+            return dict(self._kept_words.words)
+        self.feedback.told_by_chip(driver)
+        return {NAMES[max(tag, 0)]: tag << 17 | word for tag, word in driver.words.items()}
 
     @property
     def _driver_load(self) -> int:
@@ -263,7 +284,13 @@ class Chip:
         clocks = bits * max((conf >> 20 & 15) + (conf >> 24 & 15), 2)
         mscnt = self.feedback.read(0x79) or 0
         flags = int(self.s[c.STATUS]) >> 24
-        self._cover_answer = self.driver.exchange(datagram & ((1 << bits) - 1), flags, mscnt, self._driver_load)
+        datagram &= (1 << bits) - 1
+        driver = self.feedback.driver
+        if driver is None:
+            self._cover_answer = self._kept_words.exchange(datagram, flags, mscnt, self._driver_load)
+        else:
+            self.catch_up_driver()
+            self._cover_answer = self.feedback.exchange_with_driver(driver, datagram & ((1 << BITS) - 1))
         self.s[c.COVER_AT] = int(self.s[c.TICK]) + 1 + clocks // c.TICK_CLOCKS
 
     # --- outputs ---------------------------------------------------------------------------------

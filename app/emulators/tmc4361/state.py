@@ -59,6 +59,17 @@ class RampState(BaseModel):
     clocks_gated: bool
 
 
+class DriverBehindState(BaseModel):
+    """A driver with registers of its own behind the chip, as it is now."""
+
+    kind: Literal["tmc26x"]
+    follows: Literal["steps", "currents"] = Field(description="what it is set up for: STEP and DIR, or coil currents")
+    bridges: str = Field(description='"regulated" or "open"')
+    current_scale: int = Field(description="CS in use, 0..31")
+    load: int = Field(description="StallGuard2 value, 0..1023")
+    flags: list[str] = Field(description="of its status, those that are set: SG, OT, OTPW, S2GA, S2GB, OLA, OLB, STST")
+
+
 class Tmc4361State(EmulatedState):
     """Everything that GET .../emulator answers for a TMC4361."""
 
@@ -78,6 +89,9 @@ class Tmc4361State(EmulatedState):
     pwm: PwmState | None
     ramp: RampState
     step_output: StepOutputState
+    driver: DriverBehindState | None = Field(
+        default=None, description="null: the chip's currents are wired to the motor"
+    )
     driver_words: dict[str, int] = Field(description="what cover datagrams have written into the motor driver")
     faults: ChipFaultsState
     truth: TruthState

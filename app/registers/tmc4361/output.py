@@ -19,7 +19,7 @@ _microsteps = Rows("microsteps", STEPPYR)
 SCALE_UNIT = "1/256, plus 1/256"
 NO_DAC = "the emulated chip drives a TMC driver, not a DAC"
 NO_CHOPSYNC = "the emulated motor driver chops by itself"
-NO_POLLING = "the emulated motor driver's status is always there, and cover datagrams are the only ones"
+NO_POLLING = "the emulated chip sends a cover datagram once, and COVER_DONE tells of those alone"
 ONE_DRIVER = "the emulated motor driver is reached whatever these bits say"
 
 _FORMATS = {
@@ -66,15 +66,8 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         behaviour=NO_CHOPSYNC,
     ),
     Field("three_phase_stepper_en", 1, "three-phase motor at a TMC389", lsb=4, when=TMC26X, behaviour=ONE_DRIVER),
-    Field(
-        "scale_val_transfer_en",
-        1,
-        "current scales are sent to the driver",
-        lsb=5,
-        when=_STEP_DIR,
-        behaviour=ONE_DRIVER,
-    ),
-    Field("disable_polling", 1, "the driver is not asked for its status", lsb=6, when=_STEP_DIR, behaviour=NO_POLLING),
+    Field("scale_val_transfer_en", 1, "current scales are sent to the driver", lsb=5, when=_STEP_DIR),
+    Field("disable_polling", 1, "the driver is not asked for its status", lsb=6, when=_STEP_DIR),
     Field(
         "poll_block_mult",
         6,
@@ -84,14 +77,7 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         behaviour=NO_POLLING,
     ),
     Field("autorepeat_cover_en", 1, "cover datagrams repeat", lsb=7, when=f"{TMC26X} (TMC4361A)", behaviour=NO_POLLING),
-    Field(
-        "poll_block_exp",
-        4,
-        "rest between two questions, as a power of 2",
-        lsb=8,
-        when=f"{TMC26X} (TMC4361A)",
-        behaviour=NO_POLLING,
-    ),
+    Field("poll_block_exp", 4, "rest between two questions, as a power of 2", lsb=8, when=f"{TMC26X} (TMC4361A)"),
     Field(
         "cover_done_only_for_cover",
         1,
@@ -106,7 +92,7 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
     Field("cover_data_length", 7, "bits of a cover datagram, up to 64; 0 for those of TMC drivers", lsb=13),
     Field("spi_out_low_time", 4, "low time of the clock", unit=CLOCKS, lsb=20),
     Field("spi_out_high_time", 4, "high time of the clock", unit=CLOCKS, lsb=24),
-    Field("spi_out_block_time", 4, "rest between datagrams", unit=CLOCKS, lsb=28, behaviour=NO_POLLING),
+    Field("spi_out_block_time", 4, "rest between datagrams", unit=CLOCKS, lsb=28),
     source=TOM_TBONE_STEPPYR,
 )
 

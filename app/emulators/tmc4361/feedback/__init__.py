@@ -5,8 +5,16 @@ The compiled functions for the chip's simulation kernel are in `kernel`; `Feedba
 
 from __future__ import annotations
 
-from .options import FeedbackOptions, ShaftEncoder
+from .options import DriverBehind, FeedbackOptions, ShaftEncoder
 from .state import EncoderPatch, FeedbackPatch, FeedbackState
 from .unit import FeedbackUnit
 
-__all__ = ["EncoderPatch", "FeedbackOptions", "FeedbackPatch", "FeedbackState", "FeedbackUnit", "ShaftEncoder"]
+__all__ = [
+    "DriverBehind",
+    "EncoderPatch",
+    "FeedbackOptions",
+    "FeedbackPatch",
+    "FeedbackState",
+    "FeedbackUnit",
+    "ShaftEncoder",
+]

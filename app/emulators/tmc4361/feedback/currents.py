@@ -138,6 +138,15 @@ def _pwm_scale(n: Cells, speed_pps: float) -> float:
 
 
 @compiled
+def _values(n: Cells, at: int) -> None:
+    """Both values of the wave at a place, and scaled, for a driver behind."""
+    a, b = n[c.WAVE + (at & 1023)], n[c.WAVE + (at + 256 & 1023)]
+    factor = n[c.SCALE] + 1
+    n[c.CURRENT_A], n[c.CURRENT_B] = a, b
+    n[c.CURRENT_A_SPI], n[c.CURRENT_B_SPI] = a * factor >> 8, b * factor >> 8
+
+
+@compiled
 def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks: int, motor_too: bool) -> None:
     """Scale, wave and driver of one tick; with `motor_too` a step of the motor, unless it rests and nothing changed."""
     speed = abs(velocity_pps)
@@ -166,6 +175,9 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     )
     if n[c.FS_ACTIVE]:
         at = (at & ~0xFF) + 128
+    if n[c.DRIVER]:
+        _values(n, at)
+        return
     n[k.LOOK] = at
     bridges = _bridges(fb, n)
     pwm = bridges == k.VOLTAGE

@@ -32,6 +32,7 @@ from ..layout import (
 )
 from . import layout as c
 from .currents import FROZEN, LONGEST, MOVING, energise
+from .driver import drive_behind
 from .encoder import encode
 from .layout import Cells, Floats, bit, wrap10, wrap32
 from .regulation import BACKLOG, CLR_XACT, VELOCITY_MODE_EN, commutate, error_of, pid
@@ -120,6 +121,8 @@ def _levels(fb: Floats, n: Cells) -> int:
         word |= FB_MULTI_FAIL
     if n[c.VEL0]:
         word |= FB_ENC_VEL0
+    if n[c.DRIVER]:
+        return word & 0xFFFFFF | n[c.POLLED] << 24
     if k.stalled(n):
         word |= FB_STALL
     if n[c.STILL] >= STANDSTILL_CLOCKS:
@@ -130,7 +133,12 @@ def _levels(fb: Floats, n: Cells) -> int:
 @inlined
 def _quiet(n: Cells, moved: bool, ramp_state: int) -> bool:
     """Whether nothing here will change by itself."""
-    if moved or not n[k.REST] or ramp_state & (MOVING | FROZEN) == MOVING or not n[c.VEL0]:
+    if (
+        moved
+        or not (n[c.SETTLED] if n[c.DRIVER] else n[k.REST])
+        or ramp_state & (MOVING | FROZEN) == MOVING
+        or not n[c.VEL0]
+    ):
         return False
     if n[c.SCALE_CLOCKS] or n[c.STILL] < min(n[c.STDBY_DELAY] + n[c.FREEWHEEL_DELAY] + STANDSTILL_CLOCKS, LONGEST):
         return False
@@ -161,7 +169,10 @@ def motor_and_encoder_tick(
     motor_too = clock & (c.MOTOR_CLOCKS - 1) < FEEDBACK_CLOCKS
     _sequence(fb, n, commanded_position_256ths, velocity_pps, clocks)
     energise(fb, n, velocity_pps, ramp_state, clocks, motor_too)
-    _stall_guard(fb, n, velocity_pps, look)
+    if n[c.DRIVER]:
+        drive_behind(fb, n, n[c.PHASE] - phase, clock)
+    else:
+        _stall_guard(fb, n, velocity_pps, look)
     fb[c.SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
     turned = motor_too and not (rested and n[k.REST])
     if turned:

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ....form_hints import REST_ONLY, rest_only, shown
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
-from ...drive.options import FullSteps
+from ...drive.options import FullSteps, StageSwitches
 
 EncoderKind = Literal["abn", "ssi", "spi"]
 
@@ -51,11 +51,17 @@ class ShaftEncoder(_Closed):
         return 4 * self.lines if self.kind == "abn" else 1 << self.single_turn_bits
 
 
+DriverBehind = Literal["wired", "tmc26x"]
+"""What the chip drives: bridges that its currents are wired to, or a driver with registers of its own."""
+
+
 class FeedbackOptions(_Closed):
     """Everything behind the ramp generator of an emulated TMC4361."""
 
     motor: MotorOptions = MotorOptions()
     load: LoadOptions = LoadOptions()
+    stage: StageSwitches = StageSwitches()
+    """Of it the hard ends are the motor's affair; its switches are the chip's."""
     encoder: ShaftEncoder = ShaftEncoder()
     supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
@@ -67,6 +73,7 @@ class FeedbackOptions(_Closed):
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = Field(
         default=0, description="SGT of the driver's StallGuard2"
     )
+    driver: DriverBehind = "wired"
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first")
     seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=4361, description="of the noise")
 
@@ -75,6 +82,7 @@ class FeedbackOptions(_Closed):
         return DriveOptions(
             motor=self.motor,
             load=self.load,
+            stage=self.stage,
             encoders=EncoderOptions(eccentricity_deg=self.encoder.eccentricity_deg),
             clock_hz=clock_hz,
             supply_v=self.supply_v,

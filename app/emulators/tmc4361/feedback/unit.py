@@ -13,7 +13,9 @@ from ...drive import kernel as k
 from ...drive.documents import motor_state, truth_state
 from ...drive.physics import plant_state_of, set_physics
 from ...drive.plant import OT_C, OTPW_C, UNDERVOLTAGE_V, PlantState
+from ...drive.tmc26x import DRVCTRL, SGCSCONF, Tmc26x
 from . import layout as c
+from .driver import CURRENTS
 from .encoder import position_at, true_place
 from .options import FeedbackOptions
 from .regulation import error_of
@@ -33,12 +35,13 @@ _KINDS = {"abn": c.ABN, "ssi": c.SSI, "spi": c.SPI}
 _MASK = 0xFFFFFFFF
 _SCALES: Final = (0x00, 0x01, 0x07, 0x0A, 0x36, 0x54, 0x7C)
 """Registers that say what a count is worth."""
+_SG, _STST = 1 << 0, 1 << 7
 _OT, _OTPW, _OLA, _OLB = 1 << 1, 1 << 2, 1 << 5, 1 << 6
 _SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
 _SWAPPED = ("kind", "lines", "single_turn_bits", "multi_turn_bits", "gray")
 """What another encoder on the shaft is told by."""
-_KEPT = (c.NOW, c.COMMANDED, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
+_KEPT = (c.NOW, c.COMMANDED, c.DRIVER, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
 
 
@@ -54,8 +57,8 @@ def _resets() -> dict[int, int]:
 class FeedbackUnit:
     """Encoder interface, regulation, current scaling and microstep sequencer of the chip, and what hangs on them.
 
-    `fb` is what the two compiled functions of feedback/kernel.py work on. Not modelled: three-phase motors, and
-    the driver's own registers.
+    `fb` is what the two compiled functions of feedback/kernel.py work on, and where there is one a driver behind, whose
+    cells lie in it. Not modelled: three-phase motors.
     """
 
     def __init__(self, options: FeedbackOptions, clock_hz: float) -> None:
@@ -68,10 +71,19 @@ class FeedbackUnit:
         self.output = SerialOutput(self._word)
         self._heard: Answer | None = None
         self._drive: DriveOptions = options.drive(clock_hz)
-        set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
-        self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
-        self.fb[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
-        self._n[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
+        self.driver: Tmc26x | None = None
+        """The real driver behind the chip; None where its currents are wired to the motor."""
+        if options.driver == "tmc26x":
+            cells = (self._n[: k.INTEGERS], self.fb[: k.REALS], self.fb[c.TABLE : c.SIZE])
+            self.driver = Tmc26x(self._drive, cells)
+            self.driver.step(0)
+            self.plant = self.driver.drive.plant
+            self._n[c.DRIVER] = 1
+        else:
+            set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
+            self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
+            self.fb[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
+            self._n[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
         self._mount(options.encoder.zero_fullsteps, options.encoder.eccentricity_phase_deg)
         self.plant.push()
         self.reset()
@@ -156,18 +168,27 @@ class FeedbackUnit:
                 return None
         return value & _MASK
 
-    def reset(self) -> None:
-        """Registers, counters and filters as after power-on, the field at MSCNT 0. Motor, load and encoder stay."""
+    def reset(self, power: bool = True) -> None:
+        """Registers, counters and filters as after power-on, the field at MSCNT 0. Motor, load and encoder stay.
+
+        power : the supply was away, so a driver behind begins anew too
+        """
         n, fb = self._n, self.fb
+        if self.driver is not None and power:
+            self.driver.reset()
+            self.driver.step(0)
         kept = [(cell, int(n[cell])) for cell in (*_KEPT, *_DEVICE)]
-        n[:] = 0
+        if self.driver is None:
+            n[:] = 0
+        else:
+            n[k.INTEGERS : c.TABLE - c.INTEGERS_AT] = 0
         for cell, value in kept:
             n[cell] = value
         n[c.SCALE], n[c.DIRECTION], n[c.DEN] = 255, 1, 1
         # the field starts over at MSCNT 0, within the electrical turn that the rotor stands in
-        n[c.PHASE] = n[k.LOOK] = 1024 * round(float(fb[k.TEETH] * fb[k.THETA]) / (2 * math.pi))
-        n[k.IRUN] = 31
-        n[k.SGT] = self.options.stall_threshold
+        n[c.PHASE] = 1024 * round(float(fb[k.TEETH] * fb[k.THETA]) / (2 * math.pi))
+        if self.driver is None:
+            n[k.LOOK], n[k.IRUN], n[k.SGT] = n[c.PHASE], 31, self.options.stall_threshold
         n[c.MOVED_AT] = n[c.V_AT] = n[c.MEAN_AT] = n[c.ASKED_AT] = n[c.REQUEST_AT] = n[c.NOW]
         fb[c.EDGE_AT] = fb[c.LAST_EDGE] = float(n[c.NOW])
         fb[c.PERIOD] = fb[c.REACH] = fb[c.ENC_POS] = 0.0
@@ -179,11 +200,9 @@ class FeedbackUnit:
             n[c.WORD + address] = word
         fb[c.CLK_FREQ] = float(self._word(0x31))
         n[c.WAVE : c.WAVE + 1024] = wave(self._word)
-        fb[k.FS_A_V] = 1.0 / 65536.0
         self._start_counting()
         self._scale()
-        self._bridges_changed()
-        self._changed()
+        self._plant_changed()
 
     def _word(self, address: int) -> int:
         return int(self._n[c.WORD + address])
@@ -222,8 +241,8 @@ class FeedbackUnit:
         n[c.NUM], n[c.DEN] = numerator, scale.denominator
         fb[c.COUNT_RATE] = numerator / scale.denominator * float(fb[c.CLK_FREQ])
         fb[c.TURN], fb[c.PERIOD] = float(turn), circular_period(self._word)
-        shift = min(self._word(0x0A) & 15, 8)
-        fb[k.FS_A_V] = (1 << shift) / 65536.0
+        if self.driver is None:
+            fb[k.FS_A_V] = (1 << min(self._word(0x0A) & 15, 8)) / 65536.0
         fb[c.ENC_POS] = float(position_at(fb, n, int(n[c.COUNTS])))
 
     def _place(self, position: int) -> None:
@@ -249,7 +268,38 @@ class FeedbackUnit:
 
     def _changed(self) -> None:
         """The motor may have something to do again."""
-        self._n[k.REST] = 0
+        if self.driver is None:
+            self._n[k.REST] = 0
+        self._n[c.SETTLED] = 0
+
+    # --- a driver behind ---------------------------------------------------------------------------
+
+    def catch_up(self, clock: int) -> None:
+        """Bring a driver that rests, and is passed over while it does, to `clock` before something changes in it."""
+        driver = self.driver
+        if driver is not None and clock > driver.drive.clocks:
+            driver.drive.advance(clock)
+
+    def exchange_with_driver(self, driver: Tmc26x, datagram: int) -> int:
+        """A datagram to the driver, now; its answer. Its status is known from then on."""
+        self.told_by_chip(driver)
+        answer = driver.exchange(datagram)
+        self._plant_changed()
+        self._n[c.POLLED] = answer & 0xFF
+        return answer
+
+    def told_by_chip(self, driver: Tmc26x) -> None:
+        """Have the driver's registers show what datagrams of the chip's own have written."""
+        n = self._n
+        scale, stray = int(n[k.IRUN]), int(n[c.STRAY])
+        if stray:  # it takes no currents: they are its step control
+            n[c.STRAY] = 0
+            driver.write(stray)
+        elif driver.takes_currents and self._word(0x04) & 15 == CURRENTS:
+            a, b = int(n[c.SENT_A]), int(n[c.SENT_B])
+            driver.words[DRVCTRL] = (a < 0) << 17 | abs(a) << 9 | (b < 0) << 8 | abs(b)
+        if scale != driver.words[SGCSCONF] & 31:
+            driver.write(SGCSCONF << 17 | driver.words[SGCSCONF] & ~31 | scale)
 
     # --- plant -------------------------------------------------------------------------------------
 
@@ -270,6 +320,8 @@ class FeedbackUnit:
             load = self._drive.load.model_copy(update={"inertia_kgm2": patch.inertia_kgm2})
             self._drive = DriveOptions(**{**dict(self._drive), "load": load})
             set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
+            if self.driver is not None:
+                self.driver.drive.sense_share = self.driver.drive.sense_share  # the full scale hangs on it
             plant.refit(self._drive)
         for name, value in (
             ("load_torque_nm", patch.load_torque_nm),
@@ -285,7 +337,7 @@ class FeedbackUnit:
                 setattr(plant, name, value)
         if patch.encoder is not None:
             self._change_encoder(patch.encoder)
-        self._changed()
+        self._plant_changed()
 
     def listen(self, clock: int, clocks: int, bit_clocks: float) -> None:
         """Somebody clocks at the serial encoder output, now."""
@@ -378,6 +430,10 @@ class FeedbackUnit:
         self._n[k.DRIVER_ON] = works and plant.motor_connected
 
     def _plant_changed(self) -> None:
+        if self.driver is not None:
+            self._n[c.HOT] = self.driver.flags & ~(_SG | _STST)
+            self._changed()
+            return
         plant = self.plant
         self._hot = plant.temperature_c >= (OTPW_C if self._hot else OT_C)
         warm = plant.temperature_c >= OTPW_C

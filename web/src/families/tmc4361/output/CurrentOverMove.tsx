@@ -110,7 +110,15 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             data={[...shown.current]}
             x={{ unit: "s" }}
             scales={{ y: { unit, include: [0, unit === "%" ? 100 : (fullScale ?? 1)] } }}
-            marks={[{ id: "rest", x: result.motion_s, color: colorOf("position_reached", scheme), label: "at rest", fixed: true }]}
+            marks={[
+              {
+                id: "rest",
+                x: result.motion_s,
+                color: colorOf("position_reached", scheme),
+                label: "at rest",
+                fixed: true,
+              },
+            ]}
             group={`output-${of}`}
             height={190}
           />
