@@ -263,6 +263,17 @@ class ChannelInfo(Answer):
 DeviceState = Literal["connected", "connecting", "disconnected", "failed"]
 
 
+class DriverBehind(Answer):
+    """A driver whose link goes through a controller."""
+
+    axis: int
+    device: str
+    name: str
+    model: AnyModelName
+    title: str
+    state: DeviceState
+
+
 class DeviceInfo(Answer):
     id: str
     name: str
@@ -282,6 +293,10 @@ class DeviceInfo(Answer):
     demo: bool = Field(description="made by --demo; not kept")
     start_up: bool = Field(description="an emulator that is set up whenever it is powered, so that it can move")
     axes: list[AxisInfo]
+    drivers: list[DriverBehind] = Field(
+        default_factory=list,
+        description="devices with a link of kind cover through this one, by the axis that each drives",
+    )
     channels: list[ChannelInfo]
     rate_max_hz: float
     chip_timed: bool = Field(description="samples bear the device's own time (emulators), else the server's")

@@ -15,10 +15,11 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
 from ..clock import Clock
-from ..errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
+from ..errors import BenchError, DownloadMode, LinkTimeout, UnknownThing, UsageError
 from ..links.registry import Link, PortFactory, open_port
 from ..registers.catalog import MODELS
 from .core.config import AxisSettings, DeviceConfig, unique_slug
+from .core.cover import COVER, CoverPort, cover_port, driver_place
 from .core.device import Device
 from .core.results import StopMode, StopOutcome
 from .core.stopping import Stopping
@@ -71,7 +72,7 @@ class DeviceManager:
         background: Clock | None = None,
         prepare: Callable[[str, Link], Awaitable[None]] | None = None,
     ) -> None:
-        self._kinds = dict(kinds)
+        self._kinds = {**kinds, COVER: self._cover_port}
         self._clock = clock
         self._background = background or clock
         self._on_change = on_change or (lambda: None)
@@ -99,6 +100,12 @@ class DeviceManager:
             raise UnknownThing("device", device_id, list(self._devices))
         return device
 
+    def drivers_of(self, device_id: str) -> tuple[tuple[int, Device], ...]:
+        """Devices whose links go through that one, with the axis whose driver each is, by axis."""
+        found = ((place, device) for device in self.devices if (place := driver_place(device.link)) is not None)
+        behind = [(place[1], device) for place, device in found if place[0] == device_id]
+        return tuple(sorted(behind, key=lambda each: each[0]))
+
     def configs(self) -> list[DeviceConfig]:
         """What there is to keep: every connection but the demo's."""
         return [device.config for device in self.devices if not device.config.demo]
@@ -110,6 +117,7 @@ class DeviceManager:
         for a link that cannot be.
         """
         await self._prepare(config.model, config.link)
+        self._require_free(config.link)
         device = self._make(config, unique_slug(config.name, self._devices))
         self._devices[device.id] = device
         self._on_change()
@@ -145,14 +153,17 @@ class DeviceManager:
         if (config.link, config.model) == (old.link, old.model):
             require_clock(device, config)
             device.session.reconfigure(new_id, config)
+            self._follow_name(device_id, new_id)
             limit(device)
             await learn(device)
             self._put(device_id, device)
             self._on_change()
             return device
         await self._prepare(config.model, config.link)
+        self._require_free(config.link, device)
         successor = self._make(config, new_id)
         connected = device.state != "disconnected"
+        self._follow_name(device_id, new_id)
         self._put(device_id, successor)
         self._on_change()
         await self._let_go(device)
@@ -249,7 +260,27 @@ class DeviceManager:
         port = open_port(self._kinds, config.model, config.link, self._clock)
         device = make_device(device_id, config, port, self._clock)
         device.session.background = self._background
+        device.drivers_behind = lambda: self.drivers_of(device.id)
         return device
+
+    def _cover_port(self, model: str, link: Link, clock: Clock) -> CoverPort:
+        return cover_port(self.get, model, link, clock)
+
+    def _require_free(self, link: Link, but: Device | None = None) -> None:
+        """Raises UsageError where the link goes to an axis that has a driver."""
+        wanted = driver_place(link)
+        for other in self.devices:
+            if wanted is not None and other is not but and driver_place(other.link) == wanted:
+                raise UsageError(f"axis {wanted[1]} of {wanted[0]} has a driver already: {other.name}")
+
+    def _follow_name(self, old_id: str, new_id: str) -> None:
+        """The links of drivers name their controller anew."""
+        for axis, driver in self.drivers_of(old_id):
+            port = driver.session.port
+            if old_id != new_id and isinstance(port, CoverPort):
+                link = {"kind": COVER, "device": new_id, "axis": axis}
+                driver.session.reconfigure(driver.id, replace(driver.config, link=link))
+                port.device_id = new_id
 
     def _put(self, old_id: str, device: Device) -> None:
         # Rebuilt, not replaced: a renamed device keeps its place in the list.

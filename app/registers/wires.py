@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Wire = Literal["emulator", "serial", "uart", "landungsbruecke", "tcp", "can", "spidev"]
+Wire = Literal["emulator", "serial", "uart", "landungsbruecke", "tcp", "can", "spidev", "cover"]
 
 BOARD: Wire = "landungsbruecke"
 """The maker's evaluation board, whose firmware says the registers."""
@@ -29,5 +29,6 @@ WIRES: dict[Wire, WireKind] = {
     "tcp": WireKind("TCP", "datagram"),
     "can": WireKind("CAN", "tmcl"),
     "spidev": WireKind("SPI bus", "datagram"),
+    "cover": WireKind("Behind a controller", "datagram"),
 }
 """In the order in which one chooses."""

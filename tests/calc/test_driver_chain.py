@@ -182,8 +182,10 @@ def test_a_chain_has_one_to_three_drivers(count: int) -> None:
 
 
 def test_an_unknown_driver_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(ValueError, match="'tmc2660'; known: tmc236, tmc239, tmc246, tmc249, custom"):
-        build_chain(["tmc236", "tmc2660"])
+    with pytest.raises(
+        ValueError, match="'tmc2100'; known: tmc236, tmc239, tmc246, tmc249, tmc260, tmc261, tmc262, tmc2660, custom"
+    ):
+        build_chain(["tmc236", "tmc2100"])
 
 
 @pytest.mark.parametrize(

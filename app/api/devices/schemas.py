@@ -202,6 +202,18 @@ class UartLink(Body):
     )
 
 
+class CoverLink(Body):
+    """A driver behind a controller that carries its datagrams: on the chain of a TMC428, at the output of a TMC4361."""
+
+    kind: Literal["cover"]
+    device: Text = Field(
+        title="Controller",
+        description="id of the device whose axis it drives",
+        json_schema_extra=form(proposed="bench"),
+    )
+    axis: Annotated[int, Field(strict=True, ge=0, le=7)] = shown(0, "Its axis", "the axis of the controller, from 0")
+
+
 class ListedEmulatorLink(ListedOptions):
     """Emulated in this server, plainly: what was written is held, axes move by their own speed and acceleration."""
 
@@ -214,7 +226,7 @@ SixPointLink = Annotated[
     SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
 ]
 DriverLink = Annotated[
-    DriverEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
+    DriverEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink | CoverLink, Field(discriminator="kind")
 ]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
@@ -231,6 +243,7 @@ AnyLink = (
     | SpidevLink
     | LandungsbrueckeLink
     | UartLink
+    | CoverLink
     | Chip40EmulatorLink
     | SixPointEmulatorLink
     | DriverEmulatorLink

@@ -36,6 +36,7 @@ from ..schemas import (
     AxisLimits,
     ChannelInfo,
     DeviceInfo,
+    DriverBehind,
     RegisterBatchResult,
     RegisterWritten,
 )
@@ -175,6 +176,17 @@ def device_info(device: Device, conditions: ConditionService, not_saved: str = "
         axes=[
             _axis_info(device, axis, conditions.standing(device, axis.index), rates_known=axis.index not in own_rates)
             for axis in device.axes
+        ],
+        drivers=[
+            DriverBehind(
+                axis=axis,
+                device=driver.id,
+                name=driver.name,
+                model=driver.model,
+                title=driver.family.title,
+                state=driver.state,
+            )
+            for axis, driver in device.drivers_behind()
         ],
         channels=[ChannelInfo.model_validate(channel) for channel in channels],
         rate_max_hz=device.telemetry.rate_max_hz,

@@ -100,4 +100,25 @@ TMC236_FAMILY = KnownDriver(
     fast_decay=_tmc236_bits(Signal.FD_A, Signal.FD_B),
 )
 
-KNOWN_DRIVERS: Mapping[str, KnownDriver] = MappingProxyType(dict.fromkeys(TMC236_FAMILY.names, TMC236_FAMILY))
+
+def _tmc26x_bits() -> tuple[Signal, ...]:
+    coil_a = (Signal.PH_A, *(Signal(Signal.DAC_A_0 + bit) for bit in range(5, -1, -1)), Signal.Zero, Signal.Zero)
+    coil_b = (Signal.PH_B, *(Signal(Signal.DAC_B_0 + bit) for bit in range(5, -1, -1)), Signal.Zero, Signal.Zero)
+    return (Signal.Zero, Signal.Zero, *coil_a, *coil_b)
+
+
+TMC26X_FAMILY = KnownDriver(
+    # Told currents (DRVCONF.SDOFF): 00, then polarity and eight bits of each coil, of which six are the chip's DAC
+    # (DS-TMC2660 6; the order is inferred from the driver's register, no sheet of the chip lists it).
+    names=("tmc260", "tmc261", "tmc262", "tmc2660"),
+    bit_names=(
+        "0", "0", "PHA", "CA7", "CA6", "CA5", "CA4", "CA3", "CA2", "CA1", "CA0",
+        "PHB", "CB7", "CB6", "CB5", "CB4", "CB3", "CB2", "CB1", "CB0",
+    ),
+    plain=_tmc26x_bits(),
+    fast_decay=_tmc26x_bits(),
+)  # fmt: skip
+
+KNOWN_DRIVERS: Mapping[str, KnownDriver] = MappingProxyType(
+    {name: family for family in (TMC236_FAMILY, TMC26X_FAMILY) for name in family.names}
+)

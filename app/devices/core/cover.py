@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ...clock import Clock
-from ...errors import BadReply, BenchError, LinkDown, LinkError
+from ...errors import BadReply, BenchError, LinkDown, LinkError, OutOfRange, UnknownThing, UsageError
 from ...links.port import PortTraits
+from ...links.registry import Link
 from ...links.spi_access import HIDDEN
-from ...registers.catalog import find_model
+from ...registers.catalog import MODELS, find_model
 from ...registers.spi_format import TaggedFormat
 from .device import Device
 
 COVER = "cover"
 """The kind of such a link."""
+AXIS_MAX = 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,3 +117,24 @@ class CoverPort:
         if hidden and not spare:
             raise BadReply(self.name, "the controller does not show all bits of the answer", word.to_bytes(5, "big"))
         return (word | (HIDDEN if hidden else 0)).to_bytes(self._frame_bytes, "big")
+
+
+def cover_port(find: Callable[[str], Device], model: str, link: Link, clock: Clock) -> CoverPort:
+    """The port of `{"kind": "cover", "device", "axis"?}`. Raises UsageError for options that cannot be."""
+    if COVER not in find_model(model).wires:
+        having = sorted(known.name for known in MODELS.values() if COVER in known.wires)
+        raise UsageError(f"a {model} has no {COVER} link; {', '.join(having)} has")
+    unknown = set(link) - {"kind", "device", "axis"}
+    if unknown:
+        raise UnknownThing(f"option of a {COVER} link", min(unknown), ["device", "axis"])
+    device_id, axis = link.get("device"), link.get("axis", 0)
+    if not isinstance(device_id, str) or not device_id.strip():
+        raise UsageError(f"a {COVER} link needs the device that is the controller")
+    if isinstance(axis, bool) or not isinstance(axis, int) or not 0 <= axis <= AXIS_MAX:
+        raise OutOfRange("axis", axis, 0, AXIS_MAX)
+    return CoverPort(find, device_id.strip(), axis, model, clock)
+
+
+def driver_place(link: Link) -> tuple[str, int] | None:
+    """The controller and the axis that a link goes through; None of other kinds."""
+    return (str(link.get("device")), int(str(link.get("axis", 0)))) if link.get("kind") == COVER else None

@@ -78,6 +78,8 @@ class Device:
         )
         self.driver_of: Callable[[Device, str], Device] | None = None
         """Makes the driver of another model for the same port (`families`), to stop what answers there."""
+        self.drivers_behind: Callable[[], Sequence[tuple[int, Device]]] = tuple
+        """Devices whose links go through this one, each with the axis whose driver it is; for the manager."""
         self.notes: tuple[str, ...] = ()
         """What a user has to know of this device at present: see `found_moving`."""
         self._always_holds = session.queue.holds

@@ -22,6 +22,7 @@ from . import tmc428, tmc429, tmc4210
 from .axis_roles import AxisRoles
 from .configuration import RampConfiguration
 from .counter import COUNTER_WRITES, RampCounter
+from .cover import ChainCover
 from .identity import RampIdentity
 from .interrupts import Compare, Interrupts
 from .limits import RampRules
@@ -98,6 +99,7 @@ def compose(
     writes = chip.writes(link, memory, books, interrupts)
     registers = RegisterFile(link, writes, axes)
     stops = RampStops(session, memory, books)
+    ram = None if chip.ram is None else chip.ram(link, registers)
     parts = Parts(
         identity=chip.identity(link, memory, resets, tasks),
         registers=registers,
@@ -113,7 +115,7 @@ def compose(
             switching,
             interrupts,
             RampStream(link, memory, books),
-            *(() if chip.ram is None else (chip.ram(link, registers),)),
+            *(() if ram is None else (ram, ChainCover(link, memory, resets, ram))),
         ),
     )
     return Device(session, parts)

@@ -43,7 +43,7 @@ class Chip(ABC):
         self.options = options
         self.stage_units = stage_units
         self.axes = np.zeros((model.axes, k.AXIS_COLUMNS), dtype=np.int64)
-        self.chip = np.zeros(k.CHIP_CELLS, dtype=np.int64)
+        self.chip = np.zeros(k.CHIP_CELLS + (k.LOG_CELLS if options.drivers else 0), dtype=np.int64)
         self.powered_down = False
         self.power_cycles = 0
         self._offset = 0

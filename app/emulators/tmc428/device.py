@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from ...clock import Clock
-from ...errors import OutOfRange
+from ...errors import OutOfRange, WrongState
 from ...links.datagram32 import FRAME_BYTES
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
@@ -79,6 +79,14 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             raise OutOfRange("axis", max(named), 0, axes - 1)
         if change.drivers and not isinstance(chip, Tmc428):
             raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
+        for driver in change.drivers:
+            motor = isinstance(chip, Tmc428) and chip.drives is not None and chip.drives.has_motor(driver.axis)
+            if driver.of_motor and not motor:
+                raise WrongState(f"the driver of axis {driver.axis} has no motor with physics", "make it a tmc2660")
+            if driver.status is not None and motor:
+                raise WrongState(
+                    f"the status of the driver of axis {driver.axis} follows from what is so", "change motor or load"
+                )
 
     def _change(self, change: EmulatorPatch) -> None:
         chip = self._chip
@@ -90,7 +98,13 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             stage.force(chip.axes[forced.axis], forced)
         if isinstance(chip, Tmc428):
             for driver in change.drivers:
-                chip.driver_status[driver.axis] = driver.status
+                if driver.status is not None:
+                    chip.driver_status[driver.axis] = driver.status
+                if driver.of_motor and chip.drives is not None:
+                    chip.drives.change(driver)
+            for moved in change.stages:
+                if moved.position_fullsteps is not None and chip.drives is not None:
+                    chip.drives.turn_by_hand(moved.axis, moved.position_fullsteps)
         if change.inputs.gp_in is not None:
             chip.set_general_input(change.inputs.gp_in)
         chip.refresh()

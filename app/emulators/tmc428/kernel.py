@@ -88,7 +88,14 @@ COVERED = SNAP + 3 * SNAP_WIDTH
 """Whether the last datagram was covered."""
 CAPTURED = COVERED + 1
 """Snapshot of the captured datagram, laid out like SNAP, its COVERED after it."""
-CHIP_CELLS = CAPTURED + 3 * SNAP_WIDTH + 1
+LOG_ON, LOGGED = range(CAPTURED + 3 * SNAP_WIDTH + 1, CAPTURED + 3 * SNAP_WIDTH + 3)
+"""Whether every datagram is logged, for drivers that do what it says, and how many are."""
+CHIP_CELLS = LOGGED + 1
+LOG_WIDTH = 3 * SNAP_WIDTH + 3
+"""Of a logged datagram: the clock at which it ends, its signals as in SNAP, covered, captured. The log is behind the
+cells, where there is one."""
+LOG_LENGTH = 512
+LOG_CELLS = LOG_LENGTH * LOG_WIDTH
 
 TMC428_KIND, TMC4210_KIND = 0, 1
 LEFT_ONLY, TWO_ONE_NULL, MULTIPLEXED = range(3)
@@ -528,7 +535,7 @@ def _leap(axes: Cells, chip: Cells, clock: int) -> bool:
     happens, all but the last may be skipped. That one is sent, for its signals can be seen.
     """
     duration = chip[DURATION]
-    if chip[CROSS] or chip[CW] or chip[CAPTURE] in (1, 2) or duration >= NEVER:
+    if chip[CROSS] or chip[CW] or chip[CAPTURE] in (1, 2) or duration >= NEVER or chip[LOG_ON]:
         return False
     horizon = clock >> 5
     assured = 0
@@ -672,6 +679,13 @@ def _start_datagram(axes: Cells, chip: Cells, clock: int, tick: int) -> None:
     chip[COVERED] = chip[CW] == 1
     if chip[CW] == 1:
         chip[CW] = 2
+    if chip[LOG_ON] and chip[DURATION] < NEVER and chip[LOGGED] < LOG_LENGTH:
+        at = CHIP_CELLS + chip[LOGGED] * LOG_WIDTH
+        chip[at] = clock + chip[DURATION]
+        for cell in range(3 * SNAP_WIDTH + 1):
+            chip[at + 1 + cell] = chip[SNAP + cell]
+        chip[at + LOG_WIDTH - 1] = chip[CAPTURE] == 1
+        chip[LOGGED] += 1
     if chip[CAPTURE] == 1:
         chip[CAPTURE] = 2
         for cell in range(3 * SNAP_WIDTH + 1):

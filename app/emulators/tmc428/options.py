@@ -6,9 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import form, rest_only, shown
+from ...form_hints import REST_ONLY, form, rest_only, shown
 from ..core.pins import PinWire
-from ..drive.documents import ChipFaultsChange, Closed, Forced
+from ..drive.documents import ChipFaultsChange, Closed, Forced, Supply
+from ..drive.options import LoadOptions, MotorOptions
+from ..motor_documents import LoadChange
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
 VActualWritable = Literal["hold-mode", "velocity-mode"]
@@ -60,6 +62,22 @@ class StepOutputWire(PinWire):
     pin: Literal["STEP1", "STEP2", "STEP3"]
 
 
+class ChainDriverOptions(Closed):
+    """A driver of the chain with its motor."""
+
+    driver: Literal["tmc236", "tmc2660"] = Field(
+        default="tmc236",
+        description="tmc236: 12 bits, a status that is told, and a carriage that follows every step. tmc2660: 20 bits, "
+        "its registers by cover datagrams, and a motor with physics that turns as its currents let it",
+    )
+    motor: MotorOptions = MotorOptions()
+    load: LoadOptions = LoadOptions()
+    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
+        default=3.1, description="peak coil current at current scale 31 and VSENSE 0: 310 mV over 100 mOhm [A]"
+    )
+
+
 class EmulatorOptions(Closed):
     """How an emulated chip and what hangs on it are made: the `link` of an emulated device."""
 
@@ -104,6 +122,11 @@ class EmulatorOptions(Closed):
     wires: Annotated[list[StepOutputWire], Field(max_length=3)] = rest_only(
         [], "TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server"
     )
+    drivers: Annotated[list[ChainDriverOptions], Field(max_length=3)] = Field(
+        default_factory=list,
+        description="TMC428, TMC429: drivers of the chain, one an axis, the first next to SDI_S; none: three tmc236",
+        json_schema_extra=REST_ONLY,
+    )
     driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = rest_only(
         16, "TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers"
     )
@@ -135,13 +158,20 @@ class InputsChange(Closed):
     )
 
 
-class DriverChange(Closed):
-    """TMC428: the 12 status bits that one driver of the chain reports."""
+class DriverChange(LoadChange):
+    """TMC428: one driver of the chain. Of a tmc236 the 12 status bits that it reports; of a tmc2660 its motor, load,
+    temperature and supply, of which its status follows."""
 
     axis: AxisIndex
-    status: Annotated[int, Field(strict=True, ge=0, le=0xFFF)] = Field(
-        description="LD2 LD1 LD0 1 OT OTPW UV OCHS OLB OLA OCB OCA"
+    status: Annotated[int, Field(strict=True, ge=0, le=0xFFF)] | None = Field(
+        default=None, description="of a tmc236: LD2 LD1 LD0 1 OT OTPW UV OCHS OLB OLA OCB OCA"
     )
+    supply_v: Supply | None = Field(default=None, description="of a tmc2660: motor supply [V]")
+
+    @property
+    def of_motor(self) -> bool:
+        """Whether anything is said of motor, load or supply."""
+        return bool(self.model_dump(exclude_unset=True, exclude={"axis", "status"}))
 
 
 class EmulatorPatch(Closed):

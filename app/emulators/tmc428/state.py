@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from ...registers.names import PmulName
 from ..core.base import EmulatedState
-from ..drive.documents import ChipFaultsState
+from ..drive.documents import ChipFaultsState, MotorState, TruthState
 from .options import VActualWritable
 
 
@@ -59,7 +59,11 @@ class DriverState(BaseModel):
     ph_b: int
     fd_a: int
     fd_b: int
-    status: int = Field(description="12 status bits that the driver reports")
+    status: int = Field(description="12 status bits that the driver reports, of one without a motor of its own")
+    motor: MotorState | None = Field(
+        default=None, description="of a driver with a motor: its plug, temperature, shorts"
+    )
+    truth: TruthState | None = Field(default=None, description="how that motor and its shaft really are")
 
 
 class ChainState(BaseModel):

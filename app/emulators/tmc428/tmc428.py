@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from functools import partial
 
 from ...registers.catalog import MODELS
@@ -11,8 +12,9 @@ from . import chain
 from . import kernel as k
 from .chain import Datagram, Polarity, Signals
 from .chip import CLK2_DIV_RESET, GLOBAL, SWITCHES, Chip
+from .drives import ChainDrives, Record
 from .options import EmulatorOptions
-from .sequencer import increment
+from .sequencer import Coils, increment
 from .state import ChainBit, ChainState, DriverState
 
 STAGE_UNITS = 64
@@ -21,6 +23,8 @@ LOW_WORD, HIGH_WORD, COVER, COVER_DATAGRAM = 0x30, 0x31, 0x32, 0x33
 CURRENT = 0x8
 _WIRINGS = {"left-only": k.LEFT_ONLY, "two-one-null": k.TWO_ONE_NULL, "multiplexed": k.MULTIPLEXED}
 _LONGEST_COVER = 24
+SLICE_CLOCKS = 16384
+"""About a millisecond: how far carriages may run ahead of shafts, by the steps that are made meanwhile."""
 
 
 class Tmc428(Chip):
@@ -32,6 +36,9 @@ class Tmc428(Chip):
     def __init__(self, options: EmulatorOptions) -> None:
         self.ram = [0] * 128
         self.driver_status = [chain.DRIVER_STATUS_HEALTHY] * chain.DRIVERS_ON_BOARD
+        self.drives = ChainDrives(options) if options.drivers else None
+        self._outside = 0
+        """Where the drivers are, in clocks of the outside."""
         super().__init__(MODELS[self.name], options, self._units(options))
 
     def _units(self, options: EmulatorOptions) -> int:
@@ -52,8 +59,68 @@ class Tmc428(Chip):
         self._last_count = 0
         self._captured: Datagram | None = None
         self.axes[:, k.INC] = increment(0)
+        if self.drives is not None:
+            self.chip[k.LOG_ON] = 1
+            self.drives.reset()
         self.chip[k.WIRING] = _WIRINGS[self.options.wiring]
         self._write_global(CLK2_DIV_RESET)
+
+    # --- drivers with motors ---------------------------------------------------------------------
+
+    def advance(self, clock: int) -> int:
+        """In slices at whole multiples of `SLICE_CLOCKS`, where there are motors: behind each the carriages are where
+        the shafts are, whatever was stepped."""
+        if self.drives is None:
+            return super().advance(clock)
+        while True:
+            boundary = (self._outside // SLICE_CLOCKS + 1) * SLICE_CLOCKS
+            self._outside = until = max(min(clock, boundary), self._outside)
+            status = super().advance(until)
+            self._drive_motors(self.drives, until)
+            if until >= clock:
+                return status
+
+    def _drive_motors(self, drives: ChainDrives, until: int) -> None:
+        chip, width = self.chip, k.LOG_WIDTH
+        count = int(chip[k.LOGGED])
+        if count:
+            cells = chip[k.CHIP_CELLS : k.CHIP_CELLS + count * width].tolist()
+            chip[k.LOGGED] = 0
+            lengths = self._driver_lengths()
+            for at in range(0, count * width, width):
+                motors = tuple(
+                    Signals(*cells[at + 1 + k.SNAP_WIDTH * n : at + 1 + k.SNAP_WIDTH * (n + 1)]) for n in range(3)
+                )
+                record = Record(
+                    cells[at] + self._offset, motors, bool(cells[at + width - 2]), bool(cells[at + width - 1])
+                )
+                drives.take(record, lengths, self._bits_of)
+        drives.advance(until, self.driver_status)
+        if until % SLICE_CLOCKS == 0:
+            self._carry(drives)
+
+    def _carry(self, drives: ChainDrives) -> None:
+        """Carriages go to where the shafts are."""
+        moved = False
+        for index in range(self.model.axes):
+            shaft = drives.shaft_fullsteps(index)
+            if shaft is not None and (place := round(shaft * self.stage_units)) != self.axes[index, k.MECH]:
+                self.axes[index, k.MECH] = place
+                moved = True
+        if moved and not self.powered_down:
+            k.refresh(self.axes, self.chip)
+
+    def _driver_lengths(self) -> list[int]:
+        """Bits of each driver in the RAM."""
+        drivers = [place.driver for place in self._places or ()]
+        return [drivers.count(driver) for driver in dict.fromkeys(drivers)]
+
+    def _bits_of(self, record: Record) -> tuple[int, ...]:
+        return self._compose_signals(record.motors, covered=record.covered).bits
+
+    @property
+    def quiet(self) -> bool:
+        return super().quiet and (self.drives is None or self.drives.quiet)
 
     def _map_registers(self) -> None:
         super()._map_registers()
@@ -123,6 +190,8 @@ class Tmc428(Chip):
 
     def _configure_chain(self) -> None:
         word = self._words[GLOBAL]
+        if self.drives is not None:
+            self.drives.forget_words()
         self._places = chain.walk(self.ram, word & 3)
         duration = chain.duration_clocks(self._places, word >> 8 & 0xFF)
         self.chip[k.DURATION] = duration
@@ -134,9 +203,12 @@ class Tmc428(Chip):
         """The datagram whose signals stand at `snapshot` of the kernel's array, with today's RAM."""
         cells = self.chip[snapshot : snapshot + 3 * k.SNAP_WIDTH + 1].tolist()
         motors = [Signals(*cells[at : at + k.SNAP_WIDTH]) for at in range(0, 3 * k.SNAP_WIDTH, k.SNAP_WIDTH)]
+        return self._compose_signals(motors, covered=bool(cells[-1]))
+
+    def _compose_signals(self, motors: Sequence[Signals], *, covered: bool) -> Datagram:
         word = self._words[GLOBAL]
         length = min(self._words[COVER] & 0x1F, _LONGEST_COVER)
-        cover = (self._cover_pos_stored - 1, length, self._words[COVER_DATAGRAM]) if cells[-1] else None
+        cover = (self._cover_pos_stored - 1, length, self._words[COVER_DATAGRAM]) if covered else None
         polarity = Polarity(ph=word >> 4 & 1, fd=word >> 5 & 1, dac=word >> 6 & 1)
         table = self.ram[2 * (RAM_TABLE - RAM_CHAIN) :]
         return chain.compose(self._places, motors, table, polarity, cover)
@@ -156,7 +228,8 @@ class Tmc428(Chip):
         if self._captured is None:
             self._captured = self._compose(k.CAPTURED)
         if capture == 3:
-            for bit in chain.reply_bits(self._captured.bits, self.driver_status):
+            came = chain.reply_bits(self._captured.bits, self.driver_status)
+            for bit in came if self.drives is None else self.drives.answer:
                 self._shift = (self._shift << 1 | bit) & 0xFFFF_FFFF_FFFF
             self._captured = None
             self.chip[k.CAPTURE] = 0
@@ -195,7 +268,9 @@ class Tmc428(Chip):
         last = self._last
         duration = int(self.chip[k.DURATION])
         drivers = []
-        for driver, state in enumerate(last.coils if last else ()):
+        none = (Coils(0, 0, 0, 0, 0, 0),) * (0 if self.drives is None else len(self.drives.drivers))
+        for driver, state in enumerate(last.coils if last else none):
+            told = None if self.drives is None else self.drives.describe(driver)
             bits = (
                 [
                     ChainBit(signal=SIGNAL_CODES.get(place.code, "One"), value=bit)
@@ -205,7 +280,16 @@ class Tmc428(Chip):
                 if last
                 else []
             )
-            drivers.append(DriverState(driver=driver, bits=bits, **state._asdict(), status=self.driver_status[driver]))
+            drivers.append(
+                DriverState(
+                    driver=driver,
+                    bits=bits,
+                    **state._asdict(),
+                    status=self.driver_status[driver],
+                    motor=None if told is None else told[0],
+                    truth=None if told is None else told[1],
+                )
+            )
         return ChainState(
             datagrams_sent=int(self.chip[k.SENT_COUNT]),
             busy=bool(self.chip[k.BUSY]),

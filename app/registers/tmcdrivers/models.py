@@ -13,7 +13,7 @@ DESCRIPTION = "a driver that follows step and direction"
 _COMMON: frozenset[Capability] = frozenset(
     {"registers", "motion", "step_input", "chopper", "flags", "current", "stallguard"}
 )
-_SPI: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev", "landungsbruecke"})
+_SPI: frozenset[Wire] = frozenset({"emulator", "tcp", "spidev", "landungsbruecke", "cover"})
 
 MODELS = (
     Model(

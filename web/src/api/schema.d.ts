@@ -1695,6 +1695,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/serial-encoder": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Serial Encoder
+         * @description The bits of a serial encoder's answer at a TMC4361, how long it takes, and how fast the shaft may turn.
+         */
+        post: operations["calculate_serial_encoder"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calc/drive-current": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Drive Current
+         * @description Current scale and coil current of a TMC4361 over a move: boost, drive, hold, freewheeling, their delays.
+         */
+        post: operations["calculate_drive_current"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calc/pwm-duty": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Pwm Duty
+         * @description Duty of a TMC4361's PWM outputs: their amplitude over speed, and both of them over the electrical turn.
+         */
+        post: operations["calculate_pwm_duty"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/catalog": {
         parameters: {
             query?: never;
@@ -2119,6 +2179,194 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/studies": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Studies
+         * @description All studies, the latest first, and which kinds there are.
+         */
+        get: operations["list_studies"];
+        put?: never;
+        /**
+         * Start Study
+         * @description Begin a study. Answers when it has started; a stop, or any other command to the axis, ends it.
+         */
+        post: operations["start_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/plan": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Plan Study
+         * @description What a study would do to the machine, and what is missing before it can. Nothing moves.
+         */
+        post: operations["plan_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Study
+         * @description A study with all that came of it so far.
+         */
+        get: operations["get_study"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Study
+         * @description Delete it for good; its recording stays.
+         */
+        delete: operations["delete_study"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Stop Study
+         * @description End it at once: the motor stops, and the setting before goes back.
+         */
+        post: operations["stop_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/resume": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Resume Study
+         * @description Put the axis back as it was, and go on where the study was cut off.
+         */
+        post: operations["resume_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/take": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take Study
+         * @description Set the axis to what the study found, or to what it was before: one transaction.
+         */
+        post: operations["take_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/left": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Study Left
+         * @description What a study that was cut off has left: register by register, as it is now.
+         */
+        get: operations["get_study_left"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/profiles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Keep Study
+         * @description Keep the setting before and the best one as profiles of the whole device.
+         */
+        post: operations["keep_study"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies/{study}/report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Study Report
+         * @description The report as one HTML file that needs nothing else. The same as JSON is the study itself.
+         */
+        get: operations["get_study_report"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/twin": {
         parameters: {
             query?: never;
@@ -2161,6 +2409,47 @@ export interface paths {
          * @description Show a moment of a recording, for which the view is started where it is off; or with null what happens now.
          */
         post: operations["scrub_twin"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/wiring": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Wiring
+         * @description Which pins of emulated devices are wired together, and whether that works. It is set with their links.
+         */
+        get: operations["get_wiring"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/start-together": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Together
+         * @description Start moves of axes of any devices together. All are judged before anything starts; answers when they have
+         *     started, with how far apart. Where one does not start, all are stopped.
+         */
+        post: operations["start_together"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2885,6 +3174,39 @@ export interface components {
             limits: components["schemas"]["Limits-Output"] | null;
         };
         /**
+         * AxisStart
+         * @description How one axis started.
+         */
+        AxisStart: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * How
+             * @enum {string}
+             */
+            how: "START wire" | "command";
+            /** From Position */
+            from_position: number;
+            /** Target Position */
+            target_position: number;
+            /**
+             * Skew S
+             * @description after the first one [s]
+             */
+            skew_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
+            /** Predicted Duration S */
+            predicted_duration_s: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * AxisStartUp
          * @description Set one axis up after power-on. irun and ihold are other names of run_scale and hold_scale.
          */
@@ -3015,6 +3337,52 @@ export interface components {
             time_s: number;
         };
         /**
+         * Budget
+         * @description What a study may cost at most; the first that is used up ends its search.
+         */
+        "Budget-Input": {
+            /**
+             * Trials
+             * @description settings that are tried by moving the motor
+             * @default 30
+             */
+            trials?: number;
+            /**
+             * Time S
+             * @description of the server's clock, proof included [s]
+             * @default 900
+             */
+            time_s?: number;
+            /**
+             * Distance Fullsteps
+             * @description way of the motor, there and back, proof included [full steps]; null: no bound
+             */
+            distance_fullsteps?: number | null;
+        };
+        /**
+         * Budget
+         * @description What a study may cost at most; the first that is used up ends its search.
+         */
+        "Budget-Output": {
+            /**
+             * Trials
+             * @description settings that are tried by moving the motor
+             * @default 30
+             */
+            trials: number;
+            /**
+             * Time S
+             * @description of the server's clock, proof included [s]
+             * @default 900
+             */
+            time_s: number;
+            /**
+             * Distance Fullsteps
+             * @description way of the motor, there and back, proof included [full steps]; null: no bound
+             */
+            distance_fullsteps: number | null;
+        };
+        /**
          * CalibrationStart
          * @description The motor turns to a full step, and there the chip takes the encoder's offset. It needs an encoder that counts
          *     the right way, 256 microsteps per full step, and no load on the shaft. One that does not is measured over 16 full
@@ -3080,7 +3448,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3145,7 +3513,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3239,7 +3607,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3313,6 +3681,54 @@ export interface components {
             continuous_update_hz: number | null;
             /** Full Step Hz Max */
             full_step_hz_max: number;
+        };
+        /**
+         * ChainDriverOptions
+         * @description A driver of the chain with its motor.
+         */
+        ChainDriverOptions: {
+            /**
+             * Driver
+             * @description tmc236: 12 bits, a status that is told, and a carriage that follows every step. tmc2660: 20 bits, its registers by cover datagrams, and a motor with physics that turns as its currents let it
+             * @default tmc236
+             * @enum {string}
+             */
+            driver?: "tmc236" | "tmc2660";
+            /**
+             * @default {
+             *       "rotor_teeth": 50,
+             *       "resistance_ohm": 2.3,
+             *       "inductance_h": 0.0044,
+             *       "holding_torque_nm": 0.45,
+             *       "rated_current_a": 1.5,
+             *       "rotor_inertia_kgm2": 0.0000058,
+             *       "detent_torque_nm": 0.02,
+             *       "viscous_nms": 0.001,
+             *       "friction_nm": 0.005,
+             *       "stiction_ratio": 1.2
+             *     }
+             */
+            motor?: components["schemas"]["MotorOptions"];
+            /**
+             * @default {
+             *       "torque_nm": 0,
+             *       "friction_nm": 0,
+             *       "inertia_kgm2": 0
+             *     }
+             */
+            load?: components["schemas"]["LoadOptions"];
+            /**
+             * Supply V
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 31 and VSENSE 0: 310 mV over 100 mOhm [A]
+             * @default 3.1
+             */
+            full_scale_a?: number;
         };
         /** ChainRequest */
         ChainRequest: {
@@ -3477,11 +3893,24 @@ export interface components {
              */
             full_scale_a?: number;
             /**
+             * Driver
+             * @description what is behind the chip: wired, bridges that take its currents; tmc26x, a driver that cover datagrams have to set up and that follows steps or currents
+             * @default wired
+             * @enum {string}
+             */
+            driver?: "wired" | "tmc26x";
+            /**
              * Stall Threshold
-             * @description SGT of the driver's StallGuard2
+             * @description SGT of a wired driver's StallGuard2
              * @default 0
              */
             stall_threshold?: number;
+            /**
+             * Wires
+             * @description pins that are wired to other emulators of this server: START, and STEP1, its step and direction output
+             * @default []
+             */
+            wires?: components["schemas"]["Tmc4361Wire"][];
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -4121,6 +4550,141 @@ export interface components {
             since_s: number | null;
         };
         /**
+         * CoverLink
+         * @description A driver behind a controller that carries its datagrams: on the chain of a TMC428, at the output of a TMC4361.
+         */
+        CoverLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "cover";
+            /**
+             * Controller
+             * @description id of the device whose axis it drives
+             */
+            device: string;
+            /**
+             * Its axis
+             * @description the axis of the controller, from 0
+             * @default 0
+             */
+            axis?: number;
+        };
+        /**
+         * CurrentScales
+         * @description CURRENT_CONF, SCALE_VALUES and the delays of an open loop, as the registers hold them.
+         */
+        CurrentScales: {
+            /**
+             * Boost
+             * @description BOOST_SCALE_VAL
+             * @default 255
+             */
+            boost?: number;
+            /**
+             * Drive
+             * @description DRV1_SCALE_VAL
+             * @default 255
+             */
+            drive?: number;
+            /**
+             * Drive 2
+             * @description DRV2_SCALE_VAL
+             * @default 255
+             */
+            drive_2?: number;
+            /**
+             * Hold
+             * @description HOLD_SCALE_VAL
+             * @default 255
+             */
+            hold?: number;
+            /**
+             * Hold En
+             * @description hold_current_scale_en
+             * @default false
+             */
+            hold_en?: boolean;
+            /**
+             * Drive En
+             * @description drive_current_scale_en; without it the scale in motion is 255
+             * @default false
+             */
+            drive_en?: boolean;
+            /**
+             * Boost On Acceleration
+             * @description boost_current_on_acc_en
+             * @default false
+             */
+            boost_on_acceleration?: boolean;
+            /**
+             * Boost On Deceleration
+             * @description boost_current_on_dec_en
+             * @default false
+             */
+            boost_on_deceleration?: boolean;
+            /**
+             * Boost After Start
+             * @description boost_current_after_start_en
+             * @default false
+             */
+            boost_after_start?: boolean;
+            /**
+             * Drive 2 En
+             * @description sec_drive_current_scale_en
+             * @default false
+             */
+            drive_2_en?: boolean;
+            /**
+             * Freewheeling En
+             * @default false
+             */
+            freewheeling_en?: boolean;
+            /**
+             * Drive 2 Above Pps
+             * @description VDRV_SCALE_LIMIT [pps]
+             * @default 0
+             */
+            drive_2_above_pps?: number;
+            /**
+             * Up Delay
+             * @description UP_SCALE_DELAY [clocks a step]; 0: at once
+             * @default 0
+             */
+            up_delay?: number;
+            /**
+             * Hold Delay
+             * @description HOLD_SCALE_DELAY [clocks a step]
+             * @default 0
+             */
+            hold_delay?: number;
+            /**
+             * Drive Delay
+             * @description DRV_SCALE_DELAY [clocks a step]
+             * @default 0
+             */
+            drive_delay?: number;
+            /**
+             * Boost Time
+             * @description BOOST_TIME [clocks]
+             * @default 0
+             */
+            boost_time?: number;
+            /**
+             * Standby Delay
+             * @description STDBY_DELAY [clocks]
+             * @default 0
+             */
+            standby_delay?: number;
+            /**
+             * Freewheel Delay
+             * @description FREEWHEEL_DELAY [clocks]
+             * @default 0
+             */
+            freewheel_delay?: number;
+        };
+        /**
          * CurrentScaling
          * @description The fields of is_agtat_is_aleat_is_v0_a_threshold, and the move that they are looked at over.
          */
@@ -4421,6 +4985,11 @@ export interface components {
             start_up: boolean;
             /** Axes */
             axes: components["schemas"]["AxisInfo"][];
+            /**
+             * Drivers
+             * @description devices with a link of kind cover through this one, by the axis that each drives
+             */
+            drivers: components["schemas"]["DriverBehind"][];
             /** Channels */
             channels: components["schemas"]["ChannelInfo"][];
             /** Rate Max Hz */
@@ -4666,6 +5235,129 @@ export interface components {
              */
             load_s?: number | null;
         };
+        /**
+         * DriveCurrent
+         * @description A motion and the current scales that it is made with.
+         */
+        DriveCurrent: {
+            /** @description of model "s_ramp": the motion, from rest */
+            ramp: components["schemas"]["Ramp"];
+            scales: components["schemas"]["CurrentScales"];
+            /**
+             * Clock Hz
+             * @description fCLK [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Full Scale Rms A
+             * @description coil current of the driver at scale 255, RMS [A]; null: not known
+             */
+            full_scale_rms_a?: number | null;
+        };
+        /**
+         * DriveCurrentResult
+         * @description The scale and the current over the motion and the rest after it.
+         */
+        DriveCurrentResult: {
+            /**
+             * Motion S
+             * @description when the motor is at rest [s]
+             */
+            motion_s: number;
+            /** Duration S */
+            duration_s: number;
+            /** Time S */
+            time_s: number[];
+            /** Velocity Pps */
+            velocity_pps: number[];
+            /**
+             * Scale
+             * @description 0..255; -1 where the bridges are open
+             */
+            scale: number[];
+            /**
+             * Current Rms A
+             * @description of a coil, RMS [A]; null without a full scale
+             */
+            current_rms_a: number[] | null;
+            /**
+             * Mean Square
+             * @description of (scale + 1) / 256 in motion: what heats the coils, of full scale's heat
+             */
+            mean_square: number;
+            /**
+             * Rest Square
+             * @description the same at the end of the time: what heats the coils at rest
+             */
+            rest_square: number;
+            /** Scale At First */
+            scale_at_first: number;
+            /** Stretches */
+            stretches: components["schemas"]["ScaleStretch"][];
+            /** Phases */
+            phases: components["schemas"]["Phase"][];
+            /** Findings */
+            findings: string[];
+        };
+        /**
+         * DriverBehind
+         * @description A driver whose link goes through a controller.
+         */
+        DriverBehind: {
+            /** Axis */
+            axis: number;
+            /** Device */
+            device: string;
+            /** Name */
+            name: string;
+            /** Model */
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660" | "pd42-1241" | "tmcm-1161") | string;
+            /** Title */
+            title: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "connected" | "connecting" | "disconnected" | "failed";
+        };
+        /**
+         * DriverBehindState
+         * @description A driver with registers of its own behind the chip, as it is now.
+         */
+        DriverBehindState: {
+            /**
+             * Kind
+             * @constant
+             */
+            kind: "tmc26x";
+            /**
+             * Follows
+             * @description what it is set up for: STEP and DIR, or coil currents
+             * @enum {string}
+             */
+            follows: "steps" | "currents";
+            /**
+             * Bridges
+             * @description "regulated" or "open"
+             */
+            bridges: string;
+            /**
+             * Current Scale
+             * @description CS in use, 0..31
+             */
+            current_scale: number;
+            /**
+             * Load
+             * @description StallGuard2 value, 0..1023
+             */
+            load: number;
+            /**
+             * Flags
+             * @description of its status, those that are set: SG, OT, OTPW, S2GA, S2GB, OLA, OLB, STST
+             */
+            flags: string[];
+        };
         /** DriverChain */
         DriverChain: {
             /** Drivers */
@@ -4673,16 +5365,38 @@ export interface components {
         };
         /**
          * DriverChange
-         * @description TMC428: the 12 status bits that one driver of the chain reports.
+         * @description TMC428: one driver of the chain. Of a tmc236 the 12 status bits that it reports; of a tmc2660 its motor, load,
+         *     temperature and supply, of which its status follows.
          */
         DriverChange: {
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
             /** Axis */
             axis: number;
             /**
              * Status
-             * @description LD2 LD1 LD0 1 OT OTPW UV OCHS OLB OLA OCB OCA
+             * @description of a tmc236: LD2 LD1 LD0 1 OT OTPW UV OCHS OLB OLA OCB OCA
              */
-            status: number;
+            status?: number | null;
+            /**
+             * Supply V
+             * @description of a tmc2660: motor supply [V]
+             */
+            supply_v?: number | null;
         };
         /**
          * DriverCreate
@@ -4713,7 +5427,7 @@ export interface components {
              */
             model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
             /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["CoverLink"];
         };
         /**
          * DriverEmulatorLink
@@ -4769,6 +5483,12 @@ export interface components {
              */
             full_scale_a?: number | null;
             /**
+             * Wires
+             * @description STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net
+             * @default []
+             */
+            wires?: components["schemas"]["StepInputWire"][];
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -4807,6 +5527,12 @@ export interface components {
              * @description steps a second that come in at STEP, negative with DIR high
              */
             step_hz: number;
+            /**
+             * Steps
+             * @description steps taken from a wired controller since power-on, those back taken off
+             * @default 0
+             */
+            steps?: number;
         };
         /**
          * DriverPlaceRow
@@ -4868,9 +5594,13 @@ export interface components {
             fd_b: number;
             /**
              * Status
-             * @description 12 status bits that the driver reports
+             * @description 12 status bits that the driver reports, of one without a motor of its own
              */
             status: number;
+            /** @description of a driver with a motor: its plug, temperature, shorts */
+            motor?: components["schemas"]["MotorState"] | null;
+            /** @description how that motor and its shaft really are */
+            truth?: components["schemas"]["TruthState"] | null;
         };
         /**
          * DriverTrial
@@ -4883,7 +5613,7 @@ export interface components {
              */
             model: "tmc2130" | "tmc2209" | "tmc2240" | "tmc2660";
             /** Link */
-            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+            link: components["schemas"]["DriverEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["CoverLink"];
         };
         /**
          * DriverUartState
@@ -4964,6 +5694,17 @@ export interface components {
              * @description one stage an axis; axes beyond the list have the default stage
              */
             stages?: components["schemas"]["StageOptions"][];
+            /**
+             * Wires
+             * @description TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server
+             * @default []
+             */
+            wires?: components["schemas"]["StepOutputWire"][];
+            /**
+             * Drivers
+             * @description TMC428, TMC429: drivers of the chain, one an axis, the first next to SDI_S; none: three tmc236
+             */
+            drivers?: components["schemas"]["ChainDriverOptions"][];
             /**
              * Driver Microsteps
              * @description TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers
@@ -5129,6 +5870,29 @@ export interface components {
             external_reversed?: boolean;
         };
         /**
+         * EncoderOutputState
+         * @description The serial encoder output, as a listener gets it.
+         */
+        EncoderOutputState: {
+            /** Enabled */
+            enabled: boolean;
+            /**
+             * Length
+             * @description bits of an answer
+             */
+            length: number;
+            /**
+             * Heard
+             * @description the latest answer that was clocked out, first bit first; empty: none yet
+             */
+            heard: string;
+            /**
+             * Repeated
+             * @description it was the one before again: the monoflop time had not passed
+             */
+            repeated: boolean;
+        };
+        /**
          * EncoderPatch
          * @description Whatever is not given stays.
          */
@@ -5150,25 +5914,25 @@ export interface components {
             /** Status Bits */
             status_bits?: number | null;
             /**
+             * Kind
+             * @description another encoder on the shaft
+             */
+            kind?: ("abn" | "ssi" | "spi") | null;
+            /** Lines */
+            lines?: number | null;
+            /** Single Turn Bits */
+            single_turn_bits?: number | null;
+            /** Multi Turn Bits */
+            multi_turn_bits?: number | null;
+            /** Gray */
+            gray?: boolean | null;
+            /** Status Bit Count */
+            status_bit_count?: number | null;
+            /**
              * Spoil Next
              * @description bits of an absolute encoder's next answer that arrive wrong
              */
             spoil_next?: number | null;
-        };
-        /**
-         * Evidence
-         * @description What was seen: a register or a figure, its value, and when.
-         */
-        Evidence: {
-            /** What */
-            what: string;
-            /** Value */
-            value: string;
-            /**
-             * Seen S
-             * @description device time [s]; null where nobody knows
-             */
-            seen_s: number | null;
         };
         /** Exchange */
         Exchange: {
@@ -5392,6 +6156,140 @@ export interface components {
             compare?: (number | string) | null;
         };
         /**
+         * FastestMove
+         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder.
+         */
+        "FastestMove-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "fastest_move";
+            /**
+             * Distance
+             * @description of a move, and back again; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Margin
+             * @description no step may be lost at so much more speed and acceleration either: 0.1 is 10 %
+             * @default 0.1
+             */
+            margin?: number;
+            /**
+             * Velocity Max Pps
+             * @description never faster, margin included [pps]; null: as the soft limit, else ten times as now
+             */
+            velocity_max_pps?: number | null;
+            /**
+             * Acceleration Max Pps2
+             * @description the same of the acceleration [pps^2]
+             */
+            acceleration_max_pps2?: number | null;
+            /**
+             * Repeats
+             * @description moves there and back with each setting that is tried
+             * @default 2
+             */
+            repeats?: number;
+            /**
+             * Pairs
+             * @description of the proof: as many moves with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps?: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share faster is no improvement
+             * @default 0.01
+             */
+            smallest_gain?: number;
+            /**
+             * Quiet
+             * @description look for little deviation under way too: a front of both
+             * @default false
+             */
+            quiet?: boolean;
+            /**
+             * Sampler
+             * @description null: TPE for one objective, NSGA-II for two
+             */
+            sampler?: ("tpe" | "cmaes" | "nsga2") | null;
+        };
+        /**
+         * FastestMove
+         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder.
+         */
+        "FastestMove-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "fastest_move";
+            /**
+             * Distance
+             * @description of a move, and back again; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Margin
+             * @description no step may be lost at so much more speed and acceleration either: 0.1 is 10 %
+             * @default 0.1
+             */
+            margin: number;
+            /**
+             * Velocity Max Pps
+             * @description never faster, margin included [pps]; null: as the soft limit, else ten times as now
+             */
+            velocity_max_pps: number | null;
+            /**
+             * Acceleration Max Pps2
+             * @description the same of the acceleration [pps^2]
+             */
+            acceleration_max_pps2: number | null;
+            /**
+             * Repeats
+             * @description moves there and back with each setting that is tried
+             * @default 2
+             */
+            repeats: number;
+            /**
+             * Pairs
+             * @description of the proof: as many moves with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share faster is no improvement
+             * @default 0.01
+             */
+            smallest_gain: number;
+            /**
+             * Quiet
+             * @description look for little deviation under way too: a front of both
+             * @default false
+             */
+            quiet: boolean;
+            /**
+             * Sampler
+             * @description null: TPE for one objective, NSGA-II for two
+             */
+            sampler: ("tpe" | "cmaes" | "nsga2") | null;
+        };
+        /**
          * FaultsChange
          * @description Faults on the wire and of the supply.
          */
@@ -5567,6 +6465,39 @@ export interface components {
             /** Value */
             value: number;
         };
+        /**
+         * Figures
+         * @description Of a setting: means over its moves. Null where nothing was measured.
+         */
+        Figures: {
+            /**
+             * Time S
+             * @description from the command until the encoder stays in its band [s]
+             */
+            time_s: number | null;
+            /**
+             * Spread S
+             * @description standard deviation of that [s]
+             */
+            spread_s: number | null;
+            /**
+             * Deviation Fullsteps
+             * @description peak of encoder less position, under way
+             */
+            deviation_fullsteps: number | null;
+            /**
+             * Lost Fullsteps
+             * @description worst of all moves; multiples of 4 of a whole loss
+             * @default 0
+             */
+            lost_fullsteps: number;
+            /**
+             * Runs
+             * @description moves there and back
+             * @default 0
+             */
+            runs: number;
+        };
         /** FiguresOut */
         FiguresOut: {
             /** Samples */
@@ -5681,6 +6612,91 @@ export interface components {
              * @description whether the filter also serves STPIN and DIRIN
              */
             step_input_field: string;
+        };
+        /**
+         * Finding
+         * @description Something that was found of the axis.
+         */
+        Finding: {
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
+            /** Value */
+            value: number | null;
+            /**
+             * Unit
+             * @default
+             */
+            unit: string;
+            /** @description 95 % */
+            interval: components["schemas"]["Interval"] | null;
+            /**
+             * Sure
+             * @default measured
+             * @enum {string}
+             */
+            sure: "certain" | "measured" | "cannot be told" | "missing";
+            /** @description what would set it right */
+            remedy: components["schemas"]["Mend"] | null;
+        };
+        /**
+         * FirstLook
+         * @description What an axis is: direction, encoder, switches, travel, and what is missing. Small moves alone.
+         */
+        "FirstLook-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "first_look";
+            /**
+             * Turns
+             * @description how far it turns to either side, to look at the encoder [turns of the motor]
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Velocity Rps
+             * @description of these moves [turns of the motor a second]
+             * @default 0.5
+             */
+            velocity_rps?: number;
+            /**
+             * Travel Turns
+             * @description how far to look for switches to either side [turns of the motor]; 0: not at all
+             * @default 0
+             */
+            travel_turns?: number;
+        };
+        /**
+         * FirstLook
+         * @description What an axis is: direction, encoder, switches, travel, and what is missing. Small moves alone.
+         */
+        "FirstLook-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "first_look";
+            /**
+             * Turns
+             * @description how far it turns to either side, to look at the encoder [turns of the motor]
+             * @default 1
+             */
+            turns: number;
+            /**
+             * Velocity Rps
+             * @description of these moves [turns of the motor a second]
+             * @default 0.5
+             */
+            velocity_rps: number;
+            /**
+             * Travel Turns
+             * @description how far to look for switches to either side [turns of the motor]; 0: not at all
+             * @default 0
+             */
+            travel_turns: number;
         };
         /**
          * FrameEntry
@@ -5861,6 +6877,18 @@ export interface components {
             devices: components["schemas"]["DeviceHealth"][];
             /** @description what a first start compiles in the background; emulators wait for it. null where all is there */
             compiling: components["schemas"]["Compiling"] | null;
+        };
+        /**
+         * Held
+         * @description A register as a study found it, or set it.
+         */
+        Held: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /** Value */
+            value: number;
         };
         /**
          * HeldRegister
@@ -6054,6 +7082,16 @@ export interface components {
              * @description what SIO has set
              */
             outputs: number[];
+        };
+        /**
+         * Interval
+         * @description From where to where something lies, 95 %.
+         */
+        Interval: {
+            /** Low */
+            low: number;
+            /** High */
+            high: number;
         };
         /** KeepRotating */
         KeepRotating: {
@@ -6642,6 +7680,23 @@ export interface components {
             link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
         };
         /**
+         * ListenChange
+         * @description Clocks at the serial encoder output, as from a listener.
+         */
+        ListenChange: {
+            /**
+             * Clocks
+             * @description so many, at once
+             */
+            clocks: number;
+            /**
+             * Rate Hz
+             * @description clocks a second
+             * @default 100000
+             */
+            rate_hz?: number;
+        };
+        /**
          * LoadOptions
          * @description What hangs on the shaft from the start; `Plant` changes torque and friction while it runs.
          */
@@ -6744,6 +7799,31 @@ export interface components {
             gear_ratio?: number;
             /** Travel Mm Per Rev */
             travel_mm_per_rev?: number | null;
+        };
+        /**
+         * Mend
+         * @description A call of the REST API that sets something right; `path` is behind the device's own address.
+         */
+        Mend: {
+            /** Label */
+            label: string;
+            /**
+             * Method
+             * @enum {string}
+             */
+            method: "POST" | "PUT" | "PATCH";
+            /** Path */
+            path: string;
+            /** Body */
+            body: {
+                [key: string]: unknown;
+            } | null;
+            /**
+             * Moves
+             * @description it may set the motor in motion
+             * @default false
+             */
+            moves: boolean;
         };
         /** MicrostepDesign */
         MicrostepDesign: {
@@ -7766,6 +8846,53 @@ export interface components {
             registers?: components["schemas"]["MslutWords"] | null;
         };
         /**
+         * Net
+         * @description Pins of emulated devices that are wired together: those whose options (`wires`) name the same net.
+         */
+        Net: {
+            /** Net */
+            net: string;
+            /** Pins */
+            pins: components["schemas"]["NetPin"][];
+            /**
+             * Open
+             * @description why it connects nothing; null where it does
+             */
+            open: string | null;
+            /**
+             * Equal Clocks
+             * @description an edge is seen at the very clock of the others; false: rounded to a clock of whoever sees it
+             */
+            equal_clocks: boolean;
+            /**
+             * Seen Within S
+             * @description how far apart an edge is seen at the most [s]
+             */
+            seen_within_s: number;
+        };
+        /**
+         * NetPin
+         * @description A pin on a net.
+         */
+        NetPin: {
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /**
+             * Pin
+             * @description START, or STEP1 to STEP3: step and direction of an axis
+             */
+            pin: string;
+            /**
+             * Role
+             * @description level: either way, as the chip is set
+             * @enum {string}
+             */
+            role: "level" | "output" | "input";
+        };
+        /**
          * NowTrigger
          * @description At once.
          */
@@ -7775,6 +8902,21 @@ export interface components {
              * @enum {string}
              */
             kind: "now";
+        };
+        /**
+         * Pair
+         * @description A move with the old setting and the same one with the new.
+         */
+        Pair: {
+            /** Baseline S */
+            baseline_s: number;
+            /** Winner S */
+            winner_s: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
         };
         /**
          * ParameterPart
@@ -8912,6 +10054,91 @@ export interface components {
              * @default 10
              */
             duration_s?: number;
+        };
+        /**
+         * PwmDuty
+         * @description PWM outputs, and the speed at which their duty is looked at.
+         */
+        PwmDuty: {
+            /**
+             * Period Clocks
+             * @description PWM_FREQ [clocks]
+             * @default 640
+             */
+            period_clocks?: number;
+            /**
+             * Amplitude
+             * @description PWM_AMPL
+             * @default 0
+             */
+            amplitude?: number;
+            /**
+             * Full At Pps
+             * @description PWM_VMAX [pps]
+             * @default 0
+             */
+            full_at_pps?: number;
+            /**
+             * Offset
+             * @description MS_OFFSET
+             * @default 0
+             */
+            offset?: number;
+            /**
+             * Scales
+             * @description pwm_scale_en
+             * @default false
+             */
+            scales?: boolean;
+            /**
+             * Clock Hz
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Speed Pps
+             * @description at which the duty over the turn is told [pps]
+             * @default 0
+             */
+            speed_pps?: number;
+            /**
+             * Samples
+             * @default 200
+             */
+            samples?: number;
+        };
+        /** PwmDutyResult */
+        PwmDutyResult: {
+            /** Frequency Hz */
+            frequency_hz: number;
+            /**
+             * Steps
+             * @description duties that there are: whole clocks of the period
+             */
+            steps: number;
+            /** Speed Pps */
+            speed_pps: number[];
+            /**
+             * Amplitude
+             * @description of the duty over speed, 0..0.5
+             */
+            amplitude: number[];
+            /**
+             * Place
+             * @description in the electrical turn, 0..1023
+             */
+            place: number[];
+            /** Duty A */
+            duty_a: number[];
+            /**
+             * Duty B
+             * @description share of the period in which an output is high, at the `speed_pps` asked for
+             */
+            duty_b: number[];
+            /** Amplitude There */
+            amplitude_there: number;
+            /** Findings */
+            findings: string[];
         };
         /**
          * PwmState
@@ -10318,6 +11545,27 @@ export interface components {
             warnings: string[];
         };
         /**
+         * ScaleStretch
+         * @description A time in which one scale is asked for.
+         */
+        ScaleStretch: {
+            /** Start S */
+            start_s: number;
+            /** End S */
+            end_s: number;
+            /**
+             * Situation
+             * @enum {string}
+             */
+            situation: "drive" | "drive 2" | "boost" | "hold" | "freewheeling";
+            /** Scale From */
+            scale_from: number;
+            /** Scale To */
+            scale_to: number;
+            /** Wanted */
+            wanted: number;
+        };
+        /**
          * Score
          * @description How well the encoder did. Distances in microsteps, times in seconds from the step or the load.
          */
@@ -10451,6 +11699,155 @@ export interface components {
             fd_a: number;
             /** Fd B */
             fd_b: number;
+        };
+        /**
+         * SerialEncoder
+         * @description The answer of an encoder, and how it is asked.
+         */
+        SerialEncoder: {
+            /**
+             * Kind
+             * @default ssi
+             * @enum {string}
+             */
+            kind?: "ssi" | "spi";
+            /**
+             * Clock Hz
+             * @description fCLK [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Single Bits
+             * @description of the angle
+             */
+            single_bits: number;
+            /**
+             * Multi Bits
+             * @description of the turns, 0: none
+             * @default 0
+             */
+            multi_bits?: number;
+            /**
+             * Status Bits
+             * @default 0
+             */
+            status_bits?: number;
+            /**
+             * Gray
+             * @default false
+             */
+            gray?: boolean;
+            /**
+             * Status Last
+             * @description left_aligned_data
+             * @default false
+             */
+            status_last?: boolean;
+            /**
+             * High
+             * @description SER_CLK_IN_HIGH
+             * @default 160
+             */
+            high?: number;
+            /**
+             * Low
+             * @description SER_CLK_IN_LOW
+             * @default 160
+             */
+            low?: number;
+            /**
+             * Delay
+             * @description SSI_IN_CLK_DELAY
+             * @default 0
+             */
+            delay?: number;
+            /**
+             * Repeat Wait
+             * @description SSI_IN_WTIME
+             * @default 0
+             */
+            repeat_wait?: number;
+            /**
+             * Period
+             * @description SER_PTIME
+             * @default 0
+             */
+            period?: number;
+            /**
+             * Twice
+             * @description ssi_multi_cycle_data
+             * @default false
+             */
+            twice?: boolean;
+            /**
+             * Variation
+             * @description SER_ENC_VARIATION
+             * @default 0
+             */
+            variation?: number;
+            /**
+             * Counts Per Turn
+             * @description ENC_IN_RES
+             * @default 0
+             */
+            counts_per_turn?: number;
+            /**
+             * Turns
+             * @description of the place whose answer is shown
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Angle
+             * @description of that place, counts
+             * @default 1
+             */
+            angle?: number;
+        };
+        /** SerialEncoderResult */
+        SerialEncoderResult: {
+            /**
+             * Names
+             * @description T turns, A angle, S status with their places, the first sent first
+             */
+            names: string[];
+            /**
+             * Bits
+             * @description of the place that was asked for
+             */
+            bits: number[];
+            /** Bit Hz */
+            bit_hz: number;
+            /** Answer S */
+            answer_s: number;
+            /**
+             * Period S
+             * @description from one request to the next
+             */
+            period_s: number;
+            /**
+             * Pause S
+             * @description rest of the clock between two requests
+             */
+            pause_s: number;
+            /**
+             * Angle Deg
+             * @description one count
+             */
+            angle_deg: number;
+            /**
+             * Turns
+             * @description turns that are told apart
+             */
+            turns: number;
+            /**
+             * Speed Rpm
+             * @description fastest that turns are counted right; null: no limit
+             */
+            speed_rpm: number | null;
+            /** Warnings */
+            warnings: string[];
         };
         /**
          * ShaftEncoder
@@ -10958,6 +12355,26 @@ export interface components {
             why: string;
         };
         /**
+         * StartTogether
+         * @description Moves of axes of any devices that start together.
+         */
+        StartTogether: {
+            /** Moves */
+            moves: components["schemas"]["TogetherMove"][];
+            /**
+             * Use Wires
+             * @description start chips whose START pins are wired by one edge; false: each by its command
+             * @default true
+             */
+            use_wires?: boolean;
+            /**
+             * Start Wires
+             * @description devices on real links whose START pins are wired together; emulated ones tell of their wires
+             * @default []
+             */
+            start_wires?: string[][];
+        };
+        /**
          * StartUpReport
          * @description What a start-up writes, or has written and read back.
          */
@@ -11062,6 +12479,24 @@ export interface components {
             verified: boolean | null;
         };
         /**
+         * StartedTogether
+         * @description How all of them started.
+         */
+        StartedTogether: {
+            /** Axes */
+            axes: components["schemas"]["AxisStart"][];
+            /**
+             * Spread S
+             * @description between the first and the last start [s]
+             */
+            spread_s: number;
+            /**
+             * Uncertainty S
+             * @description how much more or less that may be [s]
+             */
+            uncertainty_s: number;
+        };
+        /**
          * StepDirState
          * @description The step/direction output of one motor.
          */
@@ -11084,6 +12519,19 @@ export interface components {
             dir_level: number;
             /** Pulse Clocks */
             pulse_clocks: number;
+        };
+        /** StepInputWire */
+        StepInputWire: {
+            /**
+             * Pin
+             * @constant
+             */
+            pin: "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * StepOutputState
@@ -11114,6 +12562,19 @@ export interface components {
              * @description microsteps sent, in 1/256 full step
              */
             microsteps_256: number;
+        };
+        /** StepOutputWire */
+        StepOutputWire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "STEP1" | "STEP2" | "STEP3";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * StepResponseStart
@@ -11233,6 +12694,367 @@ export interface components {
              * @description commands that were sent again, for their answers were lost or garbled
              */
             sent_again: number;
+        };
+        /**
+         * StudyDocument
+         * @description One study of one axis. Raises ValidationError for what is none.
+         */
+        "StudyDocument-Input": {
+            /**
+             * Format
+             * @default stepscope-study
+             * @constant
+             */
+            format?: "stepscope-study";
+            /**
+             * Version
+             * @default 1
+             * @constant
+             */
+            version?: 1;
+            /**
+             * Name
+             * @default
+             */
+            name?: string;
+            /**
+             * Device
+             * @description the device's id: a slug of its name
+             */
+            device: string;
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /** Study */
+            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"];
+            budget?: components["schemas"]["Budget-Input"];
+            /**
+             * Seed
+             * @description of everything drawn: the same seed asks for the same settings first
+             * @default 1
+             */
+            seed?: number;
+        };
+        /**
+         * StudyDocument
+         * @description One study of one axis. Raises ValidationError for what is none.
+         */
+        "StudyDocument-Output": {
+            /**
+             * Format
+             * @default stepscope-study
+             * @constant
+             */
+            format: "stepscope-study";
+            /**
+             * Version
+             * @default 1
+             * @constant
+             */
+            version: 1;
+            /**
+             * Name
+             * @default
+             */
+            name: string;
+            /**
+             * Device
+             * @description the device's id: a slug of its name
+             */
+            device: string;
+            /**
+             * Axis
+             * @default 0
+             */
+            axis: number;
+            /** Study */
+            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"];
+            budget: components["schemas"]["Budget-Output"];
+            /**
+             * Seed
+             * @description of everything drawn: the same seed asks for the same settings first
+             * @default 1
+             */
+            seed: number;
+        };
+        /**
+         * StudyInfo
+         * @description A study in the list.
+         */
+        StudyInfo: {
+            /** Id */
+            id: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "fastest_move" | "first_look";
+            /** Title */
+            title: string;
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed" | "aborted" | "interrupted";
+            /** Progress */
+            progress: number;
+            /** Message */
+            message: string;
+            /** Verdict */
+            verdict: string;
+            /** Improved */
+            improved: boolean | null;
+            /** Started Unix S */
+            started_unix_s: number;
+            /** Ended Unix S */
+            ended_unix_s: number | null;
+            /**
+             * Left
+             * @description what is not as it was before; empty where all is
+             */
+            left: string[];
+        };
+        /**
+         * StudyKindInfo
+         * @description A study that there is.
+         */
+        StudyKindInfo: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "fastest_move" | "first_look";
+            /** Title */
+            title: string;
+            /** Purpose */
+            purpose: string;
+        };
+        /**
+         * StudyLeft
+         * @description What a study that was cut off has left.
+         */
+        StudyLeft: {
+            /**
+             * Left
+             * @description register by register, as it is now; empty where all is as before
+             */
+            left: string[];
+        };
+        /**
+         * StudyList
+         * @description All of them, the latest first.
+         */
+        StudyList: {
+            /** Studies */
+            studies: components["schemas"]["StudyInfo"][];
+            /** Kinds */
+            kinds: components["schemas"]["StudyKindInfo"][];
+        };
+        /**
+         * StudyPlan
+         * @description What will happen. Nothing begins while something is `missing`.
+         */
+        StudyPlan: {
+            /** Title */
+            title: string;
+            /**
+             * Missing
+             * @description what is missing, each with its cure; empty: it can begin
+             */
+            missing: string[];
+            /** Warnings */
+            warnings: string[];
+            /**
+             * Steps
+             * @description what it does, in order, for people
+             */
+            steps: string[];
+            /**
+             * Position From
+             * @description it stays between these [microsteps]
+             */
+            position_from: number | null;
+            /** Position To */
+            position_to: number | null;
+            /** Velocity Max Pps */
+            velocity_max_pps: number | null;
+            /** Acceleration Max Pps2 */
+            acceleration_max_pps2: number | null;
+            /**
+             * Moves Max
+             * @default 0
+             */
+            moves_max: number;
+            /**
+             * Way Fullsteps
+             * @description at most, of the motor [full steps]
+             * @default 0
+             */
+            way_fullsteps: number;
+            /**
+             * Time S
+             * @description about, at most [s]
+             * @default 0
+             */
+            time_s: number;
+            /**
+             * Registers
+             * @description those that it sets, and sets back
+             */
+            registers: string[];
+            /**
+             * Unwatched
+             * @description what nothing of it would notice
+             */
+            unwatched: string[];
+        };
+        /**
+         * StudyProfiles
+         * @description The profiles that were kept.
+         */
+        StudyProfiles: {
+            /** Profiles */
+            profiles: components["schemas"]["ProfileInfo"][];
+        };
+        /**
+         * StudyRecord
+         * @description A study and all that came of it.
+         */
+        StudyRecord: {
+            /** Id */
+            id: string;
+            document: components["schemas"]["StudyDocument-Output"];
+            /**
+             * State
+             * @default running
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed" | "aborted" | "interrupted";
+            /**
+             * Phase
+             * @default preconditions
+             * @enum {string}
+             */
+            phase: "preconditions" | "baseline" | "search" | "proof" | "look" | "over";
+            /**
+             * Progress
+             * @default 0
+             */
+            progress: number;
+            /**
+             * Left S
+             * @description about how long it takes yet [s]
+             */
+            left_s: number | null;
+            /**
+             * Message
+             * @default
+             */
+            message: string;
+            /** Started Unix S */
+            started_unix_s: number;
+            /** Ended Unix S */
+            ended_unix_s: number | null;
+            /**
+             * By
+             * @default
+             */
+            by: string;
+            /**
+             * Device Name
+             * @default
+             */
+            device_name: string;
+            /**
+             * Model
+             * @default
+             */
+            model: string;
+            /**
+             * Baseline
+             * @description what the axis was set to before
+             */
+            baseline: components["schemas"]["Held"][];
+            /** Baseline Setting */
+            baseline_setting: {
+                [key: string]: number;
+            };
+            baseline_figures: components["schemas"]["Figures"] | null;
+            /**
+             * Units
+             * @description of each setting of the space
+             */
+            units: {
+                [key: string]: string;
+            };
+            /** Trials */
+            trials: components["schemas"]["Trial"][];
+            /**
+             * Best
+             * @description number of the trial that is the best so far
+             */
+            best: number | null;
+            /**
+             * Front
+             * @description of two objectives: those that none beats in both
+             */
+            front: number[];
+            /** Pairs */
+            pairs: components["schemas"]["Pair"][];
+            evidence: components["schemas"]["RecordEvidence"] | null;
+            /**
+             * Improved
+             * @description null: it did not come to a proof
+             */
+            improved: boolean | null;
+            /**
+             * Verdict
+             * @default
+             */
+            verdict: string;
+            /** Findings */
+            findings: components["schemas"]["Finding"][];
+            /**
+             * Runs
+             * @default 0
+             */
+            runs: number;
+            /**
+             * Way Fullsteps
+             * @default 0
+             */
+            way_fullsteps: number;
+            /**
+             * Left
+             * @description what is not as it was before; empty where all is
+             */
+            left: string[];
+            /** Recording */
+            recording: string | null;
+            /**
+             * Next
+             * @description what would be worth doing next
+             * @default
+             */
+            next: string;
+        };
+        /**
+         * StudyTake
+         * @description Which setting the axis shall have.
+         */
+        StudyTake: {
+            /**
+             * Which
+             * @description what the study found, or what was before it
+             * @enum {string}
+             */
+            which: "best" | "baseline";
         };
         /**
          * SwitchChange
@@ -11403,6 +13225,7 @@ export interface components {
             pins?: components["schemas"]["Tmc4361PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
             step_dir?: components["schemas"]["Tmc4361StepDirChange"] | null;
+            listen?: components["schemas"]["ListenChange"] | null;
             faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
@@ -11457,9 +13280,12 @@ export interface components {
             switches: components["schemas"]["Tmc4361SwitchesState"];
             pins: components["schemas"]["Tmc4361PinsState"];
             encoder: components["schemas"]["Tmc4361EncoderState"];
+            encoder_output: components["schemas"]["EncoderOutputState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
             step_output: components["schemas"]["StepOutputState"];
+            /** @description null: the chip's currents are wired to the motor */
+            driver?: components["schemas"]["DriverBehindState"] | null;
             /**
              * Driver Words
              * @description what cover datagrams have written into the motor driver
@@ -11469,6 +13295,19 @@ export interface components {
             };
             faults: components["schemas"]["ChipFaultsState"];
             truth: components["schemas"]["TruthState"];
+        };
+        /** Tmc4361Wire */
+        Tmc4361Wire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "START" | "STEP1";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * Tmc5xxxPatch
@@ -11789,6 +13628,29 @@ export interface components {
              */
             eeprom_path: string | null;
         };
+        /** TogetherMove */
+        TogetherMove: {
+            /** Target */
+            target: number;
+            /**
+             * Relative
+             * @default false
+             */
+            relative?: boolean;
+            /**
+             * Unit
+             * @default microsteps
+             * @enum {string}
+             */
+            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /** Axis */
+            axis: number;
+        };
         /**
          * TokenAdd
          * @description Who is to come in.
@@ -11843,6 +13705,45 @@ export interface components {
             role: "look" | "drive" | "administer";
             /** Token */
             token: string;
+        };
+        /**
+         * Trial
+         * @description A setting that was tried.
+         */
+        Trial: {
+            /** Number */
+            number: number;
+            /**
+             * Setting
+             * @description in physical units, as the chip holds it
+             */
+            setting: {
+                [key: string]: number;
+            };
+            /** Registers */
+            registers: components["schemas"]["Held"][];
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "feasible" | "infeasible" | "pruned" | "failed";
+            figures: components["schemas"]["Figures"];
+            /**
+             * Expected S
+             * @description the least time that this ramp can take [s]
+             */
+            expected_s: number | null;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
+            /**
+             * At S
+             * @description since the study began [s]
+             * @default 0
+             */
+            at_s: number;
         };
         /** TriedParameter */
         TriedParameter: {
@@ -12543,7 +14444,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "emulator" | "serial" | "uart" | "landungsbruecke" | "tcp" | "can" | "spidev";
+            kind: "emulator" | "serial" | "uart" | "landungsbruecke" | "tcp" | "can" | "spidev" | "cover";
             /** Title */
             title: string;
             /**
@@ -12553,6 +14454,14 @@ export interface components {
              */
             frames: "datagram" | "uart" | "board" | "tmcl";
         };
+        /**
+         * Wiring
+         * @description All nets, by name.
+         */
+        Wiring: {
+            /** Nets */
+            nets: components["schemas"]["Net"][];
+        };
         /** Switches */
         MotionSwitches: {
             /** Left */
@@ -12561,6 +14470,21 @@ export interface components {
             right: boolean | null;
             /** Home */
             home: boolean | null;
+        };
+        /**
+         * Evidence
+         * @description What was seen: a register or a figure, its value, and when.
+         */
+        SchemasEvidence: {
+            /** What */
+            what: string;
+            /** Value */
+            value: string;
+            /**
+             * Seen S
+             * @description device time [s]; null where nobody knows
+             */
+            seen_s: number | null;
         };
         /** ChainBit */
         TablesChainBit: {
@@ -12736,6 +14660,20 @@ export interface components {
              * @description what an absolute encoder's status bits are
              */
             status_bits: number;
+            /**
+             * Single Turn Bits
+             * @description ssi, spi: bits of the place in the turn
+             */
+            single_turn_bits: number;
+            /**
+             * Multi Turn Bits
+             * @description ssi, spi: bits of the turns counted
+             */
+            multi_turn_bits: number;
+            /** Gray */
+            gray: boolean;
+            /** Status Bit Count */
+            status_bit_count: number;
         };
         /**
          * PinsChange
@@ -13068,6 +15006,63 @@ export interface components {
             left: components["schemas"]["TmclSwitchState"];
             right: components["schemas"]["TmclSwitchState"];
             home: components["schemas"]["TmclSwitchState"];
+        };
+        /**
+         * Evidence
+         * @description The winner against the baseline, by pairs. Differences are winner less baseline.
+         */
+        RecordEvidence: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline S */
+            baseline_s: number;
+            /** Winner S */
+            winner_s: number;
+            /** Difference S */
+            difference_s: number;
+            /** @description of the mean difference, 95 % */
+            interval_s: components["schemas"]["Interval"];
+            /**
+             * Share
+             * @description difference over the baseline: -0.2 is a fifth faster
+             */
+            share: number;
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Test */
+            test: string;
+            /** Significant */
+            significant: boolean;
+            /**
+             * Lost Runs
+             * @description of the winner's, margin included
+             */
+            lost_runs: number;
+            /** Runs */
+            runs: number;
+            /**
+             * Loss Rate Max
+             * @description upper bound of the winner's loss rate, 95 %: what so many runs can show
+             */
+            loss_rate_max: number;
+        };
+        /**
+         * Evidence
+         * @description What was seen: a register or a figure, its value, and when.
+         */
+        Evidence: {
+            /** What */
+            what: string;
+            /** Value */
+            value: string;
+            /**
+             * Seen S
+             * @description device time [s]; null where nobody knows
+             */
+            seen_s: number | null;
         };
         /**
          * AxisProblem
@@ -21610,6 +23605,186 @@ export interface operations {
             };
         };
     };
+    calculate_serial_encoder: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SerialEncoder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SerialEncoderResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_drive_current: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DriveCurrent"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DriveCurrentResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_pwm_duty: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PwmDuty"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PwmDutyResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_models: {
         parameters: {
             query?: never;
@@ -23202,6 +25377,809 @@ export interface operations {
             };
         };
     };
+    list_studies: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StudyDocument-Input"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyRecord"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    plan_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StudyDocument-Input"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyPlan"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyRecord"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyRecord"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    resume_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyRecord"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    take_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StudyTake"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyRecord"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_study_left: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyLeft"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    keep_study: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyProfiles"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_study_report: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                study: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     read_twin: {
         parameters: {
             query?: never;
@@ -23425,6 +26403,131 @@ export interface operations {
             };
             /** @description The 3D view cannot be shown (/problems/twin-failed) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_wiring: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_together: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartTogether"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartedTogether"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

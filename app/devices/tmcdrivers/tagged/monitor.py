@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ....errors import CannotMove, WrongState
+from ....errors import CannotMove, LinkError, WrongState
 from ....links.queue import Priority
 from ....links.spi_access import TaggedAccess
 from ....registers.tmcdrivers.tmc2660 import FLAGS
@@ -137,7 +137,11 @@ class TaggedIdentity(Identity):
                 await self.reader.link.io(turn).write(row, word)
             self.memory.sent(row, word)
         elif port.traits.way is not None:
-            await port.traits.way.require_way()
+            try:
+                await port.traits.way.require_way()
+            except LinkError as error:
+                self.reader.link.session.link_result(error)  # no frame went out that would have told of it
+                raise
 
     async def refresh(self) -> None:
         """See whether it still answers."""

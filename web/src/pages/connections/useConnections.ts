@@ -61,7 +61,10 @@ export function useSaveDevice(edited: { device: Device; before: Draft } | null) 
         return await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] });
       const body = changeBody(edited.before, draft);
       if (Object.keys(body).length === 0) return edited.device as Schemas["DeviceInfo"];
-      return await api.PATCH("/api/v1/devices/{device}", { path: { device: edited.device.id }, body });
+      return await api.PATCH("/api/v1/devices/{device}", {
+        path: { device: edited.device.id },
+        body: body as Schemas["DeviceChange"],
+      });
     },
     onSettled: refresh,
   });

@@ -9,6 +9,7 @@ export function linkText(link: Record<string, unknown>): string {
     const node = typeof link.node === "number" && link.node !== 0 ? `, node ${link.node}` : "";
     return `${link.kind} ${String(link.port)}${baud}${address}${node}`;
   }
+  if (link.kind === "cover") return `${String(link.device)}, axis ${String(link.axis ?? 0)}`;
   if (link.kind === "spidev") return `spi ${String(link.bus)}.${String(link.device)}`;
   if (link.kind === "can") return `can ${String(link.interface)} ${String(link.channel)}`;
   const scale =

@@ -20,6 +20,7 @@ function device(id: string, axes: number, rate: number): Device {
     emulated: true,
     demo: true,
     start_up: false,
+    drivers: [],
     axes: Array.from({ length: axes }, (_, index) => ({
       index,
       name: "xyz"[index] ?? "",
