@@ -54,6 +54,7 @@ PAGES = {
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
     "health": ("/health", "bench"),
+    "together": ("/together", "bench"),
     "recordings": ("/recordings", "bench"),
     "profiles": ("/profiles", "bench"),
     "connections": ("/connections", "bench"),

@@ -20,6 +20,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/program": page(() => import("./pages/program/ProgramPage")),
   "/rotary": page(() => import("./pages/rotary/RotaryPage")),
   "/tune": page(() => import("./pages/tune/TunePage")),
+  "/together": page(() => import("./pages/together/TogetherPage")),
   "/twin": page(() => import("./pages/twin/TwinPage")),
   "/health": page(() => import("./pages/health/HealthPage")),
   "/audit": page(() => import("./pages/audit/AuditPage")),

@@ -1,0 +1,43 @@
+import { describe, expect, it } from "vitest";
+import { about } from "../../../test/catalog";
+import { movesOf, netText, rowsOf, skewText } from "./starts";
+
+const axes = (...names: string[]) => names.map((name, index) => ({ index, name }));
+const device = (id: string, model: string, names: string[], state = "connected") =>
+  ({ id, name: id, state, axes: axes(...names), about: about(model) }) as unknown as Parameters<typeof rowsOf>[0][0];
+
+const ROWS = rowsOf([device("bench", "tmc428", ["X", "Y", ""]), device("slide", "tmc4361", ["0"])]);
+
+describe("moves that start together", () => {
+  it("offers each axis that moves a motor", () => {
+    expect(ROWS.map(({ key, label }) => [key, label])).toEqual([
+      ["bench/0", "X"],
+      ["bench/1", "Y"],
+      ["bench/2", "axis 2"],
+      ["slide/0", ""],
+    ]);
+    expect(rowsOf([device("driver", "tmc2130", ["M"]), device("off", "tmc4361", ["X"], "disconnected")])).toEqual([]);
+  });
+
+  it("asks for a target of each that is chosen", () => {
+    expect(movesOf(ROWS, {}, false)).toBeNull();
+    const one = { "bench/0": { chosen: true, target: 100 }, "slide/0": { chosen: false, target: 5 } };
+    expect(movesOf(ROWS, one, true)).toEqual([
+      { device: "bench", axis: 0, target: 100, relative: true, unit: "microsteps" },
+    ]);
+    expect(movesOf(ROWS, { ...one, "slide/0": { chosen: true, target: null } }, false)).toBeNull();
+  });
+
+  it("tells the skew with how sure it is", () => {
+    expect(skewText({ skew_s: 0, uncertainty_s: 0 })).toBe("0 s");
+    expect(skewText({ skew_s: 0.0015, uncertainty_s: 0 })).toMatch(/1\.5/);
+    expect(skewText({ skew_s: 0.0015, uncertainty_s: 2e-4 })).toMatch(/±/);
+  });
+
+  it("says how a net is", () => {
+    const net = { net: "a", pins: [], open: null, equal_clocks: true, seen_within_s: 0 };
+    expect(netText(net)).toMatch(/same clock/);
+    expect(netText({ ...net, open: "no other pin is on it" })).toBe("open: no other pin is on it");
+    expect(netText({ ...net, equal_clocks: false, seen_within_s: 5e-6 })).toMatch(/within/);
+  });
+});

@@ -1,0 +1,67 @@
+import type { Schemas } from "../../api/client";
+import type { Device } from "../../api/queries";
+import { duration } from "../../lib/format";
+
+export type TogetherMove = Schemas["TogetherMove"];
+export type StartedTogether = Schemas["StartedTogether"];
+export type AxisStart = Schemas["AxisStart"];
+export type Net = Schemas["Net"];
+
+/** One axis that may take part, and what stands in its row. */
+export interface Row {
+  key: string;
+  device: string;
+  axis: number;
+  label: string;
+}
+
+/** What a user has said of an axis. */
+export interface Choice {
+  chosen: boolean;
+  target: number | null;
+}
+
+export type Choices = Readonly<Record<string, Choice>>;
+
+export const UNSAID: Choice = { chosen: false, target: null };
+
+/** Every axis of every device that is connected and can be sent somewhere, in their order. */
+export function rowsOf(devices: readonly Pick<Device, "id" | "name" | "state" | "axes" | "about">[]): Row[] {
+  return devices
+    .filter(({ state, about }) => state === "connected" && can(about))
+    .flatMap((device) =>
+      device.axes.map(({ index, name }) => ({
+        key: `${device.id}/${index}`,
+        device: device.id,
+        axis: index,
+        label: name !== "" && name !== String(index) ? name : device.axes.length > 1 ? `axis ${index}` : "",
+      })),
+    );
+}
+
+/** A driver that only takes steps goes nowhere by itself. */
+function can({ capabilities }: Device["about"]): boolean {
+  return capabilities.includes("motion") && !capabilities.includes("step_input");
+}
+
+/** The moves of the chosen axes; null while one of them has no target, or none is chosen. */
+export function movesOf(rows: readonly Row[], choices: Choices, relative: boolean): TogetherMove[] | null {
+  const chosen = rows.filter(({ key }) => choices[key]?.chosen);
+  const moves = chosen.flatMap(({ key, device, axis }) => {
+    const target = choices[key]?.target ?? null;
+    return target === null ? [] : [{ device, axis, target, relative, unit: "microsteps" as const }];
+  });
+  return moves.length === 0 || moves.length < chosen.length ? null : moves;
+}
+
+/** A time with how much more or less it may be. */
+export function skewText({ skew_s, uncertainty_s }: Pick<AxisStart, "skew_s" | "uncertainty_s">): string {
+  const skew = skew_s === 0 ? "0 s" : duration(skew_s);
+  return uncertainty_s === 0 ? skew : `${skew} ± ${duration(uncertainty_s)}`;
+}
+
+/** How a net is, in words. */
+export function netText({ open, equal_clocks, seen_within_s }: Net): string {
+  if (open !== null) return `open: ${open}`;
+  return equal_clocks ? "an edge is seen at the same clock" : `an edge is seen within ${duration(seen_within_s)}`;
+}
