@@ -17,7 +17,8 @@ interface Props {
   attempt: (doing: string, work: () => Promise<void>) => void;
 }
 
-const MEMORY_PIECE = 128;
+const FIRST_PIECE = 128;
+const MEMORY = 2048;
 const SIZE_MAX = 500_000;
 
 /** Files of programs, as text and as bytes; the module's memory; examples. */
@@ -49,11 +50,9 @@ export function FileMenu({ device, connected, name, text, onOpen, attempt }: Pro
 
   async function read() {
     let whole = "";
-    for (let address = 0; address < 2048; address += MEMORY_PIECE) {
-      const piece = await api.GET("/api/v1/devices/{device}/program", {
-        ...path,
-        query: { address: 0, count: address + MEMORY_PIECE },
-      });
+    // labels are told of a piece that begins at 0: twice as much each time reads no command more than twice or so
+    for (let count = FIRST_PIECE; count <= MEMORY; count *= 2) {
+      const piece = await api.GET("/api/v1/devices/{device}/program", { ...path, query: { address: 0, count } });
       whole = piece.text;
       if (/(?:^\s*\.command 0, 0, 0, 0\n){8}$/m.test(`${whole.trimEnd()}\n`)) break;
     }
