@@ -204,6 +204,8 @@ def _reset(seen: AxisObservation) -> Sign | None:
 
 
 def _stall(seen: AxisObservation, state: AxisState) -> Sign | None:
+    if seen.signs.stalling is not None:
+        return seen.signs.stalling
     if seen.signs.stall is not None and not state.moving:
         return replace(seen.signs.stall, remedies=(*seen.signs.stall.remedies, search(seen.axis)))
     end = _end(seen, state, "stall")

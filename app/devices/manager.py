@@ -261,6 +261,7 @@ class DeviceManager:
         device = make_device(device_id, config, port, self._clock)
         device.session.background = self._background
         device.drivers_behind = lambda: self.drivers_of(device.id)
+        device.session.driven = lambda: {axis: driver.name for axis, driver in self.drivers_of(device.id)}
         return device
 
     def _cover_port(self, model: str, link: Link, clock: Clock) -> CoverPort:

@@ -12,12 +12,16 @@ import pytest
 
 from app.calc.driver_chain.chain import build_chain
 from app.clock import Clock, VirtualClock
-from app.devices.core.capabilities import DriverChainRam
+from app.conditions.judge import AxisObservation, judge
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.core.capabilities import DriverChainRam, EventLog
 from app.devices.core.config import AxisSettings, DeviceConfig
 from app.devices.core.cover import CoverCarrier
 from app.devices.core.device import Device
+from app.devices.core.results import AxisState
 from app.devices.core.start_up import AxisStartUp, Figures
 from app.devices.manager import DeviceChange, DeviceManager
+from app.devices.tmc428.start_up import AxisStart, start_up
 from app.devices.tmcdrivers.family import plan
 from app.emulators.build import build_emulator, options_of
 from app.emulators.tmc428.device import EmulatedDevice
@@ -167,6 +171,71 @@ async def test_without_a_chain_no_datagram_is_waited_for_for_ever() -> None:
             await b.during(b.controller.need(CoverCarrier).cover(0, 20, [0]))
 
 
+def judged(device: Device, axis: int, state: AxisState) -> tuple[str, str]:
+    found = judge(AxisObservation(axis, "connected", state=state, signs=device.monitor.signs(axis, state)))
+    return found.kind, found.cause
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "cause", "event"),
+    [
+        ({"motor": {"temperature_c": 160.0}}, "driver_fault", "driver 1 is too hot", "driver_OT"),
+        ({"motor": {"connected": False}}, "driver_fault", "driver 1 finds no load at coils A and B", "driver_OLA"),
+        (
+            {"motor": {"short_to_ground": "b"}},
+            "driver_fault",
+            "driver 1 sees a short to ground at phase B",
+            "driver_S2GB",
+        ),
+        ({"blocked": True}, "stalled", "driver 1 tells of a stall", "driver_SG"),
+    ],
+)
+async def test_the_right_axis_says_within_two_cycles_of_the_chain_what_its_driver_tells(
+    change: dict[str, object], kind: str, cause: str, event: str
+) -> None:
+    async with bench() as b:
+        drivers = [await b.driver(axis) for axis in range(3)]
+        for driver in drivers:
+            await b.set_up(driver)
+            await b.during(driver.registers.write("SGCSCONF", None, fields={"CS": 20, "sgt": 0, "sfilt": 0}))
+        start = AxisStart(v_max=1000, a_max=200, pulse_div=6, ramp_div=8)
+        await start_up(b.controller, [start] * 3, ["tmc2660"] * 3)
+        await b.during(drivers[0].identity.refresh())
+        for axis in range(3):
+            await b.during(b.controller.motion.rotate(axis, 2400.0))
+        await b.clock.advance(1.0)
+        monitor = b.controller.monitor
+        for _ in range(2):
+            states = [await monitor.axis_state(axis) for axis in range(3)]
+            await b.clock.advance(0.001)
+        assert [judged(b.controller, axis, states[axis])[0] for axis in range(3)] == ["moving"] * 3
+        b.patch(1, **change)
+        if "blocked" in change:
+            await b.clock.advance(0.1)  # a full step has to go by before the driver itself knows
+        cycles = 0
+        for _ in range(2):
+            await monitor.axis_state(0)
+            await b.clock.advance(0.001)
+            cycles += 1
+        states = [await monitor.axis_state(axis) for axis in range(3)]
+        found = [judged(b.controller, axis, states[axis]) for axis in range(3)]
+        assert [one[0] for one in found] == ["moving", kind, "moving"]
+        assert found[1][1].startswith(cause)
+        log = b.controller.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        names = [{name for entry in log.events(axis).events for name in entry.names} for axis in range(3)]
+        assert [event in each for each in names] == [False, True, False]
+        assert cycles == 2
+
+
+async def test_without_named_drivers_the_cover_registers_are_left_alone() -> None:
+    async with bench() as b:
+        await b.controller.registers.write("cover_pos_cover_len", fields={"cover_len": 7, "cover_pos": 3})
+        state = await b.controller.monitor.axis_state(0)
+        held = await b.controller.registers.read("cover_pos_cover_len")
+        assert held.fields["cover_len"] == 7
+        assert not any(name.startswith("driver_") for name in state.flags)
+
+
 @pytest.mark.parametrize(
     ("link", "error", "told"),
     [
@@ -199,8 +268,6 @@ async def test_a_stop_of_the_controller_does_not_wait_for_the_driver() -> None:
 
 
 async def test_limits_of_the_driver_hold_behind_a_controller_too() -> None:
-    from app.devices.core.axis_limits import AxisLimits
-
     async with bench() as b:
         axis = AxisSettings(limits=AxisLimits(current_max_a=1.0, sense_resistor_ohm=0.1))
         driver = await b.driver(0, axes=(axis,))

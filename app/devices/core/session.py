@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ...clock import Clock
@@ -84,6 +84,8 @@ class Session:
         """Each hears of a change between working and failing, and says whether it counts."""
         self.state_hooks: list[Callable[[DeviceState, BenchError | None], None]] = []
         """Parts that act on a state, each time it is set."""
+        self.driven: Callable[[], Mapping[int, str]] = dict
+        """Names of the devices that are drivers of axes of this one (`DeviceManager.drivers_of`), by axis."""
         self.writes_counter = writes_counter
         self.models_found: Callable[[RegisterAccess], Awaitable[tuple[str, ...]]] = _none_found
         """Models of any family that answer, by their own words, where this one does not (`families`). Only reads."""

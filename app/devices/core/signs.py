@@ -46,6 +46,7 @@ class Signs:
     faults : the motor driver, or the chip, has shut down or warns of it
     blocks : what keeps every command from moving the motor
     stall : a stall stopped it, and holds it
+    stalling : its driver tells of a stall right now, and it is stepped on all the same
     holds : what keeps it from going one way
     untrusted : why what the position counter shows may not be true
     resets : how often a reset of the device was seen, that of its power-on included; None where it cannot tell
@@ -57,6 +58,7 @@ class Signs:
     faults: tuple[Sign, ...] = ()
     blocks: tuple[Sign, ...] = ()
     stall: Sign | None = None
+    stalling: Sign | None = None
     holds: tuple[Sign, ...] = ()
     untrusted: tuple[Sign, ...] = ()
     resets: int | None = None

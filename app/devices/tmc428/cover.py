@@ -68,6 +68,11 @@ class ChainCover(CoverCarrier):
         self._seen_resets = 0
         self._session.listen(self._heard)
 
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where the drivers stand, by axis, as the RAM was read last; none before it was."""
+        return self._places or ()
+
     async def cover(self, axis: int, bits: int, words: Sequence[int]) -> list[CoverReply]:
         self._session.axis(axis)
         self._session.require_connected()

@@ -20,6 +20,7 @@ from ..core.register_link import RegisterLink
 from ..core.session import Session
 from . import tmc428, tmc429, tmc4210
 from .axis_roles import AxisRoles
+from .chain_status import ChainStatus
 from .configuration import RampConfiguration
 from .counter import COUNTER_WRITES, RampCounter
 from .cover import ChainCover
@@ -100,12 +101,14 @@ def compose(
     registers = RegisterFile(link, writes, axes)
     stops = RampStops(session, memory, books)
     ram = None if chip.ram is None else chip.ram(link, registers)
+    cover = None if ram is None else ChainCover(link, memory, resets, ram)
+    chain = None if cover is None else ChainStatus(link, memory, cover, interrupts)
     parts = Parts(
         identity=chip.identity(link, memory, resets, tasks),
         registers=registers,
         raw=RawDatagrams32(link, memory, writes, switching.status_names),
         motion=RampMotion(link, memory, switching, books, stops),
-        monitor=RampMonitor(link, memory, switching, books, resets, interrupts),
+        monitor=RampMonitor(link, memory, switching, books, resets, interrupts, chain),
         counter=RampCounter(link, memory, resets, chip.compare),
         telemetry=RampTelemetry(link, memory, switching, books, interrupts),
         configuration=RampConfiguration(registers, memory, writes),
@@ -115,7 +118,7 @@ def compose(
             switching,
             interrupts,
             RampStream(link, memory, books),
-            *(() if ram is None else (ram, ChainCover(link, memory, resets, ram))),
+            *(part for part in (ram, cover) if part is not None),
         ),
     )
     return Device(session, parts)

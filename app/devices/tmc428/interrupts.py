@@ -17,6 +17,7 @@ import numpy as np
 
 from ...errors import BenchError
 from ...registers.model import Access, Register
+from ...registers.tmcdrivers.tmc2660 import FLAGS as DRIVER_FLAGS
 from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import EventLog
 from ..core.register_io import RegisterIO
@@ -33,6 +34,11 @@ MASK_LSB = 8
 COMPARE_BIT = 8
 """Of the words of a timeline: behind the eight flags of the axis."""
 COMPARE_EVENT = "POS_COMP"
+DRIVER_LSB = 9
+OWN = 0x1FF
+DRIVER = 0x7F << DRIVER_LSB
+"""Of the words of a timeline: flags of the axis and of the compare, and behind them those of its driver on the chain,
+but for the last, which tells that the motor stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +61,7 @@ class Interrupts(EventLog):
         self._compare = compare
         self._tasks = tasks
         names = [_flag_names(register) for register in self._registers]
-        self._timelines = [Timeline(axis, 0x1FF, _named(each)) for axis, each in enumerate(names)]
+        self._timelines = [Timeline(axis, OWN | DRIVER, _named(each)) for axis, each in enumerate(names)]
         self._owed: dict[int, int] = {}
         """Flags that the driver has cleared, by address, until their user has written the 1."""
         self._high = False
@@ -82,7 +88,7 @@ class Interrupts(EventLog):
         compared = 0 if compare is None else await io.read(compare.register)
         shown = self.shown(register, word)
         flags = word & 0xFF | (compared & 1) << COMPARE_BIT
-        entry = self._timelines[axis].read(flags, 0, io.time_s if self._risen_s is None else self._risen_s)
+        entry = self._timelines[axis].read(flags, 0, io.time_s if self._risen_s is None else self._risen_s, OWN)
         if word & 0xFF:
             await self._clear(io, register, word, word & 0xFF)
         if compare is not None and compared & 1:
@@ -90,6 +96,13 @@ class Interrupts(EventLog):
         if entry is not None:
             self._session.tell(entry)
         return shown | word & 0xFF
+
+    def driver_told(self, axis: int, flags: int, time_s: float) -> None:
+        """The driver of an axis on the chain has told these flags of itself: what has come is an event."""
+        word = flags << DRIVER_LSB & DRIVER
+        entry = self._timelines[axis].read(word, word, time_s, DRIVER)
+        if entry is not None:
+            self._session.tell(entry)
 
     async def _clear(self, io: RegisterIO, register: Register, word: int, flags: int) -> None:
         """Write 1s to these flags and leave the masks as they are. Owed first: the write may arrive without a reply."""
@@ -156,7 +169,8 @@ class Interrupts(EventLog):
 def _flag_names(register: Register) -> dict[int, str]:
     """Names of the flags by their bits."""
     flags = {part.lsb: part.name for part in register.fields if part.access is Access.R_W1C}
-    return {**flags, COMPARE_BIT: COMPARE_EVENT}
+    driver = {DRIVER_LSB + bit: f"driver_{name}" for bit, name in enumerate(DRIVER_FLAGS[:-1])}
+    return {**flags, COMPARE_BIT: COMPARE_EVENT, **driver}
 
 
 def _named(names: dict[int, str]) -> Callable[[int], tuple[str, ...]]:

@@ -15,6 +15,7 @@ from ..core.results import AxisState, MotionEnd, Switches
 from ..core.signs import Signs
 from . import signs as ramp_signs
 from .axis_roles import HOLD_MODE, POSITIONING_MODES, AxisRoles
+from .chain_status import ChainStatus
 from .interrupts import Interrupts
 from .memory import RampMemory
 from .prediction import TickedBook
@@ -34,6 +35,7 @@ class RampMonitor(AxisMonitor):
         books: Sequence[TickedBook],
         resets: Resets,
         interrupts: Interrupts,
+        chain: ChainStatus | None = None,
     ) -> None:
         self._link = link
         self._session = link.session
@@ -42,6 +44,7 @@ class RampMonitor(AxisMonitor):
         self._books = books
         self._resets = resets
         self._interrupts = interrupts
+        self._chain = chain
 
     async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self._session.axis(axis)
@@ -59,6 +62,8 @@ class RampMonitor(AxisMonitor):
             x_actual = await io.value(rows.x_actual)
             time_s, status = io.time_s, io.status
             asked_at_s = io.asked_s
+            if self._chain is not None:
+                await self._chain.look(io)
         self._session.saw_position(axis, x_actual, asked_at_s)
         self._resets.judge(axis)
         reached = self._switching.reached(status, axis)
@@ -66,6 +71,7 @@ class RampMonitor(AxisMonitor):
         flags |= {
             part.name: bool(part.unpack(interrupts)) for part in rows.interrupts.fields if part.access is Access.R_W1C
         }
+        flags |= {} if self._chain is None else self._chain.flags(axis)
         flags[rows.latch_waiting.name] = bool(rows.latch_waiting.unpack(ramp.reference))
         to_go = distance(x_target, x_actual)
         moving = self._moving(rows, ramp, v_actual, v_target, to_go, left, right)
@@ -89,6 +95,12 @@ class RampMonitor(AxisMonitor):
     def signs(self, axis: int, state: AxisState) -> Signs:
         index = self._session.axis(axis).index
         told = ramp_signs.signs(self._memory.rows[index], index, self._memory.ramp(index), state)
+        if self._chain is not None:
+            told = replace(
+                told,
+                faults=(*told.faults, *self._chain.faults(index, state)),
+                stalling=self._chain.stalling(index, state),
+            )
         return replace(told, resets=self._resets.count(index))
 
     def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...calc.driver_chain.chain import build_chain
+from ...calc.driver_chain.signals import KNOWN_DRIVERS
 from ...calc.microsteps.table import design_table
 from ...calc.ramps.pmul_pdiv import design, inverse
 from ...calc.units.mechanics import Mechanics
@@ -71,13 +72,19 @@ async def start_up(device: Device, axes: Sequence[AxisStart], drivers: Sequence[
             await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
+def _drivers(device: Device) -> list[str]:
+    """The drivers that are named, of the other axes those of the makers' boards."""
+    named = {axis: driver.model for axis, driver in device.drivers_behind() if driver.model in KNOWN_DRIVERS}
+    return [named.get(axis.index, DRIVERS[axis.index]) for axis in device.axes]
+
+
 async def plan(device: Device, wanted: Sequence[AxisStartUp]) -> StartPlan:
     """What a chip after power-on needs, in its order; all axes share the driver chain and the table."""
     spi = _by_chain(device)
     items = _global_items(device)
     tables: dict[str, Sequence[int]] = {}
     if spi:
-        chain = build_chain(DRIVERS)
+        chain = build_chain(_drivers(device))
         words = [*chain.ram_words, *[0] * (RAM_WORDS - len(chain.ram_words))]
         tables = {"driver_chain": words, "microstep": design_table().values}
         items[0].fields = {**(items[0].fields or {}), "LSMD": chain.lsmd}
