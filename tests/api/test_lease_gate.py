@@ -28,6 +28,8 @@ CALCULATORS = (
     "microstep-table",
     "driver-chain",
     "input-filter",
+    "serial-encoder",
+    "current-scales",
 )
 FREE = {
     ("POST", "/stop"),
@@ -69,6 +71,10 @@ FREE = {
     ("PATCH", "/profiles/{profile}"),
     ("POST", "/profiles/compare"),
     ("POST", "/profiles/script"),
+    # A study that is only planned moves nothing; one that is stopped goes back to how it was.
+    ("POST", "/studies/plan"),
+    ("POST", "/studies/{study}/stop"),
+    ("POST", "/studies/{study}/profiles"),
     ("POST", "/twin"),
     ("DELETE", "/twin"),
     ("POST", "/twin/cursor"),
