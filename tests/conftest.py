@@ -45,6 +45,8 @@ SLOW = (
     "procedures/test_reference_search.py",
     "profiles/scripts/test_trials.py",
     "studies/test_fastest_move.py",
+    "studies/test_twin.py",
+    "studies/test_s_ramps.py",
     "store/test_damaged_directory.py",
     "store/test_hand_edited.py",
     "store/test_noise_in_database.py",

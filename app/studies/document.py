@@ -37,6 +37,32 @@ class Budget(Part):
     )
 
 
+class TwinMotor(Part):
+    """What is known of the motor and its load, for a twin: of a name plate, a list, or an earlier study."""
+
+    holding_torque_nm: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] = 0.45
+    rated_current_a: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = 1.5
+    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] = 2.3
+    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = 4.4e-3
+    rotor_inertia_kgm2: Annotated[float, Field(strict=True, gt=0, le=1e-2, allow_inf_nan=False)] = 58e-7
+    load_inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = 0.0
+    load_friction_nm: Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)] = 0.0
+    supply_v: Annotated[float, Field(strict=True, gt=0, le=60, allow_inf_nan=False)] = 24.0
+    counts_per_turn: Annotated[int, Field(strict=True, ge=16, le=1 << 22)] = Field(
+        default=40_000, description="of the encoder, four a line"
+    )
+
+
+class Twin(Part):
+    """Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here."""
+
+    motor: TwinMotor = Field(default_factory=TwinMotor)
+    trials: Annotated[int, Field(strict=True, ge=5, le=500)] = Field(default=40, description="settings tried there")
+    best: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
+        default=4, description="so many of the best are tried on the axis first"
+    )
+
+
 class FastestMove(Part):
     """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder."""
 
@@ -64,6 +90,7 @@ class FastestMove(Part):
     quiet: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="look for little deviation under way too: a front of both"
     )
+    twin: Twin | None = Field(default=None, description="null: on the axis alone")
     sampler: Sampler | None = Field(default=None, description="null: TPE for one objective, NSGA-II for two")
 
     @model_validator(mode="after")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..devices.core.device import Device
 from ..errors import WrongState
@@ -16,27 +16,29 @@ from ..profiles.physical import UnitContext
 from ..registers.model import Register
 from .record import Held
 
-SPEED, ACCELERATION = "speed", "acceleration"
-UNITS = {SPEED: "pps", ACCELERATION: "pps^2"}
+SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
+UNITS = {SPEED: "pps", ACCELERATION: "pps^2", JERK: "pps^3"}
 
 
 @dataclass(frozen=True, slots=True)
 class RampRegisters:
-    """Which registers of an axis make a ramp of one speed and one acceleration.
+    """Which registers of an axis make a ramp of one speed and one acceleration, and one jerk where it has S-ramps.
 
+    settings : by what they are
     off : what is written with them so that nothing else has a part in it, where the chip has it
+    only : a setting that counts only while a field has a value: (field, value)
     """
 
-    speed: tuple[str, ...]
-    acceleration: tuple[str, ...]
-    off: Mapping[str, int]
+    settings: Mapping[str, tuple[str, ...]]
+    off: Mapping[str, int] = field(default_factory=dict)
+    only: Mapping[str, tuple[str, int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class _Setting:
     rows: tuple[Register, ...]
     unit: float
-    """What one more in the register is [pps, pps^2]."""
+    """What one more in the register is [pps, pps^2, pps^3]."""
     most: int
 
     def raw(self, value: float) -> int:
@@ -44,7 +46,7 @@ class _Setting:
 
 
 class RampSpace:
-    """Speed and acceleration of one axis, and the registers that hold them."""
+    """Speed, acceleration and perhaps jerk of one axis, and the registers that hold them."""
 
     def __init__(self, device: Device, axis: int, names: RampRegisters, held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
@@ -53,8 +55,9 @@ class RampSpace:
             device.model, device.clock_hz, tuple(axis_part(each.settings) for each in device.axes), held.words
         )
         self._settings = {
-            SPEED: self._setting(context, names.speed),
-            ACCELERATION: self._setting(context, names.acceleration),
+            name: self._setting(context, registers)
+            for name, registers in names.settings.items()
+            if name not in names.only or context.field(names.only[name][0], axis) == names.only[name][1]
         }
         off = [(row, value) for name, value in names.off.items() if (row := self._find(name)) is not None]
         self._off = [Held(name=row.name, axis=row.axis, value=value) for row, value in off]
@@ -82,19 +85,21 @@ class RampSpace:
         return _Setting(rows, unit.value, min(row.maximum for row in rows))
 
     def most(self, name: str) -> float:
-        """The greatest that its registers hold [pps, pps^2]."""
+        """The greatest that its registers hold [pps, pps^2, pps^3]."""
         setting = self._settings[name]
         return setting.most * setting.unit
 
     def now(self) -> dict[str, float]:
-        """Speed and acceleration as the axis was set before: of several accelerations the first."""
+        """The settings as the axis had them before: of several registers the first."""
         held = {each.name: each.value for each in self.before}
         return {name: held[setting.rows[0].name] * setting.unit for name, setting in self._settings.items()}
 
     def registers(self, values: Mapping[str, float]) -> list[Held]:
-        """What to write for them [pps, pps^2], each at its nearest number."""
+        """What to write for those of them that are given [pps, pps^2, pps^3], each at its nearest number."""
         wanted = list(self._off)
         for name, setting in self._settings.items():
+            if name not in values:
+                continue
             raw = setting.raw(values[name])
             wanted += [Held(name=row.name, axis=row.axis, value=raw) for row in setting.rows]
         return wanted

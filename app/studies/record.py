@@ -10,7 +10,7 @@ from .document import Part, StudyDocument
 
 State = Literal["running", "done", "failed", "aborted", "interrupted"]
 """interrupted: the server ended in the middle of it."""
-Phase = Literal["preconditions", "baseline", "search", "proof", "look", "over"]
+Phase = Literal["preconditions", "baseline", "twin", "search", "proof", "look", "over"]
 
 
 class Held(Part):
@@ -98,6 +98,13 @@ class Finding(Part):
     remedy: Mend | None = Field(default=None, description="what would set it right")
 
 
+class TwinSetting(Part):
+    """A setting that held on the twin."""
+
+    setting: dict[str, float]
+    time_s: float
+
+
 class StudyRecord(Part):
     """A study and all that came of it."""
 
@@ -129,6 +136,7 @@ class StudyRecord(Part):
     way_fullsteps: float = 0.0
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
     recording: str | None = None
+    twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

@@ -45,6 +45,8 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
 
     page.get_by_label("The axis shall be").click()
     page.get_by_role("option", name="Faster").click()
+    page.get_by_label("Try on an emulated twin first").press("Space")
+    expect(plan).not_to_contain_text("on an emulated twin")
     for label, value in (("Distance", "0.25"), ("Settings tried at most", "3")):
         field = page.get_by_label(label, exact=True)
         field.fill(value)

@@ -18,7 +18,7 @@ from app.studies.fastest_move.study import FastestMoveStudy
 from app.studies.record import StudyRecord
 from app.studies.run import StudyRun
 from app.studies.store import StudyStore
-from tests.devices.tmc5xxx.harness import Bench, bench
+from tests.devices.tmc5xxx.harness import bench
 
 START = Start(vmax=50_000, amax=200_000, vstart=0, counts_per_rev=40_000)
 MOTOR = {"rotor_teeth": 50}
@@ -45,7 +45,7 @@ class Kept:
 
 @dataclass
 class Studied:
-    b: Bench
+    b: Any
     store: StudyStore
     procedures: Procedures = field(init=False)
 
@@ -54,11 +54,13 @@ class Studied:
 
     @property
     def device(self) -> Device:
-        return self.b.device
+        device: Device = self.b.device
+        return device
 
     @property
     def clock(self) -> VirtualClock:
-        return self.b.clock
+        clock: VirtualClock = self.b.clock
+        return clock
 
     def document(self, study: dict[str, Any], **more: Any) -> StudyDocument:
         return StudyDocument.model_validate({"device": self.device.id, "study": study, **more})

@@ -49,10 +49,12 @@ class Looked:
 def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) -> dict[str, tuple[float, float]]:
     soft, now = device.axes[axis].settings.limits, space.now()
     found = {}
-    for name, limit, asked in (
-        (SPEED, soft.velocity_max_pps, wanted.velocity_max_pps),
-        (ACCELERATION, soft.acceleration_max_pps2, wanted.acceleration_max_pps2),
-    ):
+    told = {
+        SPEED: (soft.velocity_max_pps, wanted.velocity_max_pps),
+        ACCELERATION: (soft.acceleration_max_pps2, wanted.acceleration_max_pps2),
+    }
+    for name in now:
+        limit, asked = told.get(name, (None, None))
         usual = limit if limit is not None else now[name] * FASTER
         most = min(usual if asked is None else asked, space.most(name), limit if limit is not None else float("inf"))
         if name == SPEED:
@@ -131,8 +133,11 @@ async def plan(device: Device, axis: int, wanted: FastestMove, budget: Budget) -
     told.velocity_max_pps, told.acceleration_max_pps2 = most[SPEED], most[ACCELERATION]
     told.registers = [f"{each.name} of axis {axis}" for each in ranges.space.before]
     present = f"{plain(now[SPEED])} pps, {plain(now[ACCELERATION])} pps^2"
+    twin = wanted.twin
+    on_twin = [] if twin is None else [f"{twin.trials} settings on an emulated twin: the motor rests meanwhile"]
     told.steps = [
         f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
+        *on_twin,
         f"up to {budget.trials} settings: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
         "beyond the edge steps will be lost, which is loud",
         "after lost steps the position is taken from the encoder, and the motor goes back slowly",

@@ -7,18 +7,21 @@ import random
 import statistics
 from collections.abc import Mapping, Sequence
 
-from ...clock import WallClock
+from ...clock import Clock, WallClock
 from ...devices.core.capabilities import PositionFromEncoder
-from ...errors import SoftLimit, WrongState
+from ...devices.core.device import Device
+from ...errors import BenchError, SoftLimit, WrongState
 from ...number_text import plain
 from ...procedures.procedure import Failed
+from ...profiles.capture import capture
 from ..document import FastestMove
 from ..moves import MeasuredMoves, MoveFigures
 from ..proof import is_better, paired_effect, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
-from ..record import Evidence, Figures, Interval, Pair, Trial
-from ..run import StudyRun
+from ..record import Evidence, Figures, Interval, Pair, StudyRecord, Trial
+from ..run import Keeper, StudyRun
 from ..search import Asked, Searcher
+from ..twin import jobs_of, tried_on_twins
 from .ranges import BASELINE_RUNS, Ranges, look
 
 ASKED_FOR_ONE = 12
@@ -36,6 +39,13 @@ class FastestMoveStudy(StudyRun):
 
     _ranges: Ranges
     _moves: MeasuredMoves
+
+    def __init__(
+        self, device: Device, axis: int, clock: Clock, record: StudyRecord, keeper: Keeper, *, proves: bool = True
+    ) -> None:
+        """`proves` False: the search alone, as on a twin."""
+        super().__init__(device, axis, clock, record, keeper)
+        self._proves = proves
 
     @property
     def wanted(self) -> FastestMove:
@@ -56,11 +66,13 @@ class FastestMoveStudy(StudyRun):
         if not record.baseline:
             record.baseline = ranges.space.before
             record.baseline_setting = ranges.space.now()
-        record.units = dict(UNITS)
+        record.units = {name: UNITS[name] for name in ranges.space.now()}
         await self.keeper.save(record)
         await self._baseline()
+        await self._twins()
         await self._search()
-        await self._proof()
+        if self._proves:
+            await self._proof()
         await self.back()
         await self._moves.go(ranges.start)
 
@@ -133,6 +145,22 @@ class FastestMoveStudy(StudyRun):
         record.baseline_figures = self._figures(runs)
         await self.keeper.save(record)
 
+    # --- the twin first ---------------------------------------------------------------------------
+
+    async def _twins(self) -> None:
+        """Search on twins, and remember the best; the motor rests meanwhile. What fails there costs nothing here."""
+        record, twin = self.record, self.wanted.twin
+        if twin is None or record.twin or record.trials:
+            return
+        self.tell("twin", 0.05, f"trying {twin.trials} settings on an emulated twin")
+        profile = await capture(self.device)
+        jobs = jobs_of(self.device, self.axis, record.document, profile)
+        try:
+            record.twin = await tried_on_twins(jobs, twin.best, aside=isinstance(self.clock, WallClock))
+        except (BenchError, ValueError, OSError) as error:
+            record.next = f"the twin could not be tried: {error}"
+        await self.keeper.save(record)
+
     # --- search -----------------------------------------------------------------------------------
 
     async def _search(self) -> None:
@@ -179,6 +207,13 @@ class FastestMoveStudy(StudyRun):
 
     def _ladder(self) -> list[dict[str, float]]:
         now, dimensions = self.record.baseline_setting, self._ranges.dimensions
+        if self.record.twin:
+            inside = [
+                {each.name: min(max(one.setting[each.name], each.low), each.high) for each in dimensions}
+                for one in self.record.twin
+            ]
+            # The slowest of them first: where the twin was too bold, fewer steps are lost on the way.
+            return inside[::-1]
         return [{each.name: min(now[each.name] * times, each.high) for each in dimensions} for times in LADDER]
 
     async def _trial(self, searcher: Searcher, asked: Asked) -> Trial:
@@ -256,7 +291,7 @@ class FastestMoveStudy(StudyRun):
 
     @staticmethod
     def _words(setting: Mapping[str, float]) -> str:
-        return f"{plain(setting[SPEED], 4)} pps, {plain(setting[ACCELERATION], 4)} pps^2"
+        return ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in setting.items())
 
     def _hopeless(self, setting: Mapping[str, float], expected_s: float) -> str:
         """Why a setting need not be tried; empty where it is worth it."""

@@ -53,7 +53,7 @@ class FirstLookStudy(StudyRun):
         record.findings = []
         if not record.baseline:
             record.baseline, record.baseline_setting = ground.space.before, ground.space.now()
-        record.units = dict(UNITS)
+        record.units = {name: UNITS[name] for name in ground.ramp}
         await self.keeper.save(record)
         await self.apply(ground.space.registers(ground.ramp), "slow moves")
         await self._encoder()

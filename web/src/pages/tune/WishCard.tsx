@@ -107,6 +107,39 @@ export function WishCard({ device, axis, changes, busy }: Props) {
               onClear={() => change({ accelerationMaxPps2: null })}
             />
             <Switch
+              label="Try on an emulated twin first"
+              checked={form.twin}
+              onChange={({ currentTarget }) => change({ twin: currentTarget.checked })}
+            />
+            {form.twin && (
+              <>
+                <NumberField
+                  label="Holding torque of the motor"
+                  value={form.holdingTorqueNm}
+                  min={0.001}
+                  max={50}
+                  unit="N m"
+                  onChange={(holdingTorqueNm) => change({ holdingTorqueNm })}
+                />
+                <NumberField
+                  label="Rated current of the motor"
+                  value={form.ratedCurrentA}
+                  min={0.05}
+                  max={20}
+                  unit="A"
+                  onChange={(ratedCurrentA) => change({ ratedCurrentA })}
+                />
+                <NumberField
+                  label="Inertia of the load, at the motor"
+                  value={form.loadInertiaKgm2}
+                  min={0}
+                  max={1}
+                  unit="kg m²"
+                  onChange={(loadInertiaKgm2) => change({ loadInertiaKgm2 })}
+                />
+              </>
+            )}
+            <Switch
               label="Quiet under way too"
               checked={form.quiet}
               onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}

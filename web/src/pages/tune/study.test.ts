@@ -31,8 +31,14 @@ describe("a study on the page", () => {
       device: "slide",
       axis: 1,
       budget: { trials: 12 },
-      study: { kind: "fastest_move", distance: 102_400, margin: 0.15 },
+      study: {
+        kind: "fastest_move",
+        distance: 102_400,
+        margin: 0.15,
+        twin: { motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 } },
+      },
     });
+    expect(documentOf({ ...form, twin: false }, "slide", 0).study).toMatchObject({ twin: null });
     expect(documentOf({ ...form, kind: "first_look" }, "slide", 0)).toEqual({
       device: "slide",
       axis: 0,

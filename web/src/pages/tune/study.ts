@@ -34,6 +34,11 @@ export interface Form {
   quiet: boolean;
   velocityMaxPps: number | null;
   accelerationMaxPps2: number | null;
+  /** try on an emulated twin first, with this motor */
+  twin: boolean;
+  holdingTorqueNm: number;
+  ratedCurrentA: number;
+  loadInertiaKgm2: number;
   /** of the first look [turns of the motor] */
   turns: number;
   travelTurns: number;
@@ -49,6 +54,10 @@ export function firstForm(microstepsPerTurn: number | null): Form {
     quiet: false,
     velocityMaxPps: null,
     accelerationMaxPps2: null,
+    twin: true,
+    holdingTorqueNm: 0.45,
+    ratedCurrentA: 1.5,
+    loadInertiaKgm2: 0,
     turns: 1,
     travelTurns: 0,
   };
@@ -69,6 +78,15 @@ export function documentOf(form: Form, device: string, axis: number): Wish {
       quiet: form.quiet,
       velocity_max_pps: form.velocityMaxPps,
       acceleration_max_pps2: form.accelerationMaxPps2,
+      twin: form.twin
+        ? {
+            motor: {
+              holding_torque_nm: form.holdingTorqueNm,
+              rated_current_a: form.ratedCurrentA,
+              load_inertia_kgm2: form.loadInertiaKgm2,
+            },
+          }
+        : null,
     },
   };
 }
