@@ -311,6 +311,10 @@ class StallSearch(Search):
         registers = self.device.registers
         if not self._before:
             for item in writes:
+                known = self._stall.set_before(item)
+                if known is not None:
+                    self._before.append(known)
+                    continue
                 held = await self._held(item)
                 fields: dict[str, int | str] | None = None
                 if item.fields is not None:

@@ -356,6 +356,11 @@ class StallStop(Protocol):
         """
         ...
 
+    def set_before(self, item: WriteItem, /) -> WriteItem | None:
+        """What has to be written to have again what `item`, of `stall_writes`, writes over, where no reading of that
+        register tells; None where one does."""
+        return None
+
     async def set_aside(self, axis: int, /) -> str:
         """What `stall_writes` will switch off that is on now, in words; empty for nothing."""
         return ""

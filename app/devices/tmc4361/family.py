@@ -22,6 +22,7 @@ from .configuration import Configuration
 from .counter import COUNTER_WRITES, Counter
 from .cruise import Cruise
 from .departure import Departure
+from .driver_behind import DriverBehind
 from .encoder import Encoder
 from .events import Events
 from .expected_motion import ExpectedMotion
@@ -62,6 +63,7 @@ def compose(
     moves = Moves(link, memory, cruise, departure, expected)
     rotation = Rotation(link, memory, cruise, departure, expected)
     stops = Stops(link, memory, cruise, expected)
+    position = Position(link, memory, cruise, expected, registers)
     parts = Parts(
         identity=ChipIdentity(link, memory, tasks),
         registers=registers,
@@ -76,7 +78,8 @@ def compose(
             cruise,
             events,
             moves,
-            Position(link, memory, cruise, expected, registers),
+            position,
+            DriverBehind(link, memory, cruise, position),
             Encoder(session, memory),
             StartPin(link, memory, moves),
             MicrostepTable(link, memory, writes),

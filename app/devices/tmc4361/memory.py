@@ -33,6 +33,8 @@ class ChipMemory:
         """As last seen, by address, of registers that are remembered."""
         self._unread: dict[int, int] = {}
         """As last written since the chip's reset, by address, of registers that cannot be read."""
+        self.covered: dict[int, int] = {}
+        """Datagrams of 20 bits that were sent to the driver behind, the latest of each kind, by their bits 19..17."""
         self._fresh = False
         """Whether what nobody has written through here is as after a reset: so it is once a reset was seen."""
         self._session.state_hooks.append(self._state_set)
@@ -67,6 +69,8 @@ class ChipMemory:
         if not register.access.readable:
             self._unread[register.address] = word
             self._words.pop(register.address, None)  # ENC_CONST follows from ENC_IN_RES
+        if register is roles.COVER_LOW:
+            self.covered[word >> 17 & 7] = word & 0xF_FFFF
         if register is roles.RESET and roles.part(roles.RESET, "RESET_REG").unpack(word) == RESET_CODE:
             self.forget_at_reset()
 
@@ -80,6 +84,7 @@ class ChipMemory:
         """The chip was reset: what was known is true no more."""
         self._words.clear()
         self._unread.clear()
+        self.covered.clear()
         if self._session.limiter is not None:
             self._session.limiter.reset()
         self._fresh = True
@@ -99,6 +104,7 @@ class ChipMemory:
         del problem
         if state == "failed":  # it may be another chip, or the same after a power-on, when it comes back
             self._words.clear()
+            self.covered.clear()
 
     # --- words ----------------------------------------------------------------------------------
 

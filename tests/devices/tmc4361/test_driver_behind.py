@@ -1,0 +1,152 @@
+"""The driver behind a TMC4361: datagrams to it, their answers, and what keeps them from going out."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.devices.core.capabilities import StallStop
+from app.devices.core.cover import CoverCarrier, CoverPort
+from app.emulators.tmc4361 import Tmc4361Patch
+from app.emulators.tmc4361.options import FaultsChange
+from app.errors import LinkDown, LinkTimeout, WrongState
+from app.procedures.procedures import Procedures
+from app.procedures.search import ReferenceSearchState
+from app.procedures.stall_search import StallWanted
+from tests.devices.tmc4361.harness import Bench, bench
+
+TIMES = 4 << 20 | 4 << 24 | 4 << 28
+TO_STEPS, TO_CURRENTS = 11 | TIMES, 10 | TIMES
+DRVCONF = {TO_STEPS: 0xEF010, TO_CURRENTS: 0xEF090}
+SMARTEN, SGCSCONF, DRVCTRL, CHOPCONF = 0xA0000, 0xD001F, 0x00000, 0x901B4
+SETTINGS = ("REFERENCE_CONF", "SPI_OUT_CONF")
+END = -60.3
+STAGE: dict[str, object] = {
+    "left_at_fullsteps": -3000,
+    "right_at_fullsteps": 3000,
+    "left_end_fullsteps": END,
+    "right_end_fullsteps": 2000,
+}
+
+
+async def set_up(b: Bench, output: int = TO_STEPS) -> CoverCarrier:
+    carrier = b.device.need(CoverCarrier)
+    await b.device.registers.write("SPI_OUT_CONF", 0, output)
+    control = (DRVCTRL,) if output == TO_STEPS else ()
+    await carrier.cover(0, 20, (DRVCONF[output], SMARTEN, SGCSCONF, *control, CHOPCONF))
+    await b.clock.advance(0.3)
+    return carrier
+
+
+async def test_a_datagram_s_answer_comes_back_with_it() -> None:
+    async with bench(driver="tmc26x") as b:
+        carrier = await set_up(b)
+        chosen = DRVCONF[TO_STEPS] & ~0x30
+        answers = await carrier.cover(0, 20, (chosen, chosen))
+        assert answers[-1].known == 0xF_FFFF
+        flags, place = answers[-1].word & 0xFF, answers[-1].word >> 10
+        assert flags == 0x80, "it stands"
+        assert place == b.wire.state().truth.field_fullsteps * 256 // 1 % 1024
+        assert await carrier.cover(0, 20, ()) == []
+        assert b.wire.state().driver_words["SGCSCONF"] == SGCSCONF
+
+
+async def test_an_output_that_is_off_or_another_carries_nothing() -> None:
+    async with bench(driver="tmc26x") as b:
+        carrier = b.device.need(CoverCarrier)
+        with pytest.raises(WrongState, match="its SPI output is off"):
+            await carrier.cover(0, 20, (SMARTEN,))
+        await b.device.registers.write("SPI_OUT_CONF", 0, 13 | TIMES)
+        with pytest.raises(WrongState, match="40 bits to the driver of axis 0, not 20"):
+            await carrier.cover(0, 20, (SMARTEN,))
+        await b.device.registers.write("SPI_OUT_CONF", 0, 10 | 24 << 13 | TIMES)
+        with pytest.raises(WrongState, match="24 bits"):
+            await carrier.cover(0, 20, (SMARTEN,))
+        assert b.wire.state().driver_words["SMARTEN"] >> 17 == 5
+        assert b.wire.state().driver_words["SMARTEN"] & 0x1FFFF == 0
+
+
+async def test_an_answer_is_read_only_when_it_must_have_come() -> None:
+    async with bench(driver="tmc26x") as b:
+        carrier = await set_up(b)
+        await b.device.registers.write("SPI_OUT_CONF", 0, 11 | 15 << 20 | 15 << 24 | 15 << 28)
+        b.port.frames.clear()
+        await carrier.cover(0, 20, (SMARTEN,))
+        covered = next(at for at, frame in enumerate(b.port.frames) if frame[0] == 0xEC)
+        answer = next(at for at, frame in enumerate(b.port.frames) if frame[0] == 0x6E)
+        assert (answer - covered - 1) * 160 >= 20 * 30 + 15, "a datagram of the host takes 160 clocks at least"
+
+
+async def test_a_datagram_is_never_sent_twice() -> None:
+    async with bench(driver="tmc26x") as b:
+        carrier = await set_up(b)
+        b.port.frames.clear()
+
+        def hush(frame: bytes) -> None:
+            if frame[0] == 0xEC:
+                b.wire.patch(Tmc4361Patch(faults=FaultsChange(silence=True)))
+
+        b.port.before_frame = hush
+        with pytest.raises(LinkTimeout):
+            await carrier.cover(0, 20, (SMARTEN,))
+        assert b.port.written(0x6C) == [SMARTEN]
+
+
+async def test_a_driver_s_own_link_leads_through_the_chip() -> None:
+    async with bench(driver="tmc26x") as b:
+        await set_up(b)
+        port = CoverPort(b.manager.get, b.device.id, 0, "tmc2660", b.clock)
+        await port.require_way()
+        reply = await port.exchange(b"\x0a\x00\x00")
+        assert int.from_bytes(reply, "big") >> 4 & 0xFF == 0x80, "it stands"
+        await b.device.registers.write("SPI_OUT_CONF", 0, 0)
+        with pytest.raises(LinkDown, match="SPI output is off"):
+            await port.require_way()
+
+
+@pytest.mark.parametrize("output", [TO_STEPS, TO_CURRENTS])
+async def test_the_end_of_the_stage_is_found_by_stall_and_settings_are_as_before(output: int) -> None:
+    async with bench(driver="tmc26x", stage=STAGE) as b:
+        await set_up(b, output)
+        before = [(await b.device.registers.read(name, 0)).value for name in SETTINGS]
+        procedures = Procedures(b.clock)
+        procedures.start_stall_search(b.device, 0, StallWanted(hits=2))
+        state = await over(b, procedures)
+        assert state.state == "done", state.message
+        assert len(state.edges) == 2
+        assert b.wire.state().stage.position_fullsteps == pytest.approx(END, abs=1.5)
+        assert (await b.state()).position == 0
+        assert [(await b.device.registers.read(name, 0)).value for name in SETTINGS] == before
+        assert b.wire.state().driver_words["SGCSCONF"] == SGCSCONF
+
+
+async def test_without_a_driver_that_measures_the_search_says_so() -> None:
+    async with bench() as b:
+        stall = b.device.need(StallStop)
+        with pytest.raises(WrongState, match="names no TMC26x behind"):
+            await stall.stall_threshold(0)
+        await b.device.registers.write("SPI_OUT_CONF", 0, TO_STEPS)
+        with pytest.raises(WrongState, match="none of it can be read"):
+            await stall.stall_threshold(0)
+        await b.device.registers.write("COVER_LOW", 0, SGCSCONF | 5 << 8)
+        await b.device.registers.write("COVER_LOW", 0, DRVCONF[TO_STEPS])
+        assert await stall.stall_threshold(0) == 5
+
+
+async def test_a_hot_driver_is_a_fault_by_name() -> None:
+    async with bench(driver="tmc26x") as b:
+        await set_up(b)
+        b.patch(Tmc4361Patch.model_validate({"motor": {"temperature_c": 160.0}}))
+        await b.clock.advance(0.1)
+        state = await b.state()
+        assert state.flags["OT"]
+        faults = b.device.monitor.signs(0, state).faults
+        assert [sign.cause for sign in faults] == ["the motor driver is too hot and has switched off"]
+
+
+async def over(b: Bench, procedures: Procedures, within_s: float = 60.0) -> ReferenceSearchState:
+    for _ in range(int(within_s / 0.02)):
+        await b.clock.advance(0.02)
+        state = procedures.search_state(b.device, 0)
+        if state.state != "running":
+            return state
+    raise AssertionError(f"the search does not end: {procedures.search_state(b.device, 0)}")
