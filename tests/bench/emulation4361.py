@@ -72,7 +72,7 @@ COVERED = (0xA0000, 0xD001F, 0x00000, 0x901B4)
 
 def with_driver(seconds: int, by: str) -> tuple[float, int, float]:
     """(chip seconds per second, microsteps travelled, full steps that the rotor is off in the end) with a TMC26x."""
-    chip = build_emulator("tmc4361", VirtualClock(), Tmc4361Options(driver="tmc26x"))
+    chip = build_emulator("tmc4361", VirtualClock(), Tmc4361Options(driver="tmc2660"))
     output, conf = DRIVERS[by]
     now_s = 0.0
 

@@ -45,8 +45,8 @@ class Tmc4361Options(MotorDocument):
     )
     driver: DriverBehind = rest_only(
         "wired",
-        "what is behind the chip: wired, bridges that take its currents; tmc26x, a driver that cover datagrams have to "
-        "set up and that follows steps or currents",
+        "what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have "
+        "to set up and that follows steps or currents",
     )
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(
         0, "SGT of a wired driver's StallGuard2"

@@ -74,7 +74,7 @@ def _driver(chip: Chip) -> DriverBehindState | None:
         return None
     status, flags = driver.drive.read("DRV_STATUS"), driver.flags
     return DriverBehindState(
-        kind="tmc26x",
+        kind="tmc2660",
         follows="currents" if driver.takes_currents else "steps",
         bridges=driver.drive.plant_state.bridges,
         current_scale=status >> 16 & 31,

@@ -32,6 +32,7 @@ MODELS = (
                 "serial_encoder",
                 "driver_sync",
                 "home_switch",
+                "stallguard.behind",
                 "input_filters",
                 "events",
                 "flags",

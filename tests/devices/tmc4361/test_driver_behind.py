@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.devices.core.capabilities import StallStop
+from app.devices.core.config import DeviceConfig
 from app.devices.core.cover import CoverCarrier, CoverPort
 from app.emulators.tmc4361 import Tmc4361Patch
 from app.emulators.tmc4361.options import FaultsChange
@@ -38,7 +39,7 @@ async def set_up(b: Bench, output: int = TO_STEPS) -> CoverCarrier:
 
 
 async def test_a_datagram_s_answer_comes_back_with_it() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         carrier = await set_up(b)
         chosen = DRVCONF[TO_STEPS] & ~0x30
         answers = await carrier.cover(0, 20, (chosen, chosen))
@@ -51,7 +52,7 @@ async def test_a_datagram_s_answer_comes_back_with_it() -> None:
 
 
 async def test_an_output_that_is_off_or_another_carries_nothing() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         carrier = b.device.need(CoverCarrier)
         with pytest.raises(WrongState, match="its SPI output is off"):
             await carrier.cover(0, 20, (SMARTEN,))
@@ -66,7 +67,7 @@ async def test_an_output_that_is_off_or_another_carries_nothing() -> None:
 
 
 async def test_an_answer_is_read_only_when_it_must_have_come() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         carrier = await set_up(b)
         await b.device.registers.write("SPI_OUT_CONF", 0, 11 | 15 << 20 | 15 << 24 | 15 << 28)
         b.port.frames.clear()
@@ -77,7 +78,7 @@ async def test_an_answer_is_read_only_when_it_must_have_come() -> None:
 
 
 async def test_a_datagram_is_never_sent_twice() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         carrier = await set_up(b)
         b.port.frames.clear()
 
@@ -92,7 +93,7 @@ async def test_a_datagram_is_never_sent_twice() -> None:
 
 
 async def test_a_driver_s_own_link_leads_through_the_chip() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         await set_up(b)
         port = CoverPort(b.manager.get, b.device.id, 0, "tmc2660", b.clock)
         await port.require_way()
@@ -105,7 +106,7 @@ async def test_a_driver_s_own_link_leads_through_the_chip() -> None:
 
 @pytest.mark.parametrize("output", [TO_STEPS, TO_CURRENTS])
 async def test_the_end_of_the_stage_is_found_by_stall_and_settings_are_as_before(output: int) -> None:
-    async with bench(driver="tmc26x", stage=STAGE) as b:
+    async with bench(driver="tmc2660", stage=STAGE) as b:
         await set_up(b, output)
         before = [(await b.device.registers.read(name, 0)).value for name in SETTINGS]
         procedures = Procedures(b.clock)
@@ -133,7 +134,7 @@ async def test_without_a_driver_that_measures_the_search_says_so() -> None:
 
 
 async def test_a_hot_driver_is_a_fault_by_name() -> None:
-    async with bench(driver="tmc26x") as b:
+    async with bench(driver="tmc2660") as b:
         await set_up(b)
         b.patch(Tmc4361Patch.model_validate({"motor": {"temperature_c": 160.0}}))
         await b.clock.advance(0.1)
@@ -150,3 +151,37 @@ async def over(b: Bench, procedures: Procedures, within_s: float = 60.0) -> Refe
         if state.state != "running":
             return state
     raise AssertionError(f"the search does not end: {procedures.search_state(b.device, 0)}")
+
+
+@pytest.mark.parametrize("output", [TO_STEPS, TO_CURRENTS])
+async def test_a_device_of_its_own_sets_the_driver_up_and_sees_its_load(output: int) -> None:
+    async with bench(driver="tmc2660") as b:
+        await b.device.registers.write("SPI_OUT_CONF", 0, output)
+        link = {"kind": "cover", "device": b.device.id, "axis": 0}
+        driver = await b.manager.add(DeviceConfig("driver", "tmc2660", link))
+        assert driver.state == "connected", driver.problem
+        assert [device for _, device in b.device.drivers_behind()] == [driver]
+        put = driver.registers.write
+        await put("DRVCONF", 0, DRVCONF[output] & 0x1FFFF)
+        await put("SMARTEN", 0, SMARTEN & 0x1FFFF)
+        await put("SGCSCONF", 0, SGCSCONF & 0x1FFFF)
+        if output == TO_STEPS:
+            await put("DRVCTRL", 0, 0)
+        await put("CHOPCONF", 0, CHOPCONF & 0x1FFFF)
+        await b.clock.advance(0.3)
+        assert b.wire.state().truth.bridges == "regulated"
+        begin = b.wire.state().truth.rotor_fullsteps
+        await b.device.motion.move(0, 51_200)
+        await b.clock.advance(1.0)
+        load = await driver.registers.read("DRVSTATUS_SG", 0)
+        assert load.fields["SG_RESULT"] > 200
+        await b.at_rest()
+        await b.clock.advance(0.3)
+        assert b.wire.state().truth.rotor_fullsteps - begin == pytest.approx(200, abs=0.3)
+        await put("SGCSCONF", 0, (SGCSCONF & 0x1FFE0) | 7)
+        await b.clock.advance(0.1)
+        truth = b.wire.state().truth
+        assert (truth.current_a_a**2 + truth.current_b_a**2) ** 0.5 == pytest.approx(2.1 / 4, rel=0.03)
+        await b.device.registers.write("SPI_OUT_CONF", 0, 0)
+        with pytest.raises(LinkDown, match="SPI output is off"):
+            await driver.registers.read("DRVSTATUS_SG", 0)

@@ -25,7 +25,7 @@ STALL_BIT = 1 << 24
 
 def rig(form: int = TO_STEPS, *, on: bool = True, more: int = 0, **options: object) -> Rig:
     """A chip with its driver set up; the motor is at rest."""
-    made = Rig(Tmc4361Options.model_validate({"driver": "tmc26x", **options}))
+    made = Rig(Tmc4361Options.model_validate({"driver": "tmc2660", **options}))
     made.write("SPI_OUT_CONF", form | TIMES | more)
     if on:
         cover(made, DRVCONF_CURRENTS if form == TO_CURRENTS else DRVCONF_STEPS)

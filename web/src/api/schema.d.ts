@@ -3448,7 +3448,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3513,7 +3513,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3607,7 +3607,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3894,11 +3894,11 @@ export interface components {
             full_scale_a?: number;
             /**
              * Driver
-             * @description what is behind the chip: wired, bridges that take its currents; tmc26x, a driver that cover datagrams have to set up and that follows steps or currents
+             * @description what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have to set up and that follows steps or currents
              * @default wired
              * @enum {string}
              */
-            driver?: "wired" | "tmc26x";
+            driver?: "wired" | "tmc2660";
             /**
              * Stall Threshold
              * @description SGT of a wired driver's StallGuard2
@@ -5330,7 +5330,7 @@ export interface components {
              * Kind
              * @constant
              */
-            kind: "tmc26x";
+            kind: "tmc2660";
             /**
              * Follows
              * @description what it is set up for: STEP and DIR, or coil currents
@@ -6216,8 +6216,6 @@ export interface components {
              * @default false
              */
             quiet?: boolean;
-            /** @description null: on the axis alone */
-            twin?: components["schemas"]["Twin-Input"] | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -6285,8 +6283,6 @@ export interface components {
              * @default false
              */
             quiet: boolean;
-            /** @description null: on the axis alone */
-            twin: components["schemas"]["Twin-Output"] | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -12945,7 +12941,7 @@ export interface components {
              * @default preconditions
              * @enum {string}
              */
-            phase: "preconditions" | "baseline" | "twin" | "search" | "proof" | "look" | "over";
+            phase: "preconditions" | "baseline" | "search" | "proof" | "look" | "over";
             /**
              * Progress
              * @default 0
@@ -13041,11 +13037,6 @@ export interface components {
             left: string[];
             /** Recording */
             recording: string | null;
-            /**
-             * Twin
-             * @description the best on the twin, tried on the axis first
-             */
-            twin: components["schemas"]["TwinSetting"][];
             /**
              * Next
              * @description what would be worth doing next
@@ -13833,44 +13824,6 @@ export interface components {
             bridges: string;
         };
         /**
-         * Twin
-         * @description Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here.
-         */
-        "Twin-Input": {
-            motor?: components["schemas"]["TwinMotor-Input"];
-            /**
-             * Trials
-             * @description settings tried there
-             * @default 40
-             */
-            trials?: number;
-            /**
-             * Best
-             * @description so many of the best are tried on the axis first
-             * @default 4
-             */
-            best?: number;
-        };
-        /**
-         * Twin
-         * @description Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here.
-         */
-        "Twin-Output": {
-            motor: components["schemas"]["TwinMotor-Output"];
-            /**
-             * Trials
-             * @description settings tried there
-             * @default 40
-             */
-            trials: number;
-            /**
-             * Best
-             * @description so many of the best are tried on the axis first
-             * @default 4
-             */
-            best: number;
-        };
-        /**
          * TwinCursor
          * @description Where in a recording; null follows what happens now again.
          * @example {}
@@ -13968,122 +13921,6 @@ export interface components {
             switch_home: boolean | null;
             /** @description null where no encoder tells */
             slips: components["schemas"]["TwinSlips"] | null;
-        };
-        /**
-         * TwinMotor
-         * @description What is known of the motor and its load, for a twin: of a name plate, a list, or an earlier study.
-         */
-        "TwinMotor-Input": {
-            /**
-             * Holding Torque Nm
-             * @default 0.45
-             */
-            holding_torque_nm?: number;
-            /**
-             * Rated Current A
-             * @default 1.5
-             */
-            rated_current_a?: number;
-            /**
-             * Resistance Ohm
-             * @default 2.3
-             */
-            resistance_ohm?: number;
-            /**
-             * Inductance H
-             * @default 0.0044
-             */
-            inductance_h?: number;
-            /**
-             * Rotor Inertia Kgm2
-             * @default 0.0000058
-             */
-            rotor_inertia_kgm2?: number;
-            /**
-             * Load Inertia Kgm2
-             * @default 0
-             */
-            load_inertia_kgm2?: number;
-            /**
-             * Load Friction Nm
-             * @default 0
-             */
-            load_friction_nm?: number;
-            /**
-             * Supply V
-             * @default 24
-             */
-            supply_v?: number;
-            /**
-             * Counts Per Turn
-             * @description of the encoder, four a line
-             * @default 40000
-             */
-            counts_per_turn?: number;
-        };
-        /**
-         * TwinMotor
-         * @description What is known of the motor and its load, for a twin: of a name plate, a list, or an earlier study.
-         */
-        "TwinMotor-Output": {
-            /**
-             * Holding Torque Nm
-             * @default 0.45
-             */
-            holding_torque_nm: number;
-            /**
-             * Rated Current A
-             * @default 1.5
-             */
-            rated_current_a: number;
-            /**
-             * Resistance Ohm
-             * @default 2.3
-             */
-            resistance_ohm: number;
-            /**
-             * Inductance H
-             * @default 0.0044
-             */
-            inductance_h: number;
-            /**
-             * Rotor Inertia Kgm2
-             * @default 0.0000058
-             */
-            rotor_inertia_kgm2: number;
-            /**
-             * Load Inertia Kgm2
-             * @default 0
-             */
-            load_inertia_kgm2: number;
-            /**
-             * Load Friction Nm
-             * @default 0
-             */
-            load_friction_nm: number;
-            /**
-             * Supply V
-             * @default 24
-             */
-            supply_v: number;
-            /**
-             * Counts Per Turn
-             * @description of the encoder, four a line
-             * @default 40000
-             */
-            counts_per_turn: number;
-        };
-        /**
-         * TwinSetting
-         * @description A setting that held on the twin.
-         */
-        TwinSetting: {
-            /** Setting */
-            setting: {
-                [key: string]: number;
-            };
-            /** Time S */
-            time_s: number;
         };
         /**
          * TwinShow

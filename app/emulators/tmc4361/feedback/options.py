@@ -51,7 +51,7 @@ class ShaftEncoder(_Closed):
         return 4 * self.lines if self.kind == "abn" else 1 << self.single_turn_bits
 
 
-DriverBehind = Literal["wired", "tmc26x"]
+DriverBehind = Literal["wired", "tmc2660"]
 """What the chip drives: bridges that its currents are wired to, or a driver with registers of its own."""
 
 

@@ -73,7 +73,7 @@ class FeedbackUnit:
         self._drive: DriveOptions = options.drive(clock_hz)
         self.driver: Tmc26x | None = None
         """The real driver behind the chip; None where its currents are wired to the motor."""
-        if options.driver == "tmc26x":
+        if options.driver == "tmc2660":
             cells = (self._n[: k.INTEGERS], self.fb[: k.REALS], self.fb[c.TABLE : c.SIZE])
             self.driver = Tmc26x(self._drive, cells)
             self.driver.step(0)

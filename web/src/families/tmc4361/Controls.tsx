@@ -22,6 +22,21 @@ const FAULTS = [
   ["unplugged", "Unplugged: the link is gone"],
 ] as const;
 
+/** What the emulated driver behind is up to: it is set up over the chip, or as a device of its own. */
+function DriverBehind({ driver }: { driver: Schemas["DriverBehindState"] }) {
+  const { kind, follows, bridges, current_scale, load, flags } = driver;
+  return (
+    <>
+      <Divider label={`Driver behind, ${kind.toUpperCase()}`} labelPosition="left" />
+      <Text size="xs" data-testid="driver-behind">
+        follows {follows}, bridges {bridges}, current scale <span className="num">{current_scale}</span>, load{" "}
+        <span className="num">{load}</span>
+        {flags.length > 0 && `, ${flags.join(" ")}`}
+      </Text>
+    </>
+  );
+}
+
 /** The plant of an emulated TMC4361: what pulls at its shaft, its encoder, stage and pins; and how the rotor is. */
 export function Controls({ ...emulator }: ControlsProps) {
   const state = emulator.state as Tmc4361State;
@@ -62,6 +77,7 @@ export function Controls({ ...emulator }: ControlsProps) {
           />
         ))}
       </div>
+      {state.driver && <DriverBehind driver={state.driver} />}
       <EmulatorTime state={state} send={send} />
       <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>
         <BridgesAt celsius={state.motor.temperature_c} send={send} />

@@ -48,6 +48,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const state = useAxisReading(device.id, axis.index, connected);
   const disabled = !connected;
   const stepped = can(device, "step_input");
+  const stalls = can(device, "stallguard") || (can(device, "stallguard.behind") && device.drivers.length > 0);
   const common = { at, scale, unit: shown, action, disabled };
   return (
     <Card className={`${classes.card} stack gap-8`} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
@@ -130,7 +131,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
               <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
               <Tabs.Tab value="together">Together</Tabs.Tab>
               <Tabs.Tab value="reference">Zero</Tabs.Tab>
-              {can(device, "stallguard") && <Tabs.Tab value="stall">Stall</Tabs.Tab>}
+              {stalls && <Tabs.Tab value="stall">Stall</Tabs.Tab>}
             </Tabs.List>
             <Tabs.Panel value="shuttle">
               <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
@@ -157,7 +158,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
                 />
               )}
             </Tabs.Panel>
-            {can(device, "stallguard") && (
+            {stalls && (
               <Tabs.Panel value="stall">
                 <StallSection key={`${device.id}/${axis.index}`} at={at} action={action} disabled={disabled} />
               </Tabs.Panel>
