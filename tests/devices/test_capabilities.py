@@ -20,8 +20,10 @@ from app.devices.core.capabilities import (
     ParameterStore,
     PositionFromEncoder,
     ProgramMemory,
+    StallStop,
     TmclCommands,
 )
+from app.devices.core.cover import CoverCarrier
 from app.devices.core.device import Device
 from app.devices.core.register_file import RegisterFile
 from app.devices.families import family_of
@@ -104,11 +106,13 @@ async def can(made: Bench) -> set[Capability]:
         "step_dir": await _takes_driver_microsteps(made),
         "chopper": _has_row(model, "CHOPCONF", "IHOLD_IRUN"),
         "current": _keeps_current_limits(model),
+        "current.ramp": _has_row(model, "CURRENT_CONF", "SCALE_VALUES"),
         "encoder": _every_axis(device, "encoder_position"),
         "closed_loop": await _can_calibrate(made),
         "serial_encoder": _has_row(model, "ENC_IN_DATA", "ENC_OUT_DATA"),
         "driver_sync": _has_row(model, "CHOPSYNC_DIV", "DC_VEL"),
         "stallguard": _every_axis(device, "load_value"),
+        "stallguard.behind": device.part(StallStop) is not None and device.part(CoverCarrier) is not None,
         "home_switch": _every_axis(device, "switch_home") or _every_axis(device, "switch_reference"),
         "input_filters": _has_row(model, "INPUT_FILT_CONF"),
         "events": device.part(EventLog) is not None,

@@ -6216,6 +6216,8 @@ export interface components {
              * @default false
              */
             quiet?: boolean;
+            /** @description null: on the axis alone */
+            twin?: components["schemas"]["Twin-Input"] | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -6283,6 +6285,8 @@ export interface components {
              * @default false
              */
             quiet: boolean;
+            /** @description null: on the axis alone */
+            twin: components["schemas"]["Twin-Output"] | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -12941,7 +12945,7 @@ export interface components {
              * @default preconditions
              * @enum {string}
              */
-            phase: "preconditions" | "baseline" | "search" | "proof" | "look" | "over";
+            phase: "preconditions" | "baseline" | "twin" | "search" | "proof" | "look" | "over";
             /**
              * Progress
              * @default 0
@@ -13037,6 +13041,11 @@ export interface components {
             left: string[];
             /** Recording */
             recording: string | null;
+            /**
+             * Twin
+             * @description the best on the twin, tried on the axis first
+             */
+            twin: components["schemas"]["TwinSetting"][];
             /**
              * Next
              * @description what would be worth doing next
@@ -13824,6 +13833,44 @@ export interface components {
             bridges: string;
         };
         /**
+         * Twin
+         * @description Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here.
+         */
+        "Twin-Input": {
+            motor?: components["schemas"]["TwinMotor-Input"];
+            /**
+             * Trials
+             * @description settings tried there
+             * @default 40
+             */
+            trials?: number;
+            /**
+             * Best
+             * @description so many of the best are tried on the axis first
+             * @default 4
+             */
+            best?: number;
+        };
+        /**
+         * Twin
+         * @description Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here.
+         */
+        "Twin-Output": {
+            motor: components["schemas"]["TwinMotor-Output"];
+            /**
+             * Trials
+             * @description settings tried there
+             * @default 40
+             */
+            trials: number;
+            /**
+             * Best
+             * @description so many of the best are tried on the axis first
+             * @default 4
+             */
+            best: number;
+        };
+        /**
          * TwinCursor
          * @description Where in a recording; null follows what happens now again.
          * @example {}
@@ -13921,6 +13968,122 @@ export interface components {
             switch_home: boolean | null;
             /** @description null where no encoder tells */
             slips: components["schemas"]["TwinSlips"] | null;
+        };
+        /**
+         * TwinMotor
+         * @description What is known of the motor and its load, for a twin: of a name plate, a list, or an earlier study.
+         */
+        "TwinMotor-Input": {
+            /**
+             * Holding Torque Nm
+             * @default 0.45
+             */
+            holding_torque_nm?: number;
+            /**
+             * Rated Current A
+             * @default 1.5
+             */
+            rated_current_a?: number;
+            /**
+             * Resistance Ohm
+             * @default 2.3
+             */
+            resistance_ohm?: number;
+            /**
+             * Inductance H
+             * @default 0.0044
+             */
+            inductance_h?: number;
+            /**
+             * Rotor Inertia Kgm2
+             * @default 0.0000058
+             */
+            rotor_inertia_kgm2?: number;
+            /**
+             * Load Inertia Kgm2
+             * @default 0
+             */
+            load_inertia_kgm2?: number;
+            /**
+             * Load Friction Nm
+             * @default 0
+             */
+            load_friction_nm?: number;
+            /**
+             * Supply V
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Counts Per Turn
+             * @description of the encoder, four a line
+             * @default 40000
+             */
+            counts_per_turn?: number;
+        };
+        /**
+         * TwinMotor
+         * @description What is known of the motor and its load, for a twin: of a name plate, a list, or an earlier study.
+         */
+        "TwinMotor-Output": {
+            /**
+             * Holding Torque Nm
+             * @default 0.45
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @default 1.5
+             */
+            rated_current_a: number;
+            /**
+             * Resistance Ohm
+             * @default 2.3
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @default 0.0044
+             */
+            inductance_h: number;
+            /**
+             * Rotor Inertia Kgm2
+             * @default 0.0000058
+             */
+            rotor_inertia_kgm2: number;
+            /**
+             * Load Inertia Kgm2
+             * @default 0
+             */
+            load_inertia_kgm2: number;
+            /**
+             * Load Friction Nm
+             * @default 0
+             */
+            load_friction_nm: number;
+            /**
+             * Supply V
+             * @default 24
+             */
+            supply_v: number;
+            /**
+             * Counts Per Turn
+             * @description of the encoder, four a line
+             * @default 40000
+             */
+            counts_per_turn: number;
+        };
+        /**
+         * TwinSetting
+         * @description A setting that held on the twin.
+         */
+        TwinSetting: {
+            /** Setting */
+            setting: {
+                [key: string]: number;
+            };
+            /** Time S */
+            time_s: number;
         };
         /**
          * TwinShow
