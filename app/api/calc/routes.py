@@ -32,9 +32,11 @@ from .tmc428.current_scales import current_scales
 from .tmc428.current_schemas import CurrentScaling, CurrentScalingResult
 from .tmc4361 import currents, input_filters
 from .tmc4361.current_schemas import DriveCurrent, DriveCurrentResult, PwmDuty, PwmDutyResult
+from .tmc4361.driver_sync import driver_sync
 from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
 from .tmc4361.serial_encoder import serial_encoder
 from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
+from .tmc4361.sync_schemas import DriverSync, DriverSyncResult
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 
@@ -124,6 +126,12 @@ def calculate_drive_current(body: DriveCurrent) -> DriveCurrentResult:
 def calculate_pwm_duty(body: PwmDuty) -> PwmDutyResult:
     """Duty of a TMC4361's PWM outputs: their amplitude over speed, and both of them over the electrical turn."""
     return currents.pwm_duty(body)
+
+
+@router.post("/driver-sync")
+def calculate_driver_sync(body: DriverSync) -> DriverSyncResult:
+    """What chopSync and dcStep of a TMC4361 come to in Hz, seconds and speeds, and what does not fit."""
+    return driver_sync(body)
 
 
 policy_of_all(router, Policy(lease="free", role="look", audit="silent"))

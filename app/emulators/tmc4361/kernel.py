@@ -20,6 +20,7 @@ import numpy as np
 
 from . import layout as c
 from .compiled import compiled, inlined
+from .dcstep import made, waits
 from .feedback import layout as fl
 from .feedback.kernel import motor_and_encoder_tick, regulation_tick
 from .layout import Cells, Floats
@@ -216,7 +217,7 @@ def _stops(r: Cells, s: Cells, f: Floats, pins: int, virtual: int) -> None:
 
 
 @inlined
-def _move(r: Cells, s: Cells, f: Floats) -> None:
+def _move(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     """Steps of this tick: from the plan, or from outside."""
     steps = 0
     kind = s[c.KIND]
@@ -226,7 +227,11 @@ def _move(r: Cells, s: Cells, f: Floats) -> None:
             s[c.REPLAN] |= steps != 0  # sd_indirect_control: the target has moved
             steps = 0
     if kind != c.IDLING and kind != c.EXTERNAL:
-        steps = go_on(r, s, f)
+        if r[c.GENERAL_CONF] >> 21 & 3 and waits(r, s, f, fb):
+            s[c.PLAN_TICK] += 1  # the whole plan is that much later
+        else:
+            steps = go_on(r, s, f)
+            made(r, s, steps)
     if steps != 0:
         count(r, s, f, steps)
     if steps != 0 or s[c.HELD] != 0:
@@ -247,7 +252,7 @@ def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     awake = not s[c.GATED]
     if awake:
         if s[c.KIND] != c.IDLING or s[c.EXT_LEFT] != 0 or s[c.HELD] != 0:
-            _move(r, s, f)
+            _move(r, s, f, fb)
         if tick == s[c.ZERO_WAIT]:
             s[c.REPLAN] = 1
         if tick >= s[c.COVER_AT]:

@@ -137,6 +137,8 @@ NET = 63
 """Steps sent since power-on, those backwards taken off."""
 FILTER = 64
 """From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
+DC_WAIT, DC_FREE = 69, 70
+"""dcStep: ticks for which the ramp has waited for the motor; microsteps that go out whether it follows or not."""
 INTEGERS = 72
 
 # --- cells of `f` ----------------------------------------------------------------------------------------------
@@ -180,6 +182,7 @@ PINS = 5
 
 # --- register addresses -------------------------------------------------------------------------------------------
 GENERAL_CONF, REFERENCE_CONF, START_CONF, INPUT_FILT_CONF, STEP_CONF = 0x00, 0x01, 0x02, 0x03, 0x0A
+DC_VEL, DC_LSPTM = 0x60, 0x62
 SPI_STATUS_SELECTION, EVENT_CLEAR_CONF, INTR_CONF, R_EVENTS, R_STATUS = 0x0B, 0x0C, 0x0D, 0x0E, 0x0F
 STP_LENGTH, START_OUT_ADD, GEAR_RATIO, START_DELAY, CLK_GATING_DELAY, STDBY_DELAY = range(0x10, 0x16)
 HOME_SAFETY_MARGIN, RAMPMODE, XACTUAL, VACTUAL, AACTUAL = 0x1E, 0x20, 0x21, 0x22, 0x23

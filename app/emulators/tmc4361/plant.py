@@ -8,11 +8,21 @@ from ..core.base import Times
 from ..drive.documents import ChipFaultsState, Forced, StageState, check_stage
 from ..drive.options import StageSwitches
 from . import layout as c
+from .dcstep import dcstep_acts
 from .driver import STATUS_FLAGS
 from .feedback.layout import SHAFT_FULLSTEPS
 from .options import Tmc4361Patch
 from .registers import Chip
-from .state import DriverBehindState, LevelState, PinsState, RampState, StepOutputState, SwitchesState, Tmc4361State
+from .state import (
+    DcStepState,
+    DriverBehindState,
+    LevelState,
+    PinsState,
+    RampState,
+    StepOutputState,
+    SwitchesState,
+    Tmc4361State,
+)
 
 _PLACES = {
     "left_at_fullsteps": c.LEFT_AT,
@@ -124,6 +134,7 @@ def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float)
             step=chip.step_level,
             direction=chip.direction_level,
             standby=chip.standby_level,
+            clock_out_hz=chip.clock_out_hz(clock_hz),
         ),
         encoder=behind.encoder,
         encoder_output=behind.encoder_output,
@@ -137,6 +148,11 @@ def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float)
             frozen=bool(s[c.FROZEN]),
             standby=bool(s[c.STANDBY]),
             clocks_gated=bool(s[c.GATED]),
+        ),
+        dcstep=DcStepState(
+            enabled=bool(dcstep_acts(r, f)),
+            step_ready=int(s[c.DC_WAIT]) == 0,
+            waited_s=int(s[c.DC_WAIT]) * c.TICK_CLOCKS / clock_hz,
         ),
         step_output=StepOutputState(
             steps_sent=int(s[c.STEPS]),

@@ -24,6 +24,9 @@ MASK = 0xFFFF_FFFF
 VERSION_NO = 2
 """No source tells what a TMC4361-LA answers; a TMC4361A's version is taken."""
 RESET_WORD = 0x525354
+SPI_OUT_CONF, CHOPSYNC_DIV = 0x04, 0x1F
+TMC24X_FORMAT = 9
+"""spi_output_format."""
 _RAMP = frozenset(
     (
         *(c.GENERAL_CONF, c.REFERENCE_CONF, c.START_CONF, c.GEAR_RATIO, c.XTARGET, c.FREEZE, c.CIRCULAR_DEC),
@@ -325,6 +328,21 @@ class Chip:
         """Level at STDBY_CLK while it tells standby (stdby_clk_pin_assignment 0: low active, 1: high active)."""
         chosen = int(self.r[c.GENERAL_CONF]) >> 13 & 3
         return chosen < 2 and bool(self.s[c.STANDBY]) == bool(chosen)
+
+    def clock_out_hz(self, clock_hz: float) -> float | None:
+        """The clock at STDBY_CLK (stdby_clk_pin_assignment 2: chopSync's, fCLK / CHOPSYNC_DIV; 3: fCLK).
+
+        With auto_double_chopsync and a TMC24x it is twice that at standstill (STEPPYR). None where there is none.
+        """
+        chosen = int(self.r[c.GENERAL_CONF]) >> 13 & 3
+        if chosen < 2 or self.s[c.GATED]:
+            return None
+        if chosen == 3:
+            return clock_hz
+        divider = int(self.r[CHOPSYNC_DIV]) & 0xFFF
+        output = int(self.r[SPI_OUT_CONF])
+        doubled = output & 15 == TMC24X_FORMAT and output >> 12 & 1 and self.f[c.V] == 0.0
+        return None if divider == 0 else clock_hz / divider * (2 if doubled else 1)
 
 
 def _signed(word: int) -> int:

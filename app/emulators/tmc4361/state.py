@@ -33,6 +33,17 @@ class PinsState(BaseModel):
     step: bool = Field(description="STPOUT at rest")
     direction: bool = Field(description="DIROUT")
     standby: bool = Field(description="STDBY_CLK while it tells standby; false while it does not")
+    clock_out_hz: float | None = Field(
+        description="STDBY_CLK while it gives a clock: chopSync's or the chip's own; null while it does not"
+    )
+
+
+class DcStepState(BaseModel):
+    """dcStep, as it is seen at the pins MP1 (STEP_READY) and MP2 (enable)."""
+
+    enabled: bool = Field(description="it works at this speed")
+    step_ready: bool = Field(description="the motor has followed")
+    waited_s: float = Field(description="how long the ramp has waited for the motor until now")
 
 
 class StepOutputState(BaseModel):
@@ -88,6 +99,7 @@ class Tmc4361State(EmulatedState):
     encoder_output: EncoderOutputState
     pwm: PwmState | None
     ramp: RampState
+    dcstep: DcStepState
     step_output: StepOutputState
     driver: DriverBehindState | None = Field(
         default=None, description="null: the chip's currents are wired to the motor"

@@ -21,7 +21,7 @@ RESET_CODE = 0x525354
 """What RESET_REG takes for a reset: "RST"."""
 
 PINS = "pins and their drivers are not emulated"
-NO_DCSTEP = "the emulated motor driver has no dcStep"
+STEP_READY_AT_45 = "the emulated motor driver is ready for a full step at 45 degrees of lag, whatever this says"
 NO_LEVELS = "the emulated pulses at STPIN are clean, and tell their direction themselves"
 
 _SAMPLE_RATES = {n: f"fCLK / {1 << n}" for n in range(8)}
@@ -74,7 +74,6 @@ GENERAL_ROWS = (
             2,
             "what the pin STDBY_CLK shows",
             {0: "standby, low active", 1: "standby, high active", 2: "chopSync clock", 3: "fCLK"},
-            behaviour=PINS,
         ),
         choice(15, "intr_pol", 1, "level of an active INTR", LOW_HIGH),
         flag(16, "invert_pol_target_reached", "inverts the pin TARGET_REACHED"),
@@ -82,7 +81,13 @@ GENERAL_ROWS = (
         flag(18, "clk_gating_stdby_en", "stops the clocks after the standby delay"),
         flag(19, "fs_en", "full steps above FS_VEL"),
         flag(20, "fs_sdout", "full steps also at STPOUT"),
-        Field("dcstep_mode", 2, "dcStep, by kind of motor driver; 0 is off", lsb=21, behaviour=NO_DCSTEP),
+        choice(
+            21,
+            "dcstep_mode",
+            2,
+            "dcStep: above DC_VEL the ramp waits for the motor",
+            {0: "off", 1: "by kind of motor driver", 2: "STEP_READY of a TMC2130", 3: "STEP_READY found here, TMC26x"},
+        ),
         flag(23, "pwm_out_en", "STPOUT and DIROUT give PWM of both phases"),
         flag(24, "serial_enc_out_enable", "the driver's SPI pins give encoder data instead"),
         choice(

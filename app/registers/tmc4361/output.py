@@ -6,7 +6,7 @@ from ..build import RW, R, Rows, W, choice, flag
 from ..microstep_rows import mslut_rows
 from ..model import Field
 from .events import TMC24X, TMC26X
-from .general import NO_DCSTEP
+from .general import STEP_READY_AT_45
 from .rows import CLOCKS, HEADERS, STEPPYR, TOM, TOM_STEPPYR, TOM_TBONE, TOM_TBONE_STEPPYR
 
 _spi_output = Rows("spi output", STEPPYR)
@@ -63,7 +63,6 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         "chopper clock doubles at standstill (STEPPYR: double_freq_at_stdby)",
         lsb=12,
         when=TMC24X,
-        behaviour=NO_CHOPSYNC,
     ),
     Field("three_phase_stepper_en", 1, "three-phase motor at a TMC389", lsb=4, when=TMC26X, behaviour=ONE_DRIVER),
     Field("scale_val_transfer_en", 1, "current scales are sent to the driver", lsb=5, when=_STEP_DIR),
@@ -177,21 +176,21 @@ _DRIVER_ROWS = (
         unit=CLOCKS, reset=0x280
     ),
     _spi_output(0x1F, "CHOPSYNC_DIV", 12, RW, "period of the chopper clock").having(
-        unit=CLOCKS, reset=0x280, when="chopSync with TMC23x or TMC24x", behaviour=NO_CHOPSYNC, source=HEADERS
+        unit=CLOCKS, reset=0x280, when="chopSync with TMC23x or TMC24x", source=f"{HEADERS}; API (96..818)"
     ),
     _driver(0x60, "FS_VEL", 24, W, "speed from which full steps are used, if fs_en").having(
         unit="pps", source=f"{STEPPYR} (STEPPYR: 32 bits)"
     ),
     _driver(0x60, "DC_VEL", 24, W, "speed from which dcStep may slow the motor down").having(
-        unit="pps", when="dcstep_mode is on", behaviour=NO_DCSTEP, source=STEPPYR
+        unit="pps", when="dcstep_mode is on", source=STEPPYR
     ),
-    _driver(0x61, "DC_TIME___DC_SG___DC_BLKTIME", 32, W, "times of dcStep", behaviour=NO_DCSTEP).having(
+    _driver(0x61, "DC_TIME___DC_SG___DC_BLKTIME", 32, W, "times of dcStep", behaviour=STEP_READY_AT_45).having(
         Field("DC_TIME", 8, "longest PWM on time before commutation", unit=CLOCKS, lsb=0),
         Field("DC_SG", 8, "on time below which a step is taken for lost", unit="16 tCLK", lsb=8),
         Field("DC_BLKTIME", 16, "blank time after a full step", unit=CLOCKS, lsb=16),
     ),
     _driver(0x62, "DC_LSPTM", 32, W, "time of a full step at low speed").having(
-        unit=CLOCKS, reset=0xFFFFFF, when="dcstep_mode is on", behaviour=NO_DCSTEP
+        unit=CLOCKS, reset=0xFFFFFF, when="dcstep_mode is on"
     ),
     _driver(0x67, "VSTALL_LIMIT", 24, W, "speed above which stop_on_stall acts", unit="pps"),
     _spi_output(

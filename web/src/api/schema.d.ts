@@ -1755,6 +1755,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/driver-sync": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Driver Sync
+         * @description What chopSync and dcStep of a TMC4361 come to in Hz, seconds and speeds, and what does not fit.
+         */
+        post: operations["calculate_driver_sync"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/catalog": {
         parameters: {
             query?: never;
@@ -4007,6 +4027,23 @@ export interface components {
             /** Link */
             link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"];
         };
+        /** ChopSyncResult */
+        ChopSyncResult: {
+            /** Hz */
+            hz: number;
+            /**
+             * Rest Hz
+             * @description at standstill
+             */
+            rest_hz: number;
+            /**
+             * Nearest Div
+             * @description for wanted_hz
+             */
+            nearest_div: number;
+            /** Warnings */
+            warnings: string[];
+        };
         /**
          * Chopper
          * @description A motor, its supply and its current, for which settings to begin with are to be found.
@@ -4829,6 +4866,57 @@ export interface components {
              */
             values: (number | null)[];
         };
+        /** DcStepResult */
+        DcStepResult: {
+            /**
+             * Full Steps Per S
+             * @description at DC_VEL
+             */
+            full_steps_per_s: number;
+            /**
+             * Full Step S
+             * @description there; null where DC_VEL is 0
+             */
+            full_step_s: number | null;
+            /**
+             * Least Full Steps Per S
+             * @description by DC_LSPTM; null where that is 0
+             */
+            least_full_steps_per_s: number | null;
+            /** Rpm */
+            rpm: number;
+            /** Least Rpm */
+            least_rpm: number | null;
+            /** On Time S */
+            on_time_s: number;
+            /** Lost S */
+            lost_s: number;
+            /** Blank S */
+            blank_s: number;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * DcStepState
+         * @description dcStep, as it is seen at the pins MP1 (STEP_READY) and MP2 (enable).
+         */
+        DcStepState: {
+            /**
+             * Enabled
+             * @description it works at this speed
+             */
+            enabled: boolean;
+            /**
+             * Step Ready
+             * @description the motor has followed
+             */
+            step_ready: boolean;
+            /**
+             * Waited S
+             * @description how long the ramp has waited for the motor until now
+             */
+            waited_s: number;
+        };
         /** DebugBreakpoints */
         DebugBreakpoints: {
             /** Breakpoints */
@@ -5601,6 +5689,94 @@ export interface components {
             motor?: components["schemas"]["MotorState"] | null;
             /** @description how that motor and its shaft really are */
             truth?: components["schemas"]["TruthState"] | null;
+        };
+        /**
+         * DriverSync
+         * @description Registers as they are planned.
+         */
+        DriverSync: {
+            /**
+             * Clock Hz
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Spi Output Format
+             * @default 0
+             */
+            spi_output_format?: number;
+            /**
+             * Chopsync Div
+             * @default 640
+             */
+            chopsync_div?: number;
+            /**
+             * Auto Double Chopsync
+             * @default false
+             */
+            auto_double_chopsync?: boolean;
+            /**
+             * Stdby Clk Pin Assignment
+             * @default 0
+             */
+            stdby_clk_pin_assignment?: number;
+            /**
+             * Wanted Hz
+             * @description a clock of the chopper to find a divider for
+             */
+            wanted_hz?: number | null;
+            /**
+             * Dcstep Mode
+             * @default 0
+             */
+            dcstep_mode?: number;
+            /**
+             * Dc Vel
+             * @description pps
+             * @default 0
+             */
+            dc_vel?: number;
+            /**
+             * Dc Time
+             * @default 0
+             */
+            dc_time?: number;
+            /**
+             * Dc Sg
+             * @default 0
+             */
+            dc_sg?: number;
+            /**
+             * Dc Blktime
+             * @default 0
+             */
+            dc_blktime?: number;
+            /**
+             * Dc Lsptm
+             * @default 16777215
+             */
+            dc_lsptm?: number;
+            /**
+             * Microsteps
+             * @default 256
+             */
+            microsteps?: number;
+            /**
+             * Full Steps Per Rev
+             * @default 200
+             */
+            full_steps_per_rev?: number;
+            /**
+             * V Max Pps
+             * @description 0: not known
+             * @default 0
+             */
+            v_max_pps?: number;
+        };
+        /** DriverSyncResult */
+        DriverSyncResult: {
+            chopsync: components["schemas"]["ChopSyncResult"];
+            dcstep: components["schemas"]["DcStepResult"];
         };
         /**
          * DriverTrial
@@ -13292,6 +13468,7 @@ export interface components {
             encoder_output: components["schemas"]["EncoderOutputState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
+            dcstep: components["schemas"]["DcStepState"];
             step_output: components["schemas"]["StepOutputState"];
             /** @description null: the chip's currents are wired to the motor */
             driver?: components["schemas"]["DriverBehindState"] | null;
@@ -14931,6 +15108,11 @@ export interface components {
              * @description STDBY_CLK while it tells standby; false while it does not
              */
             standby: boolean;
+            /**
+             * Clock Out Hz
+             * @description STDBY_CLK while it gives a clock: chopSync's or the chip's own; null while it does not
+             */
+            clock_out_hz: number | null;
         };
         /** SwitchesState */
         Tmc4361SwitchesState: {
@@ -23908,6 +24090,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PwmDutyResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_driver_sync: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DriverSync"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DriverSyncResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

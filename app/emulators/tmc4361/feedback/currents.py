@@ -10,7 +10,8 @@ open is read like this:
   CL_START_DN; between the two lines it stays;
 - CURRENTx_SPI = CURRENTx * (scale + 1) / 256, floored; DAC_OFFSET (signed) is added where an SPI DAC is the driver
   (spi_output_format 1..7);
-- full steps (fs_en above FS_VEL) are the middle of each full step of the wave;
+- full steps (fs_en above FS_VEL, or dcStep above DC_VEL, the same register) are the middle of each full step of the
+  wave;
 - a PWM's scale without pwm_scale_en is the 1/2 of full voltage. Its duty has the resolution of PWM_FREQ clocks.
 """
 
@@ -169,7 +170,7 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     at = n[c.PHASE]
     n[c.FS_ACTIVE] = (
         not closed
-        and bit(n[c.GENERAL_CONF], FS_EN)
+        and (bit(n[c.GENERAL_CONF], FS_EN) or n[c.GENERAL_CONF] >> 21 & 3 != 0)
         and n[c.VMIN_EMF] & 0xFFFFFF > 0
         and speed >= (n[c.VMIN_EMF] & 0xFFFFFF)
     )

@@ -1,4 +1,11 @@
-import { IconBinary, IconBolt, IconFilter, IconTargetArrow, IconVectorSpline } from "@tabler/icons-react";
+import {
+  IconArrowsJoin,
+  IconBinary,
+  IconBolt,
+  IconFilter,
+  IconTargetArrow,
+  IconVectorSpline,
+} from "@tabler/icons-react";
 import { api } from "../../api/client";
 import { later } from "../../lib/later";
 import { type Family, page } from "../family";
@@ -20,6 +27,10 @@ export const tmc4361: Family = {
     {
       ...page(32, "/serial-encoder", "Serial encoder", "SSI/SPI", IconBinary, { needs: ["serial_encoder"] }),
       load: () => import("./serial/SerialEncoderPage"),
+    },
+    {
+      ...page(33, "/driver-sync", "chopSync, dcStep", "dcStep", IconArrowsJoin, { needs: ["driver_sync"] }),
+      load: () => import("./sync/DriverSyncPage"),
     },
     {
       ...page(41, "/drive-currents", "Drive currents", "Currents", IconBolt, { needs: ["current.ramp"] }),
