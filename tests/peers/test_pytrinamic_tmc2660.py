@@ -70,7 +70,7 @@ class Bench:
     def shaft_fullsteps(self) -> float:
         if self.behind:
             return self.rig.position(0) - 3750
-        return self.chip.ground_truth(0, self.time_s).shaft_fullsteps
+        return float(self.chip.ground_truth(0, self.time_s).shaft_fullsteps)
 
     def heat(self, celsius: float) -> None:
         if self.behind:
@@ -88,7 +88,7 @@ def field(evaluation: Any, name: str, register: int) -> int:
     """A field as its table has it; names that several registers have are told apart by the register."""
     address, mask, shift = getattr(evaluation.ics[0].FIELD, name)
     assert address == register
-    return (evaluation.read_register(register) & mask) >> shift
+    return int((evaluation.read_register(register) & mask) >> shift)
 
 
 def test_it_is_initialised_given_currents_read_back_and_moved(bench: Bench) -> None:

@@ -13,7 +13,7 @@ from ...errors import OutOfRange, UsageError
 from ...links import datagram40, tmcl
 from ...links.datagram_uart import UartForm
 from ...links.register_access import BoardAccess, Spi40Access, UartAccess
-from ...links.spi_access import SpiAccess, TaggedAccess
+from ...links.spi_access import HIDDEN, SpiAccess, TaggedAccess
 from ...links.spi_datagram import data_of, decode
 from ...registers.model import Register
 from .capabilities import RawFrames
@@ -48,6 +48,11 @@ class RawRules(Protocol):
     def status_flags(self, status: int) -> dict[str, bool]:
         """The bits of the status byte by name."""
         ...
+
+    def answered(self, word: int) -> dict[str, int]:
+        """What an answer shows besides its flags, by name; empty where nobody knows."""
+        del word
+        return {}
 
 
 class RawDatagrams(RawFrames):
@@ -125,11 +130,15 @@ class RawDatagrams(RawFrames):
             reply = await turn.exchange(frame)
             time_s = turn.last_exchange_s
         access.check(frame, reply)
+        status = access.status([reply]) or 0
+        # of what was selected before this datagram, which may select something else
+        answer = {} if reply[-1] & HIDDEN else self._rules.answered(int.from_bytes(reply, "big") >> 4)
         data = datagram & (1 << form.width_of(address)) - 1
         if register is not None:
             await self._heed(register, data, write=True, time_s=time_s)
         decoded = self._decoded(address, register, data, write=True)
-        return RawExchange(reply, decoded | {"status": access.status([reply]), "flags": {}})
+        told = {"status": status, "flags": self._rules.status_flags(status), "answer": answer}
+        return RawExchange(reply, decoded | told)
 
     async def _board_command(self, access: BoardAccess, frame: bytes) -> RawExchange:
         """A TMCL command to the evaluation board; its register access is decoded."""

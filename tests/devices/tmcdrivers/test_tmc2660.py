@@ -135,6 +135,21 @@ async def test_start_up_sets_currents_within_limits() -> None:
         assert (done.decoded["register"], done.decoded["fields"]["CS"]) == ("SGCSCONF", 3)  # type: ignore[index]
 
 
+async def test_a_datagram_by_hand_tells_what_was_selected_before_it() -> None:
+    async with bench(MODEL) as b:
+        raw = await b.device.raw.exchange((7 << 17 | 2 << 4).to_bytes(3, "big"))
+        assert raw.decoded["answer"] == {}, "nobody knows what it shows"
+        await set_up(b, run_scale=9)
+        await b.clock.advance(0.1)
+        raw = await b.device.raw.exchange((7 << 17 | 1 << 4).to_bytes(3, "big"))
+        assert raw.decoded["answer"] == {"SE": 9, "SG_UPPER": 0}
+        assert raw.decoded["flags"] == {"SG": False, "OT": False, "OTPW": False} | dict.fromkeys(
+            ("S2GA", "S2GB", "OLA", "OLB"), False
+        ) | {"STST": True}
+        raw = await b.device.raw.exchange((7 << 17 | 1 << 4).to_bytes(3, "big"))
+        assert list(raw.decoded["answer"]) == ["SG_RESULT"]  # type: ignore[call-overload]
+
+
 async def test_after_a_failure_of_the_link_nothing_is_known() -> None:
     async with bench(MODEL) as b:
         await set_up(b)

@@ -16,6 +16,9 @@ from ...core.results import RegisterReading, RegisterWritten
 from ...core.unread_registers import arrived_unread
 from .memory import TaggedMemory
 
+SCALE = 2
+"""RDSEL: load value and current scale; above it nothing is told."""
+
 
 class TaggedRegisters(RegisterFile):
     """The same, but where no status can be asked for yet: then there is nothing to read."""
@@ -81,6 +84,13 @@ class TaggedByHand(RawRules):
     async def moved_by_hand(self, register: Register) -> bool:
         del register
         return False
+
+    def answered(self, word: int) -> dict[str, int]:
+        rows, selected = self.memory.rows, self.memory.field(self.memory.rows.configuration, "RDSEL")
+        if selected is None or selected > SCALE:
+            return {}
+        row = (rows.place, rows.load, rows.scale)[selected]
+        return {part.name: part.unpack(word) for part in row.fields if part.name not in FLAGS}
 
     def status_flags(self, status: int) -> dict[str, bool]:
         return {name: bool(status >> bit & 1) for bit, name in enumerate(FLAGS)}

@@ -14,12 +14,14 @@ import { useSelection } from "../../../live/selection";
 import { BitDetail } from "./BitDetail";
 import classes from "./Chain.module.css";
 import { ChainStrip } from "./ChainStrip";
+import { Composer } from "./Composer";
 import {
   BITS_MAX,
   type Bit,
   byMotor,
   CUSTOM,
   customOf,
+  DECAYING,
   DRIVERS_MAX,
   type Driver,
   differing,
@@ -141,7 +143,7 @@ function Editor({ device }: { device: Device | undefined }) {
           value={driver.driver}
           onChange={(name) => name && choose(motor, name)}
         />
-        {driver.driver !== CUSTOM && (
+        {DECAYING.includes(driver.driver) && (
           <Switch
             label="fast decay"
             checked={driver.fastDecay}
@@ -322,6 +324,8 @@ function Editor({ device }: { device: Device | undefined }) {
             <div className="room" />
           )}
         </Card>
+
+        {device !== undefined && <Composer device={device} />}
 
         <div className="columns until-62">
           <Frequencies

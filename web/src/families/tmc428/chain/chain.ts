@@ -27,7 +27,9 @@ export const SIGNALS = [
   "Step",
 ] as const;
 
-export const KNOWN = ["tmc236", "tmc239", "tmc246", "tmc249"] as const;
+export const KNOWN = ["tmc236", "tmc239", "tmc246", "tmc249", "tmc260", "tmc261", "tmc262", "tmc2660"] as const;
+/** Drivers whose mixed-decay bits can follow FD_A and FD_B. */
+export const DECAYING: readonly string[] = KNOWN.slice(0, 4);
 export const CUSTOM = "custom";
 export const DRIVERS_MAX = 3;
 export const BITS_MAX = 64;
