@@ -313,3 +313,13 @@ async def test_current_scales_over_a_move(client: httpx.AsyncClient) -> None:
     refused = await client.post("calc/current-scales", json={**body, "parameters": {**RAMP, "v_max": 0}})
     assert refused.status_code == 422
     assert "v_max is 0" in refused.json()["detail"]
+
+
+async def test_v_min_as_a_start_stop_speed(client: httpx.AsyncClient) -> None:
+    body = {"parameters": {**RAMP, "clock_hz": 16e6}, "distance": 5_000, "motor": {"microsteps_per_full_step": 64}}
+    answer = (await client.post("calc/start-stop", json=body)).json()
+    assert answer["keeps_steps"]
+    assert 1 <= answer["suggested_chip"] <= answer["limit_chip"]
+    assert answer["duration_s"] == answer["duration_least_s"]
+    refused = await client.post("calc/start-stop", json={**body, "motor": {"inertia_kgm2": 0}})
+    assert refused.status_code == 422

@@ -120,3 +120,15 @@ def test_current_scales_are_drawn_over_the_ramp_and_staged(page: Page, api: http
     expect(page.get_by_text("edit staged")).to_have_count(0)
     assert value(api, register) >> 12 & 7 == wanted
     api.put(register, params=X, json={"value": before}).raise_for_status()
+
+
+def test_v_min_is_judged_against_the_motor_and_set_to_what_is_suggested(page: Page) -> None:
+    page.goto("/ramps")
+    table = page.get_by_test_id("start-stop")
+    expect(table).to_contain_text("The motor can stop dead from", timeout=30_000)
+    use = page.get_by_test_id("use-v-min")
+    expect(use).to_have_text(re.compile(r"^v_min \d+$"))
+    use.click()
+    expect(use).to_be_disabled()
+    expect(table).to_contain_text(re.compile(r"(49|50) % of that"))
+    expect(page.get_by_text("v_min keeps every step")).to_be_visible()

@@ -30,6 +30,7 @@ from .sixpoint_schemas import Chopper, ChopperResult, CoilCurrent, CoilCurrentRe
 from .tmc5xxx import motor as motor_calculators
 from .tmc428.current_scales import current_scales
 from .tmc428.current_schemas import CurrentScaling, CurrentScalingResult
+from .tmc428.start_stop import StartStop, StartStopResult, start_stop
 from .tmc4361 import currents, input_filters
 from .tmc4361.current_schemas import DriveCurrent, DriveCurrentResult, PwmDuty, PwmDutyResult
 from .tmc4361.driver_sync import driver_sync
@@ -75,6 +76,12 @@ def calculate_coil_current(body: CoilCurrent) -> CoilCurrentResult:
 def calculate_current_scales(body: CurrentScaling) -> CurrentScalingResult:
     """Which of a TMC428's three current scales holds when over a move, for how long, and what it saves."""
     return current_scales(body)
+
+
+@router.post("/start-stop")
+def calculate_start_stop(body: StartStop) -> StartStopResult:
+    """From how fast a motor may be stopped dead, v_min of a TMC428 against that, and what it does to a move's time."""
+    return start_stop(body)
 
 
 @router.post("/chopper")

@@ -1609,6 +1609,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/start-stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Start Stop
+         * @description From how fast a motor may be stopped dead, v_min of a TMC428 against that, and what it does to a move's time.
+         */
+        post: operations["calculate_start_stop"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/chopper": {
         parameters: {
             query?: never;
@@ -12533,6 +12553,67 @@ export interface components {
             unit: string;
             /** Why */
             why: string;
+        };
+        /**
+         * StartStop
+         * @description A motor, and the ramp whose v_min is judged.
+         */
+        StartStop: {
+            /** @description resistance, inductance and supply do not enter */
+            motor: components["schemas"]["RampMotor"];
+            /**
+             * Parameters
+             * @description of the ramp, as POST /calc/ramp takes them
+             */
+            parameters: {
+                [key: string]: number | string;
+            };
+            /**
+             * Distance
+             * @description of the move whose times are told [microsteps]
+             */
+            distance: number;
+        };
+        /** StartStopResult */
+        StartStopResult: {
+            /**
+             * Limit Pps
+             * @description the motor may just be stopped dead from here, or started to it
+             */
+            limit_pps: number;
+            /**
+             * Limit Chip
+             * @description the highest v_min at or below that
+             */
+            limit_chip: number;
+            /**
+             * Suggested Chip
+             * @description half of it, 1 at least
+             */
+            suggested_chip: number;
+            /** V Min Pps */
+            v_min_pps: number;
+            /**
+             * Share
+             * @description of the limit; null where that is 0
+             */
+            share: number | null;
+            /** Keeps Steps */
+            keeps_steps: boolean;
+            /**
+             * Duration S
+             * @description of the move; null where it never ends or does not position
+             */
+            duration_s: number | null;
+            /**
+             * Duration Least S
+             * @description with v_min 1
+             */
+            duration_least_s: number | null;
+            /** Duration Suggested S */
+            duration_suggested_s: number | null;
+            /** Warnings */
+            warnings: string[];
         };
         /**
          * StartTogether
@@ -23632,6 +23713,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CurrentScalingResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_start_stop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartStop"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartStopResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

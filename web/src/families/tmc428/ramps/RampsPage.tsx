@@ -29,6 +29,7 @@ import { PairSection } from "./PairSection";
 import { Parameters } from "./Parameters";
 import { RampPlots } from "./RampPlots";
 import { SendSection } from "./SendSection";
+import { StartStop } from "./StartStop";
 
 interface Sketch {
   design: RampDesign;
@@ -202,6 +203,14 @@ function Designer({ device, axis }: Props) {
             mode={mode}
             vMax={design.v_max}
             distance={distance}
+          />
+          <StartStop
+            own={`${device?.id ?? "-"}.${axis}`}
+            ramp={asking(mode === "velocity" ? (pair ?? { pmul: 0, pdiv: 0 }) : pair, distance, mode)}
+            scale={scale}
+            unit={units.velocity}
+            vMin={design.v_min}
+            onVMin={(v_min) => change({ design: { ...design, v_min } })}
           />
         </div>
         <div className="column">
