@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,10 @@ from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.first_look.encoder_fit import fit_encoder
 from app.studies.first_look.study import FirstLookStudy
 from app.studies.record import Finding, StudyRecord
+from app.studies.store import StudyStore
 from tests.devices.tmc5xxx.harness import START
+from tests.devices.tmc4361.harness import START as START_4361
+from tests.devices.tmc4361.harness import bench as bench_4361
 from tests.studies.harness import Kept, Studied, studied
 
 TURN = 51_200
@@ -71,6 +75,17 @@ async def test_an_encoder_that_stands_still_is_missing(tmp_path: Path) -> None:
         record = await looked(s)
         assert named(record)["encoder"].sure == "missing"
         assert "encoder" in record.verdict
+
+
+@pytest.mark.parametrize("amplitude_deg", [0.0, 0.15, 0.4])
+async def test_the_eccentricity_of_an_encoder_is_told_within_its_interval(tmp_path: Path, amplitude_deg: float) -> None:
+    start = replace(START_4361, stops=False)
+    async with bench_4361(start, encoder={"eccentricity_deg": amplitude_deg}) as b:
+        found = named(await looked(Studied(b, StudyStore(tmp_path, aside=False))))
+        told = found["eccentricity"]
+        assert told.value == pytest.approx(amplitude_deg, abs=0.03)
+        assert told.interval is not None
+        assert told.interval.low - 0.02 <= amplitude_deg <= told.interval.high + 0.02
 
 
 async def test_switches_are_found_where_they_are(tmp_path: Path) -> None:

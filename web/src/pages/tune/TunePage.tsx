@@ -25,13 +25,14 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
   const [picked, setPicked] = useState<string | null>(null);
   const changes = useChanges(setPicked);
   const own = studies.data?.studies.filter((study) => study.device === device.id && study.axis === axis.index) ?? [];
+  const runs = own.some(({ state }) => state === "running");
   const shown = own.find(({ id }) => id === picked)?.id ?? own[0]?.id ?? null;
   return (
     <Page name="Tune">
       <DeviceNotice device={device} />
       <div className="columns design until-75">
         <div className="column">
-          <WishCard device={device} axis={axis} changes={changes} busy={own.some(({ state }) => state === "running")} />
+          <WishCard device={device} axis={axis} changes={changes} busy={runs} />
           <StudyList
             studies={own}
             error={studies.error}
@@ -40,7 +41,7 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
             retry={() => void studies.refetch()}
           />
         </div>
-        <div className="column">
+        <div className={`column ${runs ? "ahead" : ""}`}>
           <StudyView id={shown} changes={changes} />
         </div>
       </div>
