@@ -21,6 +21,7 @@ from app.devices.core.capabilities import (
     PositionFromEncoder,
     ProgramMemory,
     StallStop,
+    StartWire,
     TmclCommands,
 )
 from app.devices.core.cover import CoverCarrier
@@ -113,6 +114,7 @@ async def can(made: Bench) -> set[Capability]:
         "driver_sync": _has_row(model, "CHOPSYNC_DIV", "DC_VEL"),
         "stallguard": _every_axis(device, "load_value"),
         "stallguard.behind": device.part(StallStop) is not None and device.part(CoverCarrier) is not None,
+        "start_pin": device.part(StartWire) is not None,
         "home_switch": _every_axis(device, "switch_home") or _every_axis(device, "switch_reference"),
         "input_filters": _has_row(model, "INPUT_FILT_CONF"),
         "events": device.part(EventLog) is not None,

@@ -32,6 +32,7 @@ MODELS = (
                 "serial_encoder",
                 "driver_sync",
                 "home_switch",
+                "start_pin",
                 "stallguard.behind",
                 "input_filters",
                 "events",

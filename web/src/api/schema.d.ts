@@ -3488,7 +3488,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3553,7 +3553,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3647,7 +3647,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**

@@ -3,6 +3,7 @@ import {
   IconBinary,
   IconBolt,
   IconFilter,
+  IconPlayerPlay,
   IconTargetArrow,
   IconVectorSpline,
 } from "@tabler/icons-react";
@@ -31,6 +32,10 @@ export const tmc4361: Family = {
     {
       ...page(33, "/driver-sync", "chopSync, dcStep", "dcStep", IconArrowsJoin, { needs: ["driver_sync"] }),
       load: () => import("./sync/DriverSyncPage"),
+    },
+    {
+      ...page(34, "/start", "Start and steps", "Start", IconPlayerPlay, { needs: ["start_pin"] }),
+      load: () => import("./start/StartPage"),
     },
     {
       ...page(41, "/drive-currents", "Drive currents", "Currents", IconBolt, { needs: ["current.ramp"] }),

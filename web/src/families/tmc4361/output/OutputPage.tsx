@@ -1,5 +1,6 @@
+import { IconBolt } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
-import { Waiting } from "../../../lib/NoDevice";
+import { NoDevice, Waiting } from "../../../lib/NoDevice";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
@@ -16,7 +17,8 @@ const DEFAULT_CLOCK = 16e6;
 /** What the coils get, by what the ramp does: current scales over a move, and the duty of PWM outputs. */
 export default function OutputPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
-  if (waiting || device === undefined || entry === undefined) return <Waiting page="Drive currents" />;
+  if (waiting) return <Waiting page="Drive currents" />;
+  if (!device || !entry) return <NoDevice icon={<IconBolt size={22} />} wanted="a TMC4361" />;
   return <OfChip key={key} device={device} axis={entry} />;
 }
 

@@ -1,0 +1,49 @@
+import { IconPlayerPlay } from "@tabler/icons-react";
+import type { Device } from "../../../api/queries";
+import { NoDevice, Waiting } from "../../../lib/NoDevice";
+import { Page } from "../../../lib/Page";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
+import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
+import { useChipRows } from "../../../lib/rows/useChipRows";
+import { useSelectedAxis } from "../../../live/selection";
+import { StartSection } from "./StartSection";
+import { StepSection } from "./StepSection";
+
+const GROUPS = ["general", "start", "step/dir", "ramp"] as const;
+const DEFAULT_CLOCK = 16e6;
+
+/** What gives a start and what waits for one; steps that come from outside, and what they become. */
+export default function StartPage() {
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="Start and steps" />;
+  if (!device || !entry) return <NoDevice icon={<IconPlayerPlay size={22} />} wanted="a chip with a START pin" />;
+  return <OfChip key={key} device={device} axis={entry} />;
+}
+
+function OfChip({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
+  const chip = useChipRows(device, axis.index, GROUPS);
+  const clockHz = device.clock_hz ?? DEFAULT_CLOCK;
+  const connected = device.state === "connected";
+  const common = { chip, device, clockHz, disabled: !chip.known };
+  return (
+    <Page name="Start and steps">
+      <DeviceNotice device={device} />
+      {chip.live.catalog.isError && (
+        <ProblemAlert
+          error={chip.live.catalog.error}
+          doing="Reading the register list"
+          retry={() => void chip.live.catalog.refetch()}
+        />
+      )}
+      {chip.live.readings.isError && connected && (
+        <ProblemAlert error={chip.live.readings.error} doing="Reading the registers" />
+      )}
+      <div className="columns until-75" data-stale={!connected}>
+        <StartSection {...common} />
+        <StepSection {...common} microsteps={axis.microsteps_per_full_step} fullSteps={axis.full_steps_per_rev} />
+      </div>
+      <StagedDrawer chip={chip} device={device} />
+    </Page>
+  );
+}
