@@ -57,7 +57,7 @@ def test_its_fields_lie_where_pytrinamic_has_them() -> None:
 def test_spi_leads_to_it_and_an_evaluation_board() -> None:
     model = MODELS["tmc2130"]
     assert (model.datagram_bits, model.uart, model.version, model.version_address) == (40, "", 0x11, 0x04)
-    assert model.wires == {"emulator", "tcp", "spidev", "landungsbruecke"}
+    assert model.wires == {"emulator", "tcp", "spidev", "landungsbruecke", "cover"}
     assert (model.slot.side, model.board) == ("driver", "TMC2130")
     assert not model.counts_position
     assert not model.can("own_velocity")

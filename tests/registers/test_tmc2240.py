@@ -45,5 +45,5 @@ def test_all_that_can_be_written_can_be_read() -> None:
 def test_spi_and_a_uart_lead_to_it() -> None:
     model = MODELS["tmc2240"]
     assert (model.datagram_bits, model.uart, model.version, model.version_address) == (40, "node", 0x40, 0x04)
-    assert model.wires == {"emulator", "tcp", "spidev", "landungsbruecke", "uart"}
+    assert model.wires == {"emulator", "tcp", "spidev", "landungsbruecke", "uart", "cover"}
     assert not model.uart_alone
