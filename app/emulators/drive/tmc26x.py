@@ -13,7 +13,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .drive import Drive, DriveCells, Followed
+from .kernel import Cells
 from .options import DriveOptions
+from .stepped import advance_by_steps
 from .units import bits
 
 BITS = 20
@@ -64,6 +66,8 @@ class Tmc26x:
         self.words: dict[int, int] = {}
         """What was written, by register: 17 bits, of DRVCTRL 18."""
         self._counted, self._step_hz = False, 0.0
+        self.steps_made = 0
+        """Steps that came one by one and were made, signed, since power-on."""
         self._following: Followed = _RAMP
         self._clock = 0
         self._takers: dict[int, Callable[[int], None]] = {
@@ -86,6 +90,7 @@ class Tmc26x:
         drive.write("TCOOLTHRS", _EVERY_SPEED)
         drive.write("TPOWERDOWN", 0)
         self._following = _RAMP
+        self.steps_made = 0
         self._follow()
         self._turn()
         for take in self._takers.values():
@@ -151,6 +156,30 @@ class Tmc26x:
         self._follow()
         if not self.takes_currents:
             self.drive.take_steps(steps)
+
+    @property
+    def clock(self) -> int:
+        """Clocks that it has been brought to."""
+        return self._clock
+
+    @property
+    def stepped(self) -> bool:
+        """Whether steps come one by one, in place of a frequency."""
+        return self._counted
+
+    @stepped.setter
+    def stepped(self, value: bool) -> None:
+        self._counted = value
+        self._follow()
+
+    def advance_by_steps(self, clocks: Cells, counts: Cells) -> None:
+        """Catch up to the last of `clocks`; `counts` steps (signed) come by each. Not looked at with SDOFF."""
+        if self._following != _STEPS:
+            self.advance(int(clocks[-1]))
+            return
+        self._clock = int(clocks[-1])
+        self.steps_made += int(counts.sum())
+        advance_by_steps(*self.drive.cells, clocks, counts)
 
     @property
     def step_hz(self) -> float:

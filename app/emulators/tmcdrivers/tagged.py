@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from ...clock import Clock
 from ...registers.tmcdrivers.tmc2660 import FORMAT
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
+from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
 from ..drive.tmc26x import SG_FLAG, Tmc26x
 from ..motor_documents import change_load
 from .options import DriverModel, TmcDriverOptions, TmcDriverPatch, check_change
 from .state import DriverPinsState, TmcDriverState
+from .wires import Wires
 
 CLOCK_HZ = 15e6
 FULL_SCALE_A = 3.1
@@ -33,11 +36,20 @@ class EmulatedTagged(EmulatorBase[TmcDriverPatch, TmcDriverState]):
         self._chip = Tmc26x(options.drive(FULL_SCALE_A))
         self._chip.drive.least_supply_v = LEAST_SUPPLY_V
         self._noise = random.Random(options.seed)
+        self._wired = Wires(self._chip, options.clock_hz)
 
     @property
     def model(self) -> str:
         """The name in the catalog."""
         return MODEL
+
+    @property
+    def wired(self) -> Wires:
+        return self._wired
+
+    @property
+    def wires(self) -> Sequence[PinWire]:
+        return self.options.wires
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         """Answer 24 bits, of which the last 20 are the datagram and the first 20 of the answer the status.
@@ -98,6 +110,8 @@ class EmulatedTagged(EmulatorBase[TmcDriverPatch, TmcDriverState]):
             friction=plant.extra_friction_nm,
             truth=truth_state(drive.plant_state),
             uart=None,
-            pins=DriverPinsState(enn=not drive.enabled, diag=bool(chip.flags & SG_FLAG), step_hz=chip.step_hz),
+            pins=DriverPinsState(
+                enn=not drive.enabled, diag=bool(chip.flags & SG_FLAG), step_hz=chip.step_hz, steps=chip.steps_made
+            ),
             faults=ChipFaultsState(**asdict(self.faults)),
         )

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from ..core.pins import STEPS, Cells, WiredChip
 from ..drive import TICK_CLOCKS
-from .registers import Chip
+
+
+class SteppedChip(Protocol):
+    """What a driver does with steps that come one by one."""
+
+    stepped: bool
+
+    @property
+    def clock(self) -> int: ...
+
+    @property
+    def quiet(self) -> bool: ...
+
+    def advance(self, clock: int) -> None: ...
+
+    def advance_by_steps(self, clocks: Cells, counts: Cells) -> None: ...
 
 
 class Wires(WiredChip):
@@ -13,7 +30,7 @@ class Wires(WiredChip):
     tick_clocks = TICK_CLOCKS
     inputs = STEPS[:1]
 
-    def __init__(self, chip: Chip, clock_hz: float) -> None:
+    def __init__(self, chip: SteppedChip, clock_hz: float) -> None:
         self._chip = chip
         self.clock_hz = clock_hz
 

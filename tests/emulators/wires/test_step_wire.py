@@ -13,6 +13,7 @@ from app.emulators.tmc428.device import EmulatedDevice
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
 from app.emulators.tmcdrivers.chip import EmulatedDriver
 from app.emulators.tmcdrivers.options import TmcDriverPatch
+from app.emulators.tmcdrivers.tagged import EmulatedTagged
 from app.emulators.wiring import EmulatorWiring, Present
 from app.links.datagram40 import write
 from app.registers.catalog import MODELS
@@ -34,15 +35,19 @@ def wire(*emulators: Any) -> EmulatorWiring:
     return wiring
 
 
-def switch_on(driver: EmulatedDriver) -> None:
+def switch_on(driver: EmulatedDriver | EmulatedTagged) -> None:
     """Bridges on, 256 microsteps, so that a step is the least there is."""
+    if isinstance(driver, EmulatedTagged):
+        for datagram in (0xE_0010, 0x0_0000, 0xD_051F, 0x9_01B5):
+            driver.exchange(datagram.to_bytes(3, "big"))
+        return
     table = MODELS[driver.model].table
     for name, word in (("GCONF", 0x80 if driver.model == "tmc2209" else 0), ("CHOPCONF", 0x10000053)):
         driver.write(table.get(name, None if name == "GCONF" else 0).address, word)
     driver.write(table.get("IHOLD_IRUN", 0).address, 0x1F1F)
 
 
-def moved(driver: EmulatedDriver) -> int:
+def moved(driver: EmulatedDriver | EmulatedTagged) -> int:
     """Microsteps by the driver's own counter, which no register of it shows."""
     return int(driver._chip.drive.read("XACTUAL"))
 
@@ -78,7 +83,9 @@ class Pair:
         return self.controller.wired.sent("STEP1"), self.driver.state().pins.steps, moved(self.driver)
 
 
-@pytest.mark.parametrize(("model", "clock_hz"), [("tmc2130", 16e6), ("tmc2209", 12e6), ("tmc2240", 13.2e6)])
+@pytest.mark.parametrize(
+    ("model", "clock_hz"), [("tmc2130", 16e6), ("tmc2209", 12e6), ("tmc2240", 13.2e6), ("tmc2660", 15e6)]
+)
 def test_steps_sent_are_microsteps_moved_after_any_moves(model: str, clock_hz: float) -> None:
     source = random.Random(f"{model} {clock_hz}")
     pair = Pair(model, clock_hz)
