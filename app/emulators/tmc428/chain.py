@@ -137,3 +137,34 @@ def reply_bits(sent: Sequence[int], statuses: Sequence[int]) -> list[int]:
     """
     stored = [status >> bit & 1 for status in statuses for bit in range(DRIVER_BITS - 1, -1, -1)]
     return [*stored, *sent][: len(sent)]
+
+
+@dataclass(frozen=True, slots=True)
+class Selects:
+    """Chip selects: what the chip is set to (csCommonIndividual), and how the board is wired.
+
+    Individual: nSCS_S, nSCS2 and nSCS3 each go low for the bits of one driver, all of whose data pins are in parallel
+    (DS-TMC428 9.7). What comes of a board that is wired otherwise is inferred: a chain is selected for the bits of
+    driver 1 alone; of drivers with selects of their own only the first is ever selected, and for all bits.
+    """
+
+    chip: bool
+    board: bool
+
+    @property
+    def fit(self) -> bool:
+        """Whether each driver gets its own bits."""
+        return self.chip == self.board
+
+    def reply(self, parts: Sequence[Sequence[int]], statuses: Sequence[int]) -> list[int]:
+        """What comes back at SDI_S while `parts` go out, the bits of one driver after the other."""
+        sent = [bit for part in parts for bit in part]
+        if not self.chip:
+            return reply_bits(sent, statuses[:1] if self.board else statuses)
+        if self.board:
+            back: list[int] = []
+            for driver, part in enumerate(parts):
+                back += reply_bits(part, statuses[driver : driver + 1])
+            return back
+        first = list(parts[0]) if parts else []
+        return [*reply_bits(first, statuses), *[0] * (len(sent) - len(first))]

@@ -127,6 +127,7 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             **self._times,
             clock_hz=self._clock_hz,
             wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
+            chip_selects=self._options.chip_selects,
             v_actual_writable=self._options.v_actual_writable,
             axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
             inputs=Inputs(gp_in=chip.general_input),

@@ -15,7 +15,7 @@ from ..drive import DriveOptions
 from ..drive.documents import MotorState, TruthState, motor_state, truth_state
 from ..drive.tmc26x import BITS, Tmc26x
 from ..motor_documents import change_load
-from .chain import DRIVER_BITS, Signals
+from .chain import DRIVER_BITS, Selects, Signals
 from .options import DriverChange, EmulatorOptions
 
 LEAST_SUPPLY_V = 8.0
@@ -79,8 +79,14 @@ class ChainDrives:
 
     # --- datagrams -------------------------------------------------------------------------------
 
-    def take(self, record: Record, lengths: Sequence[int], compose: Compose) -> None:
-        """A datagram has left; `lengths` are the bits of each driver in the RAM."""
+    def take(self, record: Record, lengths: Sequence[int], compose: Compose, selects: Selects) -> None:
+        """A datagram has left; `lengths` are the bits of each driver in the RAM. Drivers whose chip selects are wired
+        otherwise than the chip drives them keep what they had."""
+        if not selects.fit:
+            return
+        if selects.chip and tuple(lengths) != self.lengths:
+            self._pending.append(Composed(record.end, self._own(compose(record), lengths), (), record.captured))
+            return
         if tuple(lengths) != self.lengths or record.covered:
             bits = tuple(compose(record))
             self._pending.append(Composed(record.end, None, bits, record.captured))
@@ -92,6 +98,15 @@ class ChainDrives:
                 word = self._words[index, signals] = self._split(compose(record))[index]
             words.append(word)
         self._pending.append(Composed(record.end, tuple(words), (), record.captured))
+
+    def _own(self, bits: Sequence[int], lengths: Sequence[int]) -> tuple[int, ...]:
+        """What each driver with a select of its own holds: the last bits of its part, after zeros where there are too
+        few (a choice: what it held before is shifted on)."""
+        words, at = [], 0
+        for length, own in zip((*lengths, *[0] * len(self.lengths)), self.lengths, strict=False):
+            words.append(_number(bits[at : at + length]) & (1 << own) - 1)
+            at += length
+        return tuple(words)
 
     def _split(self, bits: Sequence[int]) -> list[int]:
         words, at = [], 0

@@ -13,6 +13,7 @@ from ..drive.options import LoadOptions, MotorOptions
 from ..motor_documents import LoadChange
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
+ChipSelects = Literal["common", "individual"]
 VActualWritable = Literal["hold-mode", "velocity-mode"]
 FullSteps = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
 AxisIndex = Annotated[int, Field(strict=True, ge=0, le=2)]
@@ -103,6 +104,13 @@ class EmulatorOptions(Closed):
             "two-one-null": "two-one-null: both of motor 1, left of motor 2",
             "left-only": "left only: one switch an axis",
         },
+    )
+    chip_selects: ChipSelects = shown(
+        "common",
+        "Chip selects of the drivers",
+        "TMC428, TMC429: one for a chain, or three, as csCommonIndividual = 1 wants it (DS-TMC428 9.7)",
+        where={"axes": [2, 3]},
+        words={"common": "one: the drivers are a chain", "individual": "three: a driver each"},
     )
     v_actual_writable: VActualWritable = shown(
         "hold-mode",

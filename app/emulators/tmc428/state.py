@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field
 from ...registers.names import PmulName
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, MotorState, TruthState
-from .options import VActualWritable
+from .options import ChipSelects, VActualWritable
 
 
 class SwitchState(BaseModel):
@@ -60,6 +60,7 @@ class DriverState(BaseModel):
     fd_a: int
     fd_b: int
     status: int = Field(description="12 status bits that the driver reports, of one without a motor of its own")
+    selected: bool = Field(default=True, description="the chip selects are wired as csCommonIndividual says")
     motor: MotorState | None = Field(
         default=None, description="of a driver with a motor: its plug, temperature, shorts"
     )
@@ -93,6 +94,7 @@ class EmulatorState(EmulatedState):
     model: PmulName
     clock_hz: float
     wiring: str
+    chip_selects: ChipSelects = Field(description="how the drivers' chip selects are wired")
     v_actual_writable: VActualWritable = Field(description="where a write to V_ACTUAL counts: see the link's option")
     axes: list[AxisState]
     inputs: Inputs

@@ -10,7 +10,7 @@ from ...registers.catalog import MODELS
 from ...registers.tmc428.tmc428 import RAM_CHAIN, RAM_TABLE, SIGNAL_CODES
 from . import chain
 from . import kernel as k
-from .chain import Datagram, Polarity, Signals
+from .chain import Datagram, Polarity, Selects, Signals
 from .chip import CLK2_DIV_RESET, GLOBAL, SWITCHES, Chip
 from .drives import ChainDrives, Record
 from .options import EmulatorOptions
@@ -94,7 +94,7 @@ class Tmc428(Chip):
                 record = Record(
                     cells[at] + self._offset, motors, bool(cells[at + width - 2]), bool(cells[at + width - 1])
                 )
-                drives.take(record, lengths, self._bits_of)
+                drives.take(record, lengths, self._bits_of, self.selects)
         drives.advance(until, self.driver_status)
         if until % SLICE_CLOCKS == 0:
             self._carry(drives)
@@ -167,7 +167,8 @@ class Tmc428(Chip):
     def _write_global(self, data: int) -> None:
         self._settle_datagrams()
         self._words[GLOBAL] = data
-        self.chip[k.IDLE] = 1 - (data >> 2 & 1)
+        # three individual selects are always low active (DS-TMC428 9.7)
+        self.chip[k.IDLE] = 1 if data >> 7 & 1 else 1 - (data >> 2 & 1)
         self.chip[k.CU] = data >> 16 & 1
         self.chip[k.REFMUX] = data >> 20 & 1
         self.chip[k.MOT1R] = data >> 21 & 1
@@ -228,11 +229,24 @@ class Tmc428(Chip):
         if self._captured is None:
             self._captured = self._compose(k.CAPTURED)
         if capture == 3:
-            came = chain.reply_bits(self._captured.bits, self.driver_status)
-            for bit in came if self.drives is None else self.drives.answer:
+            came = self.selects.reply(self._parts(self._captured), self.driver_status)
+            for bit in came if self.drives is None or not self.selects.fit else self.drives.answer:
                 self._shift = (self._shift << 1 | bit) & 0xFFFF_FFFF_FFFF
             self._captured = None
             self.chip[k.CAPTURE] = 0
+
+    @property
+    def selects(self) -> Selects:
+        """Which chip selects there are."""
+        return Selects(bool(self._words[GLOBAL] >> 7 & 1), self.options.chip_selects == "individual")
+
+    @staticmethod
+    def _parts(datagram: Datagram) -> list[list[int]]:
+        """The bits of each driver, in order."""
+        parts: dict[int, list[int]] = {}
+        for place, bit in zip(datagram.places, datagram.bits, strict=True):
+            parts.setdefault(place.driver, []).append(bit)
+        return list(parts.values())
 
     def _read_reply(self, shift: int) -> int:
         self._settle_datagrams()
@@ -286,6 +300,7 @@ class Tmc428(Chip):
                     bits=bits,
                     **state._asdict(),
                     status=self.driver_status[driver],
+                    selected=self.selects.fit,
                     motor=None if told is None else told[0],
                     truth=None if told is None else told[1],
                 )

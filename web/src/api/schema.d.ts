@@ -5705,6 +5705,12 @@ export interface components {
              * @description 12 status bits that the driver reports, of one without a motor of its own
              */
             status: number;
+            /**
+             * Selected
+             * @description the chip selects are wired as csCommonIndividual says
+             * @default true
+             */
+            selected?: boolean;
             /** @description of a driver with a motor: its plug, temperature, shorts */
             motor?: components["schemas"]["MotorState"] | null;
             /** @description how that motor and its shaft really are */
@@ -5879,6 +5885,13 @@ export interface components {
              */
             wiring?: "multiplexed" | "two-one-null" | "left-only";
             /**
+             * Chip selects of the drivers
+             * @description TMC428, TMC429: one for a chain, or three, as csCommonIndividual = 1 wants it (DS-TMC428 9.7)
+             * @default common
+             * @enum {string}
+             */
+            chip_selects?: "common" | "individual";
+            /**
              * V_ACTUAL can be written in
              * @description where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects
              * @default hold-mode
@@ -5955,6 +5968,12 @@ export interface components {
             clock_hz: number;
             /** Wiring */
             wiring: string;
+            /**
+             * Chip Selects
+             * @description how the drivers' chip selects are wired
+             * @enum {string}
+             */
+            chip_selects: "common" | "individual";
             /**
              * V Actual Writable
              * @description where a write to V_ACTUAL counts: see the link's option

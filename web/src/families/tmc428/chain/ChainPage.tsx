@@ -3,7 +3,7 @@ import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
-import { type Device, useDevices } from "../../../api/queries";
+import { can, type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
@@ -14,6 +14,7 @@ import { useSelection } from "../../../live/selection";
 import { BitDetail } from "./BitDetail";
 import classes from "./Chain.module.css";
 import { ChainStrip } from "./ChainStrip";
+import { ChipSelects } from "./ChipSelects";
 import { Composer } from "./Composer";
 import {
   BITS_MAX,
@@ -326,6 +327,9 @@ function Editor({ device }: { device: Device | undefined }) {
         </Card>
 
         {device !== undefined && <Composer device={device} />}
+        {device !== undefined && can(device, "driver_chain") && (
+          <ChipSelects device={device} lengths={motors.map((bits) => bits.length)} />
+        )}
 
         <div className="columns until-62">
           <Frequencies
