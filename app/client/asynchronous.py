@@ -255,6 +255,38 @@ class AsyncBench:
         """Stop every axis of every device."""
         return await self._send(calls.stop_all(mode))
 
+    # --- several devices ------------------------------------------------------------------------
+
+    async def wiring(self) -> Json:
+        """The nets by which pins of emulated devices are wired together."""
+        return await self._send(calls.wiring())
+
+    async def start_together(self, *moves: Json, use_wires: bool = True) -> Json:
+        """Start axes of any devices together, each move `{"device", "axis", "target"}`; by START where it is wired.
+
+        The answer has the skew of each [s] and how sure that is. Nothing moves where one of them cannot.
+        """
+        return await self._send(calls.start_together(moves, use_wires))
+
+    async def plan_line(self, axes: Sequence[Json], points: Sequence[Sequence[int]], **more: Any) -> Json:
+        """What the planners expect of a straight line of `axes` (`{"device", "axis"}` each) through `points`.
+
+        more : `pace` (0 to 1), or `duration_s` of each leg
+        """
+        return await self._send(calls.line("/plan", axes, points, more))
+
+    async def start_line(self, axes: Sequence[Json], points: Sequence[Sequence[int]], **more: Any) -> Json:
+        """Go there, all arriving together; `line` tells how it goes. What `plan_line` takes."""
+        return await self._send(calls.line("", axes, points, more))
+
+    async def line(self) -> Json:
+        """How the present straight line goes, or how the latest one went."""
+        return await self._send(calls.line_state("GET"))
+
+    async def stop_line(self) -> Json:
+        """End it and stop its motors."""
+        return await self._send(calls.line_state("DELETE"))
+
     # --- measuring ------------------------------------------------------------------------------
 
     async def watch(

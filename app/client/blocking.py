@@ -253,6 +253,38 @@ class Bench:
         """Stop every axis of every device."""
         return self._send(calls.stop_all(mode))
 
+    # --- several devices ------------------------------------------------------------------------
+
+    def wiring(self) -> Json:
+        """The nets by which pins of emulated devices are wired together."""
+        return self._send(calls.wiring())
+
+    def start_together(self, *moves: Json, use_wires: bool = True) -> Json:
+        """Start axes of any devices together, each move `{"device", "axis", "target"}`; by START where it is wired.
+
+        The answer has the skew of each [s] and how sure that is. Nothing moves where one of them cannot.
+        """
+        return self._send(calls.start_together(moves, use_wires))
+
+    def plan_line(self, axes: Sequence[Json], points: Sequence[Sequence[int]], **more: Any) -> Json:
+        """What the planners expect of a straight line of `axes` (`{"device", "axis"}` each) through `points`.
+
+        more : `pace` (0 to 1), or `duration_s` of each leg
+        """
+        return self._send(calls.line("/plan", axes, points, more))
+
+    def start_line(self, axes: Sequence[Json], points: Sequence[Sequence[int]], **more: Any) -> Json:
+        """Go there, all arriving together; `line` tells how it goes. What `plan_line` takes."""
+        return self._send(calls.line("", axes, points, more))
+
+    def line(self) -> Json:
+        """How the present straight line goes, or how the latest one went."""
+        return self._send(calls.line_state("GET"))
+
+    def stop_line(self) -> Json:
+        """End it and stop its motors."""
+        return self._send(calls.line_state("DELETE"))
+
     # --- measuring ------------------------------------------------------------------------------
 
     def watch(

@@ -156,6 +156,23 @@ def replay(recording: str, device: str | None) -> Call[Json]:
     return Call("POST", f"{_recorded(recording)}/replay", _as_it_is, {} if device is None else {"device": device})
 
 
+def wiring() -> Call[Json]:
+    return Call("GET", f"{BASE}/wiring", _as_it_is)
+
+
+def start_together(moves: Sequence[Json], use_wires: bool) -> Call[Json]:
+    return Call("POST", f"{BASE}/start-together", _as_it_is, {"moves": list(moves), "use_wires": use_wires})
+
+
+def line(what: str, axes: Sequence[Json], points: Sequence[Sequence[int]], more: Json) -> Call[Json]:
+    body = {"axes": list(axes), "points": [list(point) for point in points], **more}
+    return Call("POST", f"{BASE}/straight-line{what}", _as_it_is, body)
+
+
+def line_state(method: str) -> Call[Json]:
+    return Call(method, f"{BASE}/straight-line", _as_it_is)
+
+
 def replay_look(recording: str) -> Call[Json]:
     return Call("GET", f"{_recorded(recording)}/replay", _as_it_is)
 

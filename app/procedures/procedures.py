@@ -11,7 +11,7 @@ from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.device import Device
 from ..devices.core.results import Rotating
 from ..errors import WrongState
-from . import debugging, shuttle, velocity_profile
+from . import debugging, shuttle, straight_line, velocity_profile
 from . import search as searches
 from .closed_loop import NOT_CALIBRATED, NOT_RECORDED, Calibration, CalibrationState, Load, ResponseState
 from .debugging import Debugging, DebugState
@@ -24,6 +24,7 @@ from .shuttle import Shuttle, ShuttleState
 from .stall_search import StallSearch, StallWanted
 from .start_together import StartNet, TogetherMove, TogetherStart, start_together
 from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
+from .straight_line import LineAxis, LineRun, LineState, plan_line
 from .velocity_profile import ProfilePlay, ProfileState
 
 P = TypeVar("P", bound=Procedure)
@@ -35,6 +36,7 @@ class Procedures:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._latest: dict[Device, dict[tuple[int, str], Procedure]] = {}
+        self._line: LineRun | None = None
 
     def sync(self, devices: Sequence[Device]) -> None:
         """These are all devices now. What runs on another one ends with its next command, which is refused."""
@@ -55,6 +57,7 @@ class Procedures:
 
     async def close(self) -> None:
         """End everything. For the end of the program."""
+        await self.stop_line("the server ends")
         await asyncio.gather(*(self.cancel(device, why="the server ends") for device in list(self._latest)))
 
     def start(self, procedure: P) -> P:
@@ -154,6 +157,37 @@ class Procedures:
             for running in self.running(one.device, one.move.axis):
                 raise WrongState(f"a {running.kind} runs on axis {one.move.axis} of {one.device.name}", "stop it first")
         return await start_together(moves, nets, self._clock, use_wires=use_wires)
+
+    async def start_line(
+        self,
+        axes: Sequence[LineAxis],
+        points: Sequence[Sequence[int]],
+        nets: Sequence[StartNet],
+        pace: float = 1.0,
+        duration_s: float | None = None,
+    ) -> LineState:
+        """Go on straight lines to one point after another. Raises what `plan_line` raises, and WrongState while another
+        line is under way, or a procedure on one of these axes."""
+        if self._line is not None and self._line.running:
+            raise WrongState("a straight line is under way", "stop it first")
+        for one in axes:
+            for running in self.running(one.device, one.axis):
+                raise WrongState(f"a {running.kind} runs on axis {one.axis} of {one.device.name}", "stop it first")
+        _, legs = await plan_line(axes, points, pace, duration_s)
+        self._line = LineRun(axes, legs, nets, self._clock)
+        self._line.start()
+        return self._line.state
+
+    @property
+    def line_state(self) -> LineState:
+        """The present straight line, or the latest."""
+        return straight_line.IDLE if self._line is None else self._line.state
+
+    async def stop_line(self, why: str = "stopped on request") -> LineState:
+        """End it and stop its motors; the state afterwards."""
+        if self._line is not None:
+            await self._line.abort(why)
+        return self.line_state
 
     # --- held rotation --------------------------------------------------------------------------
 

@@ -96,3 +96,27 @@ async def test_a_start_of_nothing_or_of_nobody_is_refused(client: httpx.AsyncCli
     assert (await client.post("start-together", json={"moves": []})).status_code == 422
     moves = [{"device": "nobody", "axis": 0, "target": 1}]
     assert (await client.post("start-together", json={"moves": moves})).status_code == 404
+
+
+async def test_a_straight_line_is_planned_gone_and_stopped(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    one, two = await add(client, "one", **NET), await add(client, "two", **NET)
+    axes = [{"device": name, "axis": 0} for name in ("one", "two")]
+    body = {"axes": axes, "points": [[3000, 1000]]}
+    plan = (await client.post("straight-line/plan", json=body)).json()
+    assert plan["duration_s"] == plan["legs"][0]["duration_s"]
+    assert [axis["position"][-1] for axis in plan["legs"][0]["axes"]] == pytest.approx([3000, 1000], abs=2)
+    assert (await client.get("straight-line")).json()["state"] == "idle"
+    answer = await client.post("straight-line", json=body)
+    assert answer.status_code == 200, answer.text
+    await clock.advance(plan["duration_s"] + 0.5)
+    state = (await client.get("straight-line")).json()
+    assert state["state"] == "done", state
+    assert [axis["how"] for axis in state["started"]["axes"]] == ["START wire"] * 2
+    assert [(await client.get(f"{device}/axes/0")).json()["position"] for device in (one, two)] == [3000, 1000]
+    await client.post("straight-line", json={"axes": axes, "points": [[300_000, 100_000]]})
+    await clock.advance(0.5)
+    stop = await client.delete("straight-line")
+    assert stop.json()["state"] in ("aborted", "running"), stop.text
+    await clock.advance(2.0)
+    assert (await client.get("straight-line")).json()["state"] == "aborted"
+    assert not (await client.get(f"{one}/axes/0")).json()["moving"]

@@ -7,11 +7,13 @@ from fastapi import APIRouter
 from ...devices.core.results import AxisMove
 from ...errors import SoftLimit, UsageError
 from ...procedures.start_together import StartNet, TogetherMove
+from ...procedures.straight_line import LineAxis, plan_line
 from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
-from .schemas import Net, StartedTogether, StartTogether, Wiring
+from ..server_state import ServerState
+from .schemas import LinePlan, LineState, Net, StartedTogether, StartTogether, StraightLine, Wiring
 
 router = APIRouter(tags=["together"])
 
@@ -35,11 +37,50 @@ async def start_together(bench: CurrentBench, body: StartTogether) -> StartedTog
         TogetherMove(bench.manager.get(one.device), AxisMove(one.axis, one.target, one.relative, one.unit))
         for one in body.moves
     ]
-    nets = [
+    nets = _start_nets(bench)
+    nets += [StartNet(devices, REAL_EDGE_S) for devices in body.start_wires]
+    started = await bench.procedures.start_together(moves, nets, use_wires=body.use_wires)
+    return StartedTogether.model_validate(started)
+
+
+def _start_nets(bench: ServerState) -> list[StartNet]:
+    return [
         StartNet([pin.key for pin in net.pins], net.seen_within_s)
         for net in bench.wiring.nets
         if net.open is None and net.pins[0].role == "level"
     ]
-    nets += [StartNet(devices, REAL_EDGE_S) for devices in body.start_wires]
-    started = await bench.procedures.start_together(moves, nets, use_wires=body.use_wires)
-    return StartedTogether.model_validate(started)
+
+
+def _line_axes(bench: ServerState, body: StraightLine) -> list[LineAxis]:
+    return [LineAxis(bench.manager.get(one.device), one.axis) for one in body.axes]
+
+
+@router.post("/straight-line/plan", responses=problems(*DEVICE_PROBLEMS, SoftLimit, UsageError))
+@policy(lease="free", role="look", audit="silent")
+async def plan_straight_line(bench: CurrentBench, body: StraightLine) -> LinePlan:
+    """Plan a straight line of several axes: speeds, path and how far that leaves the line. Nothing is written."""
+    plan, _ = await plan_line(_line_axes(bench, body), body.points, body.pace, body.duration_s)
+    return LinePlan.model_validate(plan)
+
+
+@router.get("/straight-line")
+async def get_straight_line(bench: CurrentBench) -> LineState:
+    """How the present line goes, or how the latest one went."""
+    return LineState.model_validate(bench.procedures.line_state)
+
+
+@router.post("/straight-line", responses=problems(*DEVICE_PROBLEMS, SoftLimit, UsageError))
+async def start_straight_line(bench: CurrentBench, body: StraightLine) -> LineState:
+    """Go on straight lines, through all points, with ramps that are given back at the end. Planned and judged first;
+    answers when it has begun."""
+    state = await bench.procedures.start_line(
+        _line_axes(bench, body), body.points, _start_nets(bench), body.pace, body.duration_s
+    )
+    return LineState.model_validate(state)
+
+
+@router.delete("/straight-line")
+@policy(stops=True)
+async def stop_straight_line(bench: CurrentBench) -> LineState:
+    """End it and stop its motors."""
+    return LineState.model_validate(await bench.procedures.stop_line())

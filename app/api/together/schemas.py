@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...procedures.start_together import AXES_MAX
+from ...procedures.straight_line import POINTS_MAX
 from ..motion.schemas import Move
-from ..schemas import Answer, AxisIndex, Body, Flag
+from ..schemas import Answer, AxisIndex, Body, Flag, Int
 
 DeviceIds = Annotated[list[Annotated[str, Field(min_length=1, max_length=200)]], Field(min_length=2, max_length=24)]
 
@@ -71,6 +72,77 @@ class StartedTogether(Answer):
     axes: list[AxisStart]
     spread_s: float = Field(description="between the first and the last start [s]")
     uncertainty_s: float = Field(description="how much more or less that may be [s]")
+
+
+class LineAxis(Body):
+    device: Annotated[str, Field(min_length=1, max_length=200)] = Field(description="id of the device")
+    axis: AxisIndex
+
+
+Positions = Annotated[list[Int], Field(min_length=1, max_length=AXES_MAX)]
+
+
+class StraightLine(Body):
+    """A straight line of several axes from where they stand, and on to further points; all arrive together at each."""
+
+    axes: Annotated[list[LineAxis], Field(min_length=1, max_length=AXES_MAX)]
+    points: Annotated[list[Positions], Field(min_length=1, max_length=POINTS_MAX)] = Field(
+        description="of each point a position for each axis [microsteps]"
+    )
+    pace: Annotated[float, Field(strict=True, gt=0, le=1, allow_inf_nan=False)] = Field(
+        default=1.0, description="share of the highest speed that all can go"
+    )
+    duration_s: Annotated[float, Field(strict=True, gt=0, le=3600, allow_inf_nan=False)] | None = Field(
+        default=None, description="of each leg, where that is slower than the pace [s]"
+    )
+
+
+class LegAxis(Answer):
+    """One axis on one leg, as its registers will have it."""
+
+    device: str
+    axis: int
+    from_position: int
+    to_position: int
+    velocity_pps: float = Field(description="0 for an axis that stands [pps]")
+    acceleration_pps2: float
+    duration_s: float
+    off_line: float = Field(description="how far it is from the line at the most [microsteps]")
+    position: list[float] = Field(description="at the times of the leg [microsteps]")
+
+
+class Leg(Answer):
+    """From one point to the next."""
+
+    duration_s: float
+    arrival_spread_s: float = Field(description="between the first and the last arrival [s]")
+    time_s: list[float]
+    axes: list[LegAxis]
+
+
+class LinePlan(Answer):
+    """What the planners expect of a line."""
+
+    legs: list[Leg]
+    duration_s: float
+
+
+class Arrival(Answer):
+    device: str
+    axis: int
+    after_s: float = Field(description="when it was seen to be there, after the start of its leg [s]")
+    uncertainty_s: float = Field(description="how much sooner it may have been there [s]")
+
+
+class LineState(Answer):
+    """How a line goes, or went; starts and arrivals are those of the latest leg."""
+
+    state: Literal["idle", "running", "done", "failed", "aborted"]
+    leg: int = Field(description="the one under way, from 0")
+    legs: int
+    started: StartedTogether | None
+    arrivals: list[Arrival]
+    message: str
 
 
 class Wiring(Answer):

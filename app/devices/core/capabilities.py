@@ -17,6 +17,7 @@ from ...errors import BenchError, WrongState
 from ...links.queue import Priority
 from ...registers.model import Register
 from .counter import CounterReading
+from .pace import PacedLeg, PaceLimits
 from .prediction import Prediction
 from .results import (
     AxisMove,
@@ -448,6 +449,30 @@ class StartWire(Protocol):
         ...
 
 
+class LinePace(Protocol):
+    """Can make a move on a trapezoid of a speed and acceleration of its own, so that several axes arrive together."""
+
+    async def pace_limits(self, axis: int, /) -> PaceLimits:
+        """How its ramp is set now. Raises CannotMove where nobody knows that, WrongState while it moves, LinkError."""
+        ...
+
+    def pace_begin(self, axis: int, /) -> None:
+        """From now on its ramp is borrowed: what `pace_limits` saw last is what `pace_back` brings."""
+        ...
+
+    def paced(self, axis: int, way: int, velocity_pps: float, acceleration_pps2: float, /) -> PacedLeg:
+        """A move by `way` [microsteps], not 0, with these; after `pace_limits`. Asks nothing of the chip.
+
+        Raises OutOfRange for what its registers cannot hold.
+        """
+        ...
+
+    async def pace_back(self, axis: int, /) -> None:
+        """Bring the ramp back as it was at `pace_begin`, in a way that moves nothing: where a stop has left the axis
+        without speed, the next move brings it back. Raises WrongState while it moves, WriteRefused, LinkError."""
+        ...
+
+
 class EventLog(Protocol):
     """Has an event register, whose edges are kept as a timeline."""
 
@@ -594,6 +619,7 @@ MISSING: dict[type, tuple[str, str]] = {
     VelocityJumps: ("moves on ramps only", "let it go on its ramp"),
     VelocityStream: ("takes no velocities one by one", "let it go on its ramp, or rotate"),
     LatchedFlags: ("keeps no flags", "its condition tells what is so now"),
+    LinePace: ("has no ramp that can be paced here", "start it together with the others"),
     StartWire: ("has no pin for starts", "its moves start by their commands"),
     EventLog: ("has no event register", "its flags are in the axis's state"),
     TmclCommands: ("speaks no TMCL", "send it a datagram: POST .../exchange"),

@@ -32,6 +32,7 @@ from .memory import ChipMemory
 from .monitor import Monitor
 from .motion import ChipMotion
 from .moves import Moves
+from .pace import Pace
 from .position import Position
 from .raw import DatagramsByHand
 from .rotation import Rotation
@@ -82,6 +83,7 @@ def compose(
             DriverBehind(link, memory, cruise, position),
             Encoder(session, memory),
             StartPin(link, memory, moves),
+            Pace(link, registers, cruise),
             MicrostepTable(link, memory, writes),
         ),
     )

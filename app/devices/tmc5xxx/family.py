@@ -33,6 +33,7 @@ from .monitor import Monitor
 from .motions import Motions
 from .moves import SixPointMotion
 from .mslut import MicrostepTables
+from .pace import Pace
 from .position import PositionCalls
 from .predictions import Predictions
 from .preparation import Preparation
@@ -93,6 +94,7 @@ def compose(
             ChipStall(session, memory, decoded, registers, calls),
             FlagClearing(session, link, memory, log, reader, standstill, registers),
             MicrostepTables(session, link, memory, writes),
+            Pace(session, link, memory, decoded, registers),
         ),
     )
     return Device(session, parts)

@@ -101,6 +101,11 @@ class ChipMemory:
         if word == wanted:
             del self._overwritten[register.address]
 
+    def want(self, register: Register, word: int) -> None:
+        """The user wants `word` there: the next move brings it, and nothing is sent now."""
+        if self.word(register) != word:
+            self._overwritten[register.address] = word
+
     def overwritten(self, register: Register) -> bool:
         """Whether the chip holds something else there than the user wants."""
         return register.address in self._overwritten

@@ -2496,6 +2496,55 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/straight-line/plan": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Plan Straight Line
+         * @description Plan a straight line of several axes: speeds, path and how far that leaves the line. Nothing is written.
+         */
+        post: operations["plan_straight_line"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/straight-line": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Straight Line
+         * @description How the present line goes, or how the latest one went.
+         */
+        get: operations["get_straight_line"];
+        put?: never;
+        /**
+         * Start Straight Line
+         * @description Go on straight lines, through all points, with ramps that are given back at the end. Planned and judged first;
+         *     answers when it has begun.
+         */
+        post: operations["start_straight_line"];
+        /**
+         * Stop Straight Line
+         * @description End it and stop its motors.
+         */
+        delete: operations["stop_straight_line"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/audit": {
         parameters: {
             query?: never;
@@ -2779,6 +2828,23 @@ export interface components {
              */
             register_name: string;
             unfinished: components["schemas"]["UnfinishedProfile"] | null;
+        };
+        /** Arrival */
+        Arrival: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * After S
+             * @description when it was seen to be there, after the start of its leg [s]
+             */
+            after_s: number;
+            /**
+             * Uncertainty S
+             * @description how much sooner it may have been there [s]
+             */
+            uncertainty_s: number;
         };
         /**
          * AssembledProgram
@@ -7493,6 +7559,56 @@ export interface components {
              */
             name: string;
         };
+        /**
+         * Leg
+         * @description From one point to the next.
+         */
+        Leg: {
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Arrival Spread S
+             * @description between the first and the last arrival [s]
+             */
+            arrival_spread_s: number;
+            /** Time S */
+            time_s: number[];
+            /** Axes */
+            axes: components["schemas"]["LegAxis"][];
+        };
+        /**
+         * LegAxis
+         * @description One axis on one leg, as its registers will have it.
+         */
+        LegAxis: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /** From Position */
+            from_position: number;
+            /** To Position */
+            to_position: number;
+            /**
+             * Velocity Pps
+             * @description 0 for an axis that stands [pps]
+             */
+            velocity_pps: number;
+            /** Acceleration Pps2 */
+            acceleration_pps2: number;
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Off Line
+             * @description how far it is from the line at the most [microsteps]
+             */
+            off_line: number;
+            /**
+             * Position
+             * @description at the times of the leg [microsteps]
+             */
+            position: number[];
+        };
         /** LevelState */
         LevelState: {
             /**
@@ -7590,6 +7706,16 @@ export interface components {
             /** Current Full Scale A */
             current_full_scale_a: number | null;
         };
+        /** LineAxis */
+        LineAxis: {
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /** Axis */
+            axis: number;
+        };
         /**
          * LineEncoder
          * @description An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0.
@@ -7607,6 +7733,39 @@ export interface components {
              * @default false
              */
             reversed?: boolean;
+        };
+        /**
+         * LinePlan
+         * @description What the planners expect of a line.
+         */
+        LinePlan: {
+            /** Legs */
+            legs: components["schemas"]["Leg"][];
+            /** Duration S */
+            duration_s: number;
+        };
+        /**
+         * LineState
+         * @description How a line goes, or went; starts and arrivals are those of the latest leg.
+         */
+        LineState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            /**
+             * Leg
+             * @description the one under way, from 0
+             */
+            leg: number;
+            /** Legs */
+            legs: number;
+            started: components["schemas"]["StartedTogether"] | null;
+            /** Arrivals */
+            arrivals: components["schemas"]["Arrival"][];
+            /** Message */
+            message: string;
         };
         /**
          * LinkCounts
@@ -12974,6 +13133,30 @@ export interface components {
              * @description commands that were sent again, for their answers were lost or garbled
              */
             sent_again: number;
+        };
+        /**
+         * StraightLine
+         * @description A straight line of several axes from where they stand, and on to further points; all arrive together at each.
+         */
+        StraightLine: {
+            /** Axes */
+            axes: components["schemas"]["LineAxis"][];
+            /**
+             * Points
+             * @description of each point a position for each axis [microsteps]
+             */
+            points: number[][];
+            /**
+             * Pace
+             * @description share of the highest speed that all can go
+             * @default 1
+             */
+            pace?: number;
+            /**
+             * Duration S
+             * @description of each leg, where that is slower than the pace [s]
+             */
+            duration_s?: number | null;
         };
         /**
          * StudyDocument
@@ -27093,6 +27276,256 @@ export interface operations {
             };
             /** @description The device did not answer (/problems/no-reply) */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    plan_straight_line: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StraightLine"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinePlan"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_straight_line: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LineState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_straight_line: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StraightLine"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LineState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_straight_line: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LineState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
