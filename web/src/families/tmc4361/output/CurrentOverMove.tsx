@@ -81,7 +81,7 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             }
             unit="A rms"
             placeholder="full scale"
-            w={130}
+            w={160}
             value={fullScale}
             min={0.01}
             max={100}

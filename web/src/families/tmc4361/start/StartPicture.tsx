@@ -12,7 +12,7 @@ const TOP = 12;
 export function StartPicture({ start }: { start: Start }) {
   const targets = [
     ...WAITING.map((name, n) => ({ name, on: start.waiting[n] === true })),
-    ...PIPED.map((name, n) => ({ name: `pipeline into ${name}`, on: start.piped[n] === true })),
+    ...PIPED.map((name, n) => ({ name: `pipeline: ${name}`, on: start.piped[n] === true })),
     { name: `pulse at START, ${duration(start.pulseS)}`, on: start.pin === "output" && start.triggers.includes(true) },
   ];
   const height = TOP * 2 + targets.length * ROW;

@@ -71,7 +71,7 @@ export function StepSection({ chip, device, clockHz, disabled, microsteps, fullS
       </div>
       <Text className="hint">
         Which filter STPIN and DIRIN pass is chosen on the page{" "}
-        <Anchor component={Link} href="/filters" size="xs">
+        <Anchor component={Link} href="/filters" size="xs" underline="always">
           Input filters
         </Anchor>
         .
