@@ -39,6 +39,8 @@ PAGES = {
     "sramp": ("/sramp", SERVO),
     "closed-loop": ("/closed-loop", SERVO),
     "filters": ("/filters", SERVO),
+    "serial-encoder": ("/serial-encoder", SERVO),
+    "driver-sync": ("/driver-sync", SERVO),
     "mslut": ("/microsteps", SERVO),
     "pair-bench": ("/", TWO_AXES),
     "pair-registers": ("/registers", TWO_AXES),

@@ -30,7 +30,7 @@ export const tmc4361: Family = {
       load: () => import("./serial/SerialEncoderPage"),
     },
     {
-      ...page(33, "/driver-sync", "chopSync, dcStep", "dcStep", IconArrowsJoin, { needs: ["driver_sync"] }),
+      ...page(33, "/driver-sync", "Driver sync", "dcStep", IconArrowsJoin, { needs: ["driver_sync"] }),
       load: () => import("./sync/DriverSyncPage"),
     },
     {

@@ -138,7 +138,7 @@ interface FieldsProps {
   disabled: boolean;
 }
 
-const bits = (value: number) => `${value + 1} bits`;
+const bits = (value: number) => (value === 0 ? "1 bit" : `${value + 1} bits`);
 
 function DataFields({ chip, kind, disabled }: FieldsProps) {
   const at = { chip, disabled };

@@ -26,7 +26,7 @@ const WANTED_HZ = 36e3;
 /** What the chip and its motor driver do in step with each other: the chopper's clock, and steps that wait. */
 export default function DriverSyncPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
-  if (waiting) return <Waiting page="chopSync, dcStep" />;
+  if (waiting) return <Waiting page="Driver sync" />;
   if (!device || !entry) return <NoDevice {...NOTHING} />;
   return <DriverSync key={key} device={device} axis={entry} />;
 }
@@ -44,7 +44,7 @@ function DriverSync({ device, axis }: { device: Device; axis: Device["axes"][num
   const { result, stale } = found;
   const at = { chip, disabled: !chip.known, clockHz };
   return (
-    <Page name="chopSync, dcStep">
+    <Page name="Driver sync">
       <DeviceNotice device={device} />
       {device.state === "connected" && chip.live.readings.isError && (
         <ProblemAlert
