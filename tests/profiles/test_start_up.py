@@ -113,6 +113,13 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
         assert again.written == []
 
 
+async def test_what_nobody_has_written_to_is_set_up_too(tmp_path: Path) -> None:
+    async with bench("tmc2660", started=False) as b:
+        done = await start_up(service(tmp_path), b.device, StartUpRequest())
+        assert {each.name for each in done.written or ()} == {"DRVCONF", "DRVCTRL", "SMARTEN", "SGCSCONF", "CHOPCONF"}
+        await moves(b, 0)
+
+
 @pytest.mark.parametrize("model", READABLE)
 async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_path: Path) -> None:
     async with bench(model, started=False) as b:

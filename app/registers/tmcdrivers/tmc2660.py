@@ -96,10 +96,6 @@ _ROWS = (
         choice(17, "PHA", 1, "polarity of coil A", {0: "OA1 to OA2", 1: "OA2 to OA1"}, when=CURRENTS),
     ),
     _driver(CHOPCONF, "CHOPCONF", 17, W, "how the chopper regulates the coil currents").having(
-        *_taken_from(
-            driver.CHOPCONF_5130,
-            ("toff", "hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "tbl"),
-        ),
         choice(
             11,
             "HDEC",
@@ -109,6 +105,10 @@ _ROWS = (
             unit="tCLK",
             when=_SPREADCYCLE,
             behaviour="the emulated chopper has no ripple",
+        ),
+        *_taken_from(
+            driver.CHOPCONF_5130,
+            ("toff", "hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "tbl"),
         ),
     ),
     _driver(SMARTEN, "SMARTEN", 17, W, "CoolStep").having(

@@ -53,7 +53,8 @@ function Datagram({ driver, connected }: { driver: Behind; connected: boolean })
   const ready = connected && driver.state === "connected";
   const registers = useQuery({
     queryKey: ["registers", driver.device, "composer"],
-    queryFn: ({ signal }) => api.GET("/api/v1/devices/{device}/registers", { path: { device: driver.device }, signal }),
+    queryFn: ({ signal }) =>
+      api.GET("/api/v1/devices/{device}/registers", { path: { device: driver.device }, query: { kept: true }, signal }),
     enabled: ready,
   });
   const tagged = catalog.data?.tagged ?? null;
@@ -187,7 +188,7 @@ function Answer({ decoded }: { decoded: Record<string, unknown> }) {
           {name} {on ? 1 : 0}
         </Badge>
       ))}
-      {values.length === 0 && <span className="hint">its flags alone: the chip keeps no more of this answer</span>}
+      {values.length === 0 && <span className="hint">its flags; what else it showed is not known</span>}
     </div>
   );
 }

@@ -1,0 +1,52 @@
+"""A driver behind a TMC428: added as a device, and written by the fields of its registers on the chain page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.e2e.conftest import Errors
+
+
+@pytest.fixture
+def driven(api: httpx.Client, errors: Errors) -> Iterator[str]:
+    """A controller with three drivers on its chain, and the second of them as a device; the controller's id."""
+    errors.expect("status of 40[49]")
+    drivers = [{"driver": "tmc2660"}] * 3
+    made = api.post(
+        "/devices", json={"name": "chained", "model": "tmc428", "link": {"kind": "emulator", "drivers": drivers}}
+    )
+    controller = made.raise_for_status().json()["id"]
+    chain = {"drivers": [{"driver": "tmc2660"}] * 3}
+    api.put(f"/devices/{controller}/driver-chain", json=chain).raise_for_status()
+    link = {"kind": "cover", "device": controller, "axis": 1}
+    driver = api.post("/devices", json={"name": "middle", "model": "tmc2660", "link": link}).raise_for_status().json()
+    assert driver["state"] == "connected", driver["problem"]
+    yield controller
+    for device in (driver["id"], controller):
+        api.delete(f"/devices/{device}").raise_for_status()
+
+
+def test_a_register_is_composed_of_fields_and_the_answer_told_by_name(
+    page: Page, api: httpx.Client, driven: str, check_axe: Callable[[Page], None]
+) -> None:
+    stored = json.dumps({"device": driven, "axis": 0})
+    page.add_init_script(
+        f"if (location.protocol !== 'about:') localStorage.setItem('stepscope.selection', {json.dumps(stored)})"
+    )
+    page.goto("/chain")
+    card = page.get_by_role("region", name="Cover datagram")
+    card.get_by_label("Register").click()
+    page.get_by_role("option", name="SGCSCONF").click()
+    card.get_by_label("CS", exact=True).fill("21")
+    card.get_by_label("CS", exact=True).press("Enter")
+    expect(card.get_by_role("img", name="datagram 11000000000000010101")).to_be_visible()
+    card.get_by_role("button", name="Send").click()
+    expect(card.get_by_role("status")).to_contain_text("STST")
+    kept = api.get("/devices/middle/registers?kept=true").raise_for_status().json()
+    assert {one["name"]: one["fields"] for one in kept}["SGCSCONF"]["CS"] == 21
+    check_axe(page)
