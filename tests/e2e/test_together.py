@@ -52,3 +52,15 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
     expect(started).to_contain_text("0 s between the first and the last")
     for chip, position in zip(pair, (3000, -2000), strict=True):
         wait_for(partial(is_at, chip, position), "it is there")
+    for chip in pair:
+        field = page.get_by_label(f"Target of {chip.device}", exact=False)
+        field.fill("0")
+        field.press("Enter")
+    page.get_by_role("button", name="Plan", exact=True).press("Enter")
+    expect(page.get_by_test_id("line-plan")).to_contain_text("Off the line", timeout=PATIENCE_MS)
+    for size in (PHONE, DESKTOP):
+        page.set_viewport_size(size)
+        check_axe(page)
+    page.get_by_role("button", name="Go there").press("Enter")
+    expect(page.get_by_test_id("line-state")).to_contain_text("done: there after", timeout=PATIENCE_MS)
+    assert [chip.axis()["position"] for chip in pair] == [0, 0]

@@ -7,7 +7,8 @@ import { duration, fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useWork } from "../../lib/useWork";
-import { type Choice, type Choices, movesOf, type Row, type StartedTogether, skewText, UNSAID } from "./starts";
+import { LineCard } from "./LineCard";
+import { type Choice, type Choices, lineOf, movesOf, type Row, type StartedTogether, skewText, UNSAID } from "./starts";
 import classes from "./together.module.css";
 import { startTogether } from "./useTogether";
 
@@ -22,6 +23,7 @@ export function StartCard({ rows, names }: Props) {
   const [choices, setChoices] = useState<Choices>({});
   const [relative, setRelative] = useState(false);
   const [useWires, setUseWires] = useState(true);
+  const [pace, setPace] = useState(100);
   const moves = movesOf(rows, choices, relative);
   const start = useWork(() => startTogether(moves ?? [], useWires));
   const change = (key: string, more: Partial<Choice>) =>
@@ -119,6 +121,7 @@ export function StartCard({ rows, names }: Props) {
           <ProblemAlert error={start.error} doing="Starting together" onClose={() => start.reset()} />
         </div>
       </Card>
+      <LineCard line={lineOf(moves, relative, pace)} names={names} pace={pace} onPace={setPace} />
       {start.data !== undefined && <Started start={start.data} names={names} />}
     </>
   );

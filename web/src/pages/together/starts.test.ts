@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { about } from "../../../test/catalog";
-import { movesOf, netText, rowsOf, skewText } from "./starts";
+import { lineOf, lineText, movesOf, netText, rowsOf, skewText } from "./starts";
 
 const axes = (...names: string[]) => names.map((name, index) => ({ index, name }));
 const device = (id: string, model: string, names: string[], state = "connected") =>
@@ -26,6 +26,21 @@ describe("moves that start together", () => {
       { device: "bench", axis: 0, target: 100, relative: true, unit: "microsteps" },
     ]);
     expect(movesOf(ROWS, { ...one, "slide/0": { chosen: true, target: null } }, false)).toBeNull();
+  });
+
+  it("makes a line of positions, not of distances", () => {
+    const moves = movesOf(ROWS, { "bench/0": { chosen: true, target: 100 } }, false);
+    expect(lineOf(moves, false, 50)).toEqual({ axes: [{ device: "bench", axis: 0 }], points: [[100]], pace: 0.5 });
+    expect(lineOf(moves, true, 50)).toBeNull();
+    expect(lineOf(null, false, 50)).toBeNull();
+  });
+
+  it("says how a line went", () => {
+    const state = { state: "done", leg: 0, legs: 1, started: null, message: "", arrivals: [] } as const;
+    const arrivals = [0.5, 0.51].map((after_s, axis) => ({ device: "a", axis, after_s, uncertainty_s: 0.01 }));
+    expect(lineText({ ...state, arrivals })).toMatch(/^done: there after .*51/);
+    expect(lineText({ ...state, state: "aborted", arrivals, message: "a stop" })).toBe("aborted: a stop");
+    expect(lineText(undefined)).toBe("");
   });
 
   it("tells the skew with how sure it is", () => {

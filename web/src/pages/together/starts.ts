@@ -6,6 +6,9 @@ export type TogetherMove = Schemas["TogetherMove"];
 export type StartedTogether = Schemas["StartedTogether"];
 export type AxisStart = Schemas["AxisStart"];
 export type Net = Schemas["Net"];
+export type StraightLine = Pick<Schemas["StraightLine"], "axes" | "points" | "pace">;
+export type LinePlan = Schemas["LinePlan"];
+export type LineState = Schemas["LineState"];
 
 /** One axis that may take part, and what stands in its row. */
 export interface Row {
@@ -52,6 +55,22 @@ export function movesOf(rows: readonly Row[], choices: Choices, relative: boolea
     return target === null ? [] : [{ device, axis, target, relative, unit: "microsteps" as const }];
   });
   return moves.length === 0 || moves.length < chosen.length ? null : moves;
+}
+
+/** The straight line of the same choice; null where there is none. */
+export function lineOf(moves: readonly TogetherMove[] | null, relative: boolean, pace: number): StraightLine | null {
+  if (moves === null || relative) return null;
+  const axes = moves.map(({ device, axis }) => ({ device, axis }));
+  return { axes, points: [moves.map(({ target }) => target)], pace: pace / 100 };
+}
+
+/** How the latest line is, in words. */
+export function lineText(state: LineState | undefined): string {
+  if (state === undefined || state.state === "idle") return "";
+  const said = state.message === "" ? "" : `: ${state.message}`;
+  if (state.state !== "done") return `${state.state}${said}`;
+  const after = state.arrivals.map(({ after_s }) => after_s);
+  return `done: there after ${duration(Math.max(...after))}, seen within ${duration(Math.max(...after) - Math.min(...after))}`;
 }
 
 /** A time with how much more or less it may be. */

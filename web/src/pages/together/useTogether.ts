@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { api } from "../../api/client";
-import type { TogetherMove } from "./starts";
+import type { StraightLine, TogetherMove } from "./starts";
 
 /** The nets of the emulated devices, looked at while the page is open. */
 export function useWiring() {
@@ -14,4 +14,28 @@ export function useWiring() {
 /** Start all of them; throws ApiError. */
 export function startTogether(moves: TogetherMove[], useWires: boolean) {
   return api.POST("/api/v1/start-together", { body: { moves, use_wires: useWires, start_wires: [] } });
+}
+
+/** How the present straight line goes, or the latest one went. */
+export function useLine() {
+  return useQuery({
+    queryKey: ["straight-line"],
+    queryFn: () => api.GET("/api/v1/straight-line"),
+    refetchInterval: 500,
+  });
+}
+
+/** What the planners expect of a line; throws ApiError. */
+export function planLine(body: StraightLine) {
+  return api.POST("/api/v1/straight-line/plan", { body: { ...body, duration_s: null } });
+}
+
+/** Go there; throws ApiError. */
+export function startLine(body: StraightLine) {
+  return api.POST("/api/v1/straight-line", { body: { ...body, duration_s: null } });
+}
+
+/** End it and stop its motors. */
+export function stopLine() {
+  return api.DELETE("/api/v1/straight-line", {});
 }
