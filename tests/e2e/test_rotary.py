@@ -15,6 +15,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.e2e.chips import a_chip, set_up
 from tests.e2e.chips import select as select_chip
 from tests.e2e.conftest import PHONE, Errors
+from tests.e2e.modules import select as select_device
 from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
 
 GEAR_TURN = Fraction(TURN * 7, 3)
@@ -391,3 +392,20 @@ def test_a_device_that_is_away_says_so(page: Page, fresh: Motor) -> None:
         expect(page.get_by_test_id("go-long")).to_be_disabled()
     finally:
         fresh.call("POST", "connect", {})
+
+
+def test_a_position_compare_is_an_event_too(page: Page, api: httpx.Client) -> None:
+    made = api.post("/devices", json={"name": "compared", "model": "tmc4210", "link": {"kind": "emulator"}})
+    device = made.raise_for_status().json()["id"]
+    try:
+        wait_for(lambda: api.get(f"/devices/{device}").json()["state"] == "connected", "it is connected")
+        mask = f"/devices/{device}/registers/POS_COMP_INT_4210"
+        select_device(page, device)
+        page.goto("/rotary")
+        box = page.get_by_test_id("compare-event")
+        expect(box).not_to_be_checked(timeout=30_000)
+        box.click()
+        expect(box).to_be_checked()
+        assert api.get(mask).json()["fields"]["M"] == 1
+    finally:
+        api.delete(f"/devices/{device}")

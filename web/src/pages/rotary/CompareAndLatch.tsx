@@ -2,13 +2,16 @@ import { Button, Text } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { api } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
+import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { CompareEvent } from "./CompareEvent";
 import { ExactField, whole } from "./ExactField";
 import { grouped, LEAST, MOST, wholeOf } from "./exact";
 import { type Change, type Extended, LATCHED_ROUTE } from "./extended";
 
 interface Props {
+  device: Device;
   at: AxisAddress;
   seen: Extended;
   /** the chip has a compare register */
@@ -19,7 +22,7 @@ interface Props {
 }
 
 /** Where the chip tells that the axis comes by, and where a switch latched it, both beyond the counter. */
-export function CompareAndLatch({ at, seen, compares, disabled, busy, onChange }: Props) {
+export function CompareAndLatch({ device, at, seen, compares, disabled, busy, onChange }: Props) {
   const { compare, latch_register: latch } = seen.answer;
   const latched = useMutation({ mutationFn: () => api.GET(LATCHED_ROUTE, { path: at }) });
   const position = wholeOf(compare?.position_text);
@@ -57,6 +60,7 @@ export function CompareAndLatch({ at, seen, compares, disabled, busy, onChange }
             : `${compare.register_name} waits: the axis is further away than the counter can tell apart`}
         </Text>
       )}
+      {compares && <CompareEvent device={device} axis={at.axis} disabled={device.state !== "connected"} />}
       {latch !== null && (
         <div className="lines-4 baseline mt-8 text-12">
           <Text component="span" size="xs" c="dimmed">

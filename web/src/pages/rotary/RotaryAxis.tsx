@@ -291,6 +291,7 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           {answer.watching ? [longMove, setup] : [setup, longMove]}
           <CompareAndLatch
             key={`${at.device} ${at.axis}`}
+            device={device}
             at={at}
             seen={seen}
             compares={can(device, "position_compare")}
