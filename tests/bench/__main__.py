@@ -13,6 +13,7 @@ from tests.bench import (
     audit_kills,
     browser,
     calculators,
+    chain_drives,
     churn,
     editor,
     emulation,
@@ -46,6 +47,7 @@ from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "emulation": lambda quick: [emulation.measure(quick=quick)],
+    "chain-drives": chain_drives.measure,
     "tmc4361": emulation4361.measure,
     "tmc5xxx": emulation5xxx.measure,
     "cpu": lambda quick: [serving.measure_cpu(quick=quick)],
