@@ -53,6 +53,7 @@ PAGES = {
     "single-stallguard": ("/stallguard", ONE_AXIS),
     "single-console": ("/console", ONE_AXIS),
     "rotary": ("/rotary", ONE_AXIS),
+    "tune": ("/tune", ONE_AXIS),
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
     "health": ("/health", "bench"),

@@ -11,6 +11,7 @@ import asyncio
 import random
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +26,18 @@ from app.studies.moves import MeasuredMoves
 from app.studies.ramp_settings import ACCELERATION, SPEED, document_of, least_time_s
 from tests.bench.table import Row
 from tests.plants.axes import drawn
-from tests.studies.harness import STEP_S, Studied, studied
+from tests.studies.harness import START, STEP_S, Studied, studied
 
-MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "margin": 0.1}
+MOVE: dict[str, Any] = {
+    "kind": "fastest_move",
+    "distance": 12_800,
+    "margin": 0.1,
+    "velocity_max_pps": 1e6,
+    "acceleration_max_pps2": 7.6e6,
+}
+"""As far as the chip goes: where it ends by itself there is no edge to find."""
+FULL = replace(START, irun=31, ihold=16)
+"""At the rated current while it moves."""
 BUDGET: dict[str, Any] = {"trials": 25, "time_s": 3600.0}
 GRID = 16
 HOLDS_THRICE = (0, 341, 683)
@@ -68,7 +78,7 @@ async def _advanced(s: Studied, work: Any) -> Any:
 
 async def _best_of_grid(seed: int, folder: Path) -> float:
     """The time of the fastest setting of the grid that holds."""
-    async with studied(folder, **drawn(seed)) as s:
+    async with studied(folder, FULL, **drawn(seed)) as s:
         wanted = FastestMove.model_validate(MOVE)
         looked = await look(s.device, 0, wanted)
         assert looked.ranges is not None, looked.missing
@@ -97,7 +107,7 @@ async def _best_of_grid(seed: int, folder: Path) -> float:
 
 async def _found(seed: int, folder: Path) -> tuple[float | None, str, bool]:
     """The time of what the study takes for the best, what it says, and whether the axis is as before."""
-    async with studied(folder, **drawn(seed)) as s:
+    async with studied(folder, FULL, **drawn(seed)) as s:
         before = await s.settings(*NAMES)
         record = await s.finish(s.begin(s.document(MOVE, budget=BUDGET, seed=seed)), 8000)
         best = record.trial(record.best)
@@ -109,7 +119,7 @@ async def _null(seed: int, folder: Path) -> tuple[bool, str]:
     """Whether an improvement is claimed where the space ends at the present setting."""
     margin = 1.1
     study = {**MOVE, "velocity_max_pps": 50_001.0 * margin, "acceleration_max_pps2": 200_010.0 * margin}
-    async with studied(folder, **drawn(seed)) as s:
+    async with studied(folder, FULL, **drawn(seed)) as s:
         budget = {**BUDGET, "trials": 6}
         record = await s.finish(s.begin(s.document(study, budget=budget, seed=seed)), 8000)
         return bool(record.improved), record.verdict or record.message
@@ -118,7 +128,7 @@ async def _null(seed: int, folder: Path) -> tuple[bool, str]:
 async def _aborted(seed: int, folder: Path) -> bool:
     """Whether the axis is as before, or what is left is told, after a stop at a random moment."""
     rng = random.Random(seed)
-    async with studied(folder, **drawn(seed)) as s:
+    async with studied(folder, FULL, **drawn(seed)) as s:
         before = await s.settings(*NAMES)
         run = s.begin(s.document(MOVE, budget=BUDGET, seed=seed))
         await s.clock.advance(rng.uniform(0.05, 40))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import APIRouter, HTTPException, Path
 from fastapi.responses import Response
 
 from ...errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, UsageError, WrongState
@@ -60,6 +60,12 @@ async def list_studies(bench: CurrentBench) -> StudyList:
 async def plan_study(bench: CurrentBench, body: StudyDocument) -> StudyPlan:
     """What a study would do to the machine, and what is missing before it can. Nothing moves."""
     return await bench.studies.plan(body)
+
+
+@router.api_route("/plan", methods=["GET", "PUT", "PATCH", "DELETE"], include_in_schema=False)
+async def no_study_is_called_plan() -> None:
+    """Keep `/studies/{study}` from taking this address for a study."""
+    raise HTTPException(405, headers={"Allow": "POST"})
 
 
 @router.post("", status_code=201, responses=BEGIN)

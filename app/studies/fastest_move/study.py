@@ -127,6 +127,9 @@ class FastestMoveStudy(StudyRun):
         self.tell("baseline", 0.0, "moving as the axis is set now")
         self.keeper.mark("baseline")
         self._touched = True  # a loss is mended by the setting before, which writes
+        # A rotor that stood beside its field when it was switched on falls into step with the first move.
+        await self._moves.go(self._ranges.start + (1 if self.wanted.distance > 0 else -1) * self._ranges.period)
+        await self._moves.go(self._ranges.start)
         runs = []
         for index in range(BASELINE_RUNS):
             runs.append(await self._run_once())
