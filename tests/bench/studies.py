@@ -30,7 +30,7 @@ from tests.studies.harness import START, STEP_S, Studied, studied
 
 MOVE: dict[str, Any] = {
     "kind": "fastest_move",
-    "distance": 12_800,
+    "distance": 51_200,
     "margin": 0.1,
     "velocity_max_pps": 1e6,
     "acceleration_max_pps2": 7.6e6,

@@ -22,8 +22,9 @@ series."""
 def drawn(seed: int) -> dict[str, Any]:
     """Options of an emulated TMC5160.
 
-    R within 10 %, L 20 %, torque 10 % of the motor's, detent 2 to 8 % of it, load of 0.5 to 20 rotor inertias, viscous
-    and Coulomb friction, 24 to 48 V, rated current at the greatest scale.
+    R within 10 %, L 20 %, torque 10 % of the motor's, detent 2 to 8 % of it, viscous and Coulomb friction, 24 to 48 V,
+    rated current at the greatest scale. The load has 10 to 200 rotor inertias: with less, 256 microsteps a full step let
+    the chip's greatest acceleration end before the motor does.
     """
     rng = random.Random(seed)
     resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
@@ -40,7 +41,7 @@ def drawn(seed: int) -> dict[str, Any]:
             "friction_nm": torque * rng.uniform(0.005, 0.03),
         },
         "load": {
-            "inertia_kgm2": inertia * 10 ** rng.uniform(-0.3, 1.3),
+            "inertia_kgm2": inertia * 10 ** rng.uniform(1.0, 2.3),
             "friction_nm": torque * rng.uniform(0.0, 0.15),
         },
         "supply_v": rng.uniform(24, 48),
