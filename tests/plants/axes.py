@@ -23,8 +23,8 @@ def drawn(seed: int) -> dict[str, Any]:
     """Options of an emulated TMC5160.
 
     R within 10 %, L 20 %, torque 10 % of the motor's, detent 2 to 8 % of it, viscous and Coulomb friction, 24 to 48 V,
-    rated current at the greatest scale. The load has 10 to 200 rotor inertias: with less, 256 microsteps a full step let
-    the chip's greatest acceleration end before the motor does.
+    rated current at the greatest scale. The load has 10 to 200 rotor inertias: with less, at 256 microsteps a full step
+    the greatest acceleration of the chip is too little to lose one.
     """
     rng = random.Random(seed)
     resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
