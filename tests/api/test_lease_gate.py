@@ -30,6 +30,10 @@ CALCULATORS = (
     "input-filter",
     "serial-encoder",
     "current-scales",
+    "start-stop",
+    "driver-sync",
+    "drive-current",
+    "pwm-duty",
 )
 FREE = {
     ("POST", "/stop"),
