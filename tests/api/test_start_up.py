@@ -54,7 +54,9 @@ async def gets_there(client: httpx.AsyncClient, clock: VirtualClock, model: str,
         return
     await clock.advance(1)
     state = (await client.get(f"devices/new/axes/{axis}")).json()
-    assert (state["moving"], state["velocity_pps"]) == (True, pytest.approx(10 * target, rel=0.005))
+    if MODELS[model].spi is None:  # else it tells no speed
+        assert state["velocity_pps"] == pytest.approx(10 * target, rel=0.005)
+    assert state["moving"]
 
 
 async def cannot_move(client: httpx.AsyncClient, model: str) -> None:

@@ -65,6 +65,10 @@ class Oracle:
         elif MODELS[self.model].uart_alone:
             if UartForm().is_write(frame):
                 yield UartForm().register_of(frame), int.from_bytes(frame[3:7], "big")
+        elif MODELS[self.model].spi is not None:
+            datagram = int.from_bytes(frame, "big") & 0xF_FFFF
+            tag = datagram >> 17
+            yield (8 | tag, datagram & 0x1_FFFF) if tag & 4 else (8, datagram & 0x3_FFFF)
         elif frame[0] & 0x80:
             yield frame[0] & 0x7F, int.from_bytes(frame[1:], "big")
 
@@ -160,6 +164,13 @@ class Oracle:
         if MODELS[self.model].can("own_velocity"):
             unit_pps = MODELS[self.model].clock_hz_default / (1 << 24)
             yield Meaning("velocity", "VACTUAL", 0, abs(self.value("VACTUAL")) * unit_pps)
+        if MODELS[self.model].spi is not None:
+            scale, conf = self.words[0xE] & 0x1F, self.words[0xF]
+            peak_a = (
+                (scale + 1) / 32 * (0.165 if conf >> 6 & 1 else 0.310) / (self.limits.sense_resistor_ohm or math.nan)
+            )
+            yield Meaning("current", "SGCSCONF", 0, peak_a / math.sqrt(2))
+            return
         currents = self.row("IHOLD_IRUN").unpack(self.words[self.row("IHOLD_IRUN").address])
         if self.model == "tmc2240":
             yield self._ranged(currents)

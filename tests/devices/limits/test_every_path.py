@@ -36,6 +36,8 @@ def frame_of(device: Device, register: Register, word: int) -> bytes:
         return Request(1, Opcode.SAP, register.address, 0, signed).encode()
     if MODELS[device.model].uart_alone:
         return UartForm().write(register.address, word)
+    if MODELS[device.model].spi is not None:
+        return ((register.address & 7) << 17 | word & (1 << register.width) - 1).to_bytes(3, "big")
     return datagram40.write(register.address, word)
 
 
@@ -91,7 +93,10 @@ async def at_rest_within(made: Bench, model: str) -> Oracle:
             await made.device.registers.write(name, 0, value)
         for row in writable(model):
             oracle.words[row.address] = (await made.device.registers.read(row.name, row.axis)).value
-    if not MODELS[model].counts_position:  # full current after power-on
+    if MODELS[model].spi is not None:  # nothing of it can be read
+        await made.device.registers.write("DRVCONF", None, 0)
+        await made.device.registers.write("SGCSCONF", 0, fields={"CS": 8})
+    elif not MODELS[model].counts_position:  # full current after power-on
         await made.device.registers.write("IHOLD_IRUN", 0, fields={"IRUN": 8, "IHOLD": 4})
     oracle.heard(made.port.frames)
     await made.limit(limits)
