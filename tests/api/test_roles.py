@@ -64,7 +64,9 @@ def expected(method: str, path: str) -> Role:
         return "administer"
     if method in SAFE_METHODS:
         return "look"
-    if method == "POST" and re.fullmatch("/studies/(plan|[^/]+/stop)", short):
+    if (method, short) == ("DELETE", "/straight-line"):
+        return "look"
+    if method == "POST" and re.fullmatch("/(straight-line|studies)/plan|/studies/[^/]+/stop", short):
         return "look"
     stops = short == "/stop" or (
         short.startswith("/devices/")
@@ -142,7 +144,7 @@ def test_no_address_gets_past_the_roles(policies: Policies, method: str, text: s
 @given(st.text(st.characters(exclude_characters="/"), min_size=1))
 def test_a_stop_is_for_every_role_whatever_the_device_is_called(policies: Policies, name: str) -> None:
     stops = [(each.method, each.path) for each in policies.routes if each.policy.stops]
-    assert len(stops) == 4 + len(PROCEDURES)  # of everything, of an axis, of a program, and of a study
+    assert len(stops) == 5 + len(PROCEDURES)  # of everything, an axis, a program, a study and a straight line
     for method, path in stops:
         assert policies.role(method, BASE + re.sub("{[^}]*}", lambda _: name, path)) == "look"
 
