@@ -41,7 +41,7 @@ export const PAGES: readonly PageEntry[] = [
   page(85, "/tune", "Tune", "Tune", IconTargetArrow, { needs: ["encoder"], unless: "parameters" }),
   page(83, "/twin", "3D", "3D", IconCube, { needs: ["motion"] }),
   page(84, "/program", "Program", "Program", IconCode, { needs: ["programs"] }),
-  page(86, "/together", "Together", "Sync", IconArrowsSplit2, { needs: ["motion"] }),
+  page(86, "/together", "Together", "Sync", IconArrowsSplit2, { needs: ["motion"], alone: true }),
   page(90, "/recordings", "Recordings", "Records", IconPlayerRecord, { alone: true }),
   page(91, "/profiles", "Profiles", "Profiles", IconFileStack, { alone: true }),
   page(92, "/console", "Console", "Console", IconTerminal2),
