@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 from ...errors import BenchError
 from ...registers.model import Register
-from ...registers.tmc4361.bits import EVENT_MASK, event_names, selected_events
+from ...registers.tmc4361.bits import EVENT_BITS, EVENT_MASK, event_names, selected_events
 from ..core.capabilities import EventLog, LatchedFlags
 from ..core.register_io import RegisterIO, Snapshot, Write
 from ..core.register_link import RegisterLink
@@ -26,6 +26,16 @@ from .memory import ChipMemory
 
 ALL = 0xFFFF_FFFF
 RESET = "RST_EV"
+DRIVER_LSB = 32
+"""Of the words of a timeline: behind the events the flags of the motor driver, STATUS 31:24."""
+DRIVER = 0xFF << DRIVER_LSB
+STATUS_LSB, SELECTION_LSB = 24, 16
+"""Where the driver's flags are in STATUS, and in STEP_CONF those that make a MOTOR_EV."""
+DRIVER_NAMES = {
+    part.lsb - STATUS_LSB: f"driver_{part.name}"
+    for part in roles.STATUS.fields
+    if part.lsb >= STATUS_LSB and "TMC23x" not in part.when
+}
 
 
 class Events(EventLog, LatchedFlags):
@@ -39,7 +49,7 @@ class Events(EventLog, LatchedFlags):
         self._link = link
         self._session = link.session
         self._memory = memory
-        self._timeline = Timeline(roles.AXIS, EVENT_MASK, event_names)
+        self._timeline = Timeline(roles.AXIS, EVENT_MASK | DRIVER, _names)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
         self._owed: tuple[int, int] | None = None
@@ -74,8 +84,8 @@ class Events(EventLog, LatchedFlags):
         else:
             steps = await self._read_keeping(io, ALL, asked, kept)
         *others, events = steps[0]
-        self._saw_events(events, events, io.time_s)
         held = Snapshot(registers, others)
+        self._saw_events(events, events, io.time_s, held.word(roles.STATUS) if roles.STATUS in registers else None)
         self._memory.saw_all(held)
         return held
 
@@ -148,12 +158,24 @@ class Events(EventLog, LatchedFlags):
             return 0
         return sum(1 << bit for place, bit in enumerate(selected_events(selection)) if status >> place & 1)
 
-    def _saw_events(self, word: int, left: int, time_s: float) -> None:
+    def _saw_events(self, word: int, left: int, time_s: float, status: int | None = None) -> None:
+        """EVENTS was read and is now `left`. With the STATUS of that time a MOTOR_EV is told with what it was: the
+        selected flags of the driver that have come since they were seen last."""
         self.present = left
-        entry = self._timeline.read(word, left, time_s)
+        mask, driver = EVENT_MASK, 0
+        if status is not None:
+            mask |= DRIVER
+            driver = (status >> STATUS_LSB & self._selected()) << DRIVER_LSB
+        told = driver if word >> EVENT_BITS["MOTOR_EV"] & 1 else 0
+        entry = self._timeline.read(word | told, left | driver, time_s, mask)
         if entry is not None:
             self._tell(entry)
         self._acquainted = True
+
+    def _selected(self) -> int:
+        """Flags of the driver that make a MOTOR_EV; all where nobody knows."""
+        steps = self._memory.known(roles.STEP_CONF)
+        return 0xFF if steps is None else steps >> SELECTION_LSB & 0xFF
 
     def _tell(self, entry: ChipEvents) -> None:
         """Tell of events once, however they were seen first; of a reset the memory hears before anybody else."""
@@ -171,3 +193,9 @@ class Events(EventLog, LatchedFlags):
             self.present = 0
             self._acquainted = False
             self._timeline.forget()
+
+
+def _names(word: int) -> tuple[str, ...]:
+    """Names of the events, and behind MOTOR_EV those of the driver's flags."""
+    driver = tuple(name for bit, name in DRIVER_NAMES.items() if word >> DRIVER_LSB + bit & 1)
+    return (*event_names(word & EVENT_MASK), *driver)

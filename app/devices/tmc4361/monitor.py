@@ -132,8 +132,15 @@ class Monitor(AxisMonitor):
         return self._expected.watch.ends
 
     def signs(self, axis: int, state: AxisState) -> Signs:
+        index = self._session.axis(axis).index
         return sign.signs(
-            self._memory, self._cruise, self._events, self._session.axis(axis).index, state, stalled=self.stalled
+            self._memory,
+            self._cruise,
+            self._events,
+            index,
+            state,
+            stalled=self.stalled,
+            driver=self._session.driven().get(index),
         )
 
     def _encoder(self, held: Snapshot) -> Encoder:

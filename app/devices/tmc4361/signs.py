@@ -13,28 +13,64 @@ from .switches import stopped_by
 
 VELOCITY_PPS = 51_200
 """What a remedy writes to VMAX: a turn a second at 256 microsteps."""
+UNNAMED = "the motor driver"
 DRIVER_FAULTS = {
-    "OT": "the motor driver is too hot and has switched off",
-    "S2GA": "the motor driver has switched off: a short in phase A",
-    "S2GB": "the motor driver has switched off: a short in phase B",
+    "OT": "is too hot and has switched off",
+    "S2GA": "has switched off: a short in phase A",
+    "S2GB": "has switched off: a short in phase B",
+    "OTPW": "warns that it is hot: it switches off when it gets much hotter",
 }
+"""What a flag of STATUS says of the driver, the worst first. Under OT nothing is said of OTPW: it is set as well."""
+OPEN, STALL = ("OLA", "OLB"), "SG"
+SLOW_FULLSTEPS_PER_S = 400.0
+"""Faster than that flags of open loads tell nothing (DS-TMC2660 6.10, "slow motion"; the figure INFERRED)."""
 
 
-def signs(memory: ChipMemory, cruise: Cruise, events: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:
-    """Of `state`, as it was read just now."""
+def signs(
+    memory: ChipMemory,
+    cruise: Cruise,
+    events: Events,
+    axis: int,
+    state: AxisState,
+    *,
+    stalled: bool,
+    driver: str | None = None,
+) -> Signs:
+    """Of `state`, as it was read just now. `driver` is the name of the device that drives the axis, if one does."""
     return Signs(
-        faults=tuple(
-            Sign(cause, (Evidence(f"{roles.STATUS.name}.{name}", "1", state.time_s),))
-            for name, cause in DRIVER_FAULTS.items()
-            if state.flags.get(name)
-        ),
+        faults=_driver_faults(memory, driver or UNNAMED, state),
         blocks=tuple(_blocks(memory, cruise, axis, state)),
-        stall=_stall(memory, axis, state, stalled=stalled),
+        stall=_stall(memory, axis, state, driver or UNNAMED, stalled=stalled),
+        stalling=_stalling(driver, state),
         holds=tuple(_holds(memory, state)),
         takes_encoder=True,
         resets=events.resets,
         regulated=roles.REGULATION.unpack(memory.known(roles.ENC_IN_CONF) or 0) != 0,
     )
+
+
+def _driver_faults(memory: ChipMemory, who: str, state: AxisState) -> tuple[Sign, ...]:
+    """What the driver has switched off for or warns of, and coils that are not connected."""
+    told = [name for name in DRIVER_FAULTS if state.flags.get(name) and not (name == "OTPW" and state.flags.get("OT"))]
+    found = [Sign(f"{who} {DRIVER_FAULTS[name]}", (_told(name, state),)) for name in told]
+    coils = [name for name in OPEN if state.flags.get(name)]
+    slow = abs(state.velocity_pps) / memory.microsteps <= SLOW_FULLSTEPS_PER_S
+    if coils and state.moving and slow:
+        where = "coils A and B" if len(coils) > 1 else f"coil {coils[0][-1]}"
+        evidence = tuple(_told(name, state) for name in coils)
+        found.append(Sign(f"{who} finds no load at {where}: is the motor connected?", evidence))
+    return tuple(found)
+
+
+def _stalling(driver: str | None, state: AxisState) -> Sign | None:
+    """That the motor does not follow, while it is stepped. What bit 24 of one without a name is nobody knows."""
+    if driver is None or not state.moving or not state.flags.get(STALL):
+        return None
+    return Sign(f"{driver} tells of a stall: the motor does not follow", (_told(STALL, state),))
+
+
+def _told(name: str, state: AxisState) -> Evidence:
+    return Evidence(f"{roles.STATUS.name}.{name}", "1", state.time_s)
 
 
 def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> list[Sign]:
@@ -54,7 +90,7 @@ def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> 
     return found
 
 
-def _stall(memory: ChipMemory, axis: int, state: AxisState, *, stalled: bool) -> Sign | None:
+def _stall(memory: ChipMemory, axis: int, state: AxisState, who: str, *, stalled: bool) -> Sign | None:
     evidence, helps = [], []
     for register, name in ((roles.STATUS, "ACTIVE_STALL_F"), (roles.EVENTS, "STOP_ON_STALL")):
         if state.flags.get(name):
@@ -66,7 +102,7 @@ def _stall(memory: ChipMemory, axis: int, state: AxisState, *, stalled: bool) ->
     if stalled and not roles.REFERENCE_CONF.unpack(memory.known(roles.REFERENCE_CONF) or 0)[name]:
         evidence.append(Evidence(f"{roles.REFERENCE_CONF.name}.{name}", "0", state.time_s))
         helps.append(write(roles.REFERENCE_CONF.name, axis, 1, name))
-    return Sign("the motor driver reported a stall", tuple(evidence), tuple(helps))
+    return Sign(f"{who} reported a stall", tuple(evidence), tuple(helps))
 
 
 def _holds(memory: ChipMemory, state: AxisState) -> list[Sign]:

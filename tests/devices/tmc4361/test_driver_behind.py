@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.core.capabilities import StallStop
+from app.conditions.judge import AxisObservation, judge
+from app.devices.core.capabilities import EventLog, StallStop
 from app.devices.core.config import DeviceConfig
 from app.devices.core.cover import CoverCarrier, CoverPort
 from app.emulators.tmc4361 import Tmc4361Patch
@@ -142,6 +143,66 @@ async def test_a_hot_driver_is_a_fault_by_name() -> None:
         assert state.flags["OT"]
         faults = b.device.monitor.signs(0, state).faults
         assert [sign.cause for sign in faults] == ["the motor driver is too hot and has switched off"]
+
+
+async def driven(b: Bench) -> None:
+    """A driver of its own name behind the axis, set up to follow steps."""
+    await b.device.registers.write("SPI_OUT_CONF", 0, TO_STEPS)
+    link = {"kind": "cover", "device": b.device.id, "axis": 0}
+    driver = await b.manager.add(DeviceConfig("the feed", "tmc2660", link))
+    for name, word in (
+        ("DRVCONF", DRVCONF[TO_STEPS]),
+        ("SMARTEN", SMARTEN),
+        ("SGCSCONF", SGCSCONF),
+        ("DRVCTRL", DRVCTRL),
+        ("CHOPCONF", CHOPCONF),
+    ):
+        await driver.registers.write(name, 0, word & 0x1FFFF)
+    await b.clock.advance(0.3)
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "cause", "flag"),
+    [
+        ({"motor": {"temperature_c": 120.0}}, "driver_fault", "the feed warns that it is hot", "OTPW"),
+        ({"motor": {"temperature_c": 160.0}}, "driver_fault", "the feed is too hot", "OT"),
+        ({"motor": {"short_to_ground": "b"}}, "driver_fault", "the feed has switched off: a short in phase B", "S2GB"),
+        ({"motor": {"connected": False}}, "driver_fault", "the feed finds no load at coils A and B", "OLA"),
+        ({"blocked": True}, "stalled", "the feed tells of a stall", "SG"),
+    ],
+)
+async def test_what_a_named_driver_tells_is_a_condition_by_its_name_and_what_the_motor_event_was(
+    change: dict[str, object], kind: str, cause: str, flag: str
+) -> None:
+    async with bench(driver="tmc2660") as b:
+        await driven(b)
+        await b.device.registers.write("STEP_CONF", 0, fields={"OTPW": 1})
+        await b.device.motion.rotate(0, 20_000.0)
+        await b.clock.advance(1.5)
+        state = await b.state()
+        before = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        assert before.kind == "moving"
+        log = b.device.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        seen = log.events(0).next
+        b.patch(Tmc4361Patch.model_validate(change))
+        await b.clock.advance(0.5)
+        state = await b.state()
+        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
+        told = [entry.names for entry in log.events(0, seen).events]
+        assert any("MOTOR_EV" in names and f"driver_{flag}" in names for names in told), told
+        assert sum(f"driver_{flag}" in names for names in told) == 1, "once while it stays"
+
+
+async def test_a_flag_that_makes_no_motor_event_is_no_event() -> None:
+    async with bench(driver="tmc2660") as b:
+        await driven(b)
+        await b.device.registers.write("STEP_CONF", 0, fields={"OTPW": 0})
+        b.patch(Tmc4361Patch.model_validate({"motor": {"temperature_c": 120.0}}))
+        await b.clock.advance(1.5)
+        assert (await b.state()).flags["OTPW"]
+        log = b.device.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        assert not any("driver_OTPW" in entry.names for entry in log.events(0).events)
 
 
 async def over(b: Bench, procedures: Procedures, within_s: float = 60.0) -> ReferenceSearchState:
