@@ -39,6 +39,7 @@ from ...errors import (
     WrongState,
 )
 from ...lease.errors import BenchNotTaken, BenchTaken
+from ...procedures.start_together import NotReady
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.scripts.errors import ScriptFailed
 from ...registers.maps.findings import UnreadableMap
@@ -77,6 +78,7 @@ KINDS: dict[type[Exception], Kind] = {
     RoleTooLow: Kind(403, "/problems/role-too-low", "This token may not do that"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     CannotMove: Kind(409, "/problems/wrong-state", "Not possible now"),  # with the remedy beside it
+    NotReady: Kind(409, "/problems/wrong-state", "Not possible now"),  # of a start together that a stop has ended
     LinkDown: Kind(
         409,
         "/problems/not-connected",
