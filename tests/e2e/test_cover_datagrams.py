@@ -50,3 +50,28 @@ def test_a_register_is_composed_of_fields_and_the_answer_told_by_name(
     kept = api.get("/devices/middle/registers?kept=true").raise_for_status().json()
     assert {one["name"]: one["fields"] for one in kept}["SGCSCONF"]["CS"] == 21
     check_axe(page)
+
+
+def test_the_emulator_panel_acts_on_the_motor_of_the_chosen_driver(
+    page: Page, api: httpx.Client, driven: str, check_axe: Callable[[Page], None]
+) -> None:
+    stored = json.dumps({"device": driven, "axis": 0})
+    page.add_init_script(
+        f"if (location.protocol !== 'about:') localStorage.setItem('stepscope.selection', {json.dumps(stored)})"
+    )
+    page.goto("/")
+    page.get_by_role("button", name="Emulator").click()
+    panel = page.get_by_test_id("emulator")
+    choice = panel.get_by_role("radiogroup", name="Driver of the chain")
+    expect(choice.locator("label")).to_have_count(3)
+    choice.locator("label").nth(1).click()
+    panel.get_by_label("Shaft blocked").click()
+    expect(panel.get_by_label("Shaft blocked")).to_be_checked()
+    panel.get_by_label("Bridges at").fill("160")
+    panel.get_by_label("Bridges at").press("Enter")
+    hot = panel.get_by_label("Bridges at")
+    expect(hot).to_have_value("160")
+    check_axe(page)
+    drivers = api.get(f"/devices/{driven}/emulator").raise_for_status().json()["driver_chain"]["drivers"]
+    assert [one["load"]["blocked"] for one in drivers] == [False, True, False]
+    assert [one["motor"]["temperature_c"] >= 160 for one in drivers] == [False, True, False]

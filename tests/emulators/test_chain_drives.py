@@ -225,3 +225,14 @@ def test_a_power_cycle_leaves_shafts_and_forgets_registers() -> None:
     rig.wait(0.5)
     assert rig.position(0) == pytest.approx(before, abs=0.5)
     assert rig.truth(0).current_a_a == 0
+
+
+def test_what_acts_on_the_motor_of_a_driver_is_told_as_it_was_changed() -> None:
+    rig = Rig(["tmc2660", "tmc236"])
+    rig.patch(0, load_torque_nm=0.05, friction=0.01, blocked=True, supply_v=30.0)
+    chain = rig.device.state(rig.time_s).driver_chain
+    assert chain is not None
+    load = chain.drivers[0].load
+    assert load is not None
+    assert (load.load_torque_nm, load.friction, load.blocked, load.supply_v) == (0.05, 0.01, True, 30.0)
+    assert chain.drivers[1].load is None

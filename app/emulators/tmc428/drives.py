@@ -17,6 +17,7 @@ from ..drive.tmc26x import BITS, Tmc26x
 from ..motor_documents import change_load
 from .chain import DRIVER_BITS, Selects, Signals
 from .options import DriverChange, EmulatorOptions
+from .state import DriverLoadState
 
 LEAST_SUPPLY_V = 8.0
 
@@ -175,12 +176,19 @@ class ChainDrives:
             driver.drive.plant.supply_v = change.supply_v
         change_load(driver.drive.plant, change)
 
-    def describe(self, index: int) -> tuple[MotorState, TruthState] | None:
-        """Motor and shaft as the API tells them; None of a driver without."""
+    def describe(self, index: int) -> tuple[MotorState, TruthState, DriverLoadState] | None:
+        """Motor, shaft and what acts on them as the API tells them; None of a driver without."""
         driver = self.drivers[index] if index < len(self.drivers) else None
         if driver is None:
             return None
-        return motor_state(driver.drive.plant, driver.drive.options.motor), truth_state(driver.drive.plant_state)
+        plant = driver.drive.plant
+        load = DriverLoadState(
+            load_torque_nm=plant.load_torque_nm,
+            friction=plant.extra_friction_nm,
+            blocked=plant.blocked,
+            supply_v=plant.supply_v,
+        )
+        return motor_state(plant, driver.drive.options.motor), truth_state(driver.drive.plant_state), load
 
 
 def _driver(options: EmulatorOptions, index: int) -> Tmc26x:

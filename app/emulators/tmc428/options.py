@@ -66,23 +66,27 @@ class StepOutputWire(PinWire):
 class ChainDriverOptions(Closed):
     """A driver of the chain with its motor."""
 
-    driver: Literal["tmc236", "tmc2660"] = Field(
-        default="tmc236",
-        description="tmc236: 12 bits, a status that is told, and a carriage that follows every step. tmc2660: 20 bits, "
+    driver: Literal["tmc236", "tmc2660"] = shown(
+        "tmc236",
+        "Driver",
+        "tmc236: 12 bits, a status that is told, and a carriage that follows every step. tmc2660: 20 bits, "
         "its registers by cover datagrams, and a motor with physics that turns as its currents let it",
+        words={"tmc236": "TMC236", "tmc2660": "TMC2660"},
     )
-    motor: MotorOptions = MotorOptions()
-    load: LoadOptions = LoadOptions()
-    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
-    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
-        default=3.1, description="peak coil current at current scale 31 and VSENSE 0: 310 mV over 100 mOhm [A]"
+    motor: MotorOptions = Field(default=MotorOptions(), json_schema_extra=REST_ONLY)
+    load: LoadOptions = Field(default=LoadOptions(), json_schema_extra=REST_ONLY)
+    supply_v: Supply = shown(24.0, "Supply", "motor supply, of a tmc2660 [V]")
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = shown(
+        3.1,
+        "Full scale",
+        "peak coil current at current scale 31 and VSENSE 0, of a tmc2660: 310 mV over 100 mOhm [A]",
     )
 
 
 class EmulatorOptions(Closed):
     """How an emulated chip and what hangs on it are made: the `link` of an emulated device."""
 
-    model_config = ConfigDict(json_schema_extra=form(fold="time, seed, wiring, writes of V_ACTUAL, stages"))
+    model_config = ConfigDict(json_schema_extra=form(fold="time, seed, wiring, writes of V_ACTUAL, stages, drivers"))
 
     time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] = shown(
         1.0, "Chip time runs at", "how fast chip time passes; 0 stands still", unit="x real time"
@@ -132,8 +136,9 @@ class EmulatorOptions(Closed):
     )
     drivers: Annotated[list[ChainDriverOptions], Field(max_length=3)] = Field(
         default_factory=list,
+        title="Drivers of the chain",
         description="TMC428, TMC429: drivers of the chain, one an axis, the first next to SDI_S; none: three tmc236",
-        json_schema_extra=REST_ONLY,
+        json_schema_extra=form(where={"axes": [2, 3]}),
     )
     driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = rest_only(
         16, "TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers"

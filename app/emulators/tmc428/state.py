@@ -48,6 +48,15 @@ class ChainBit(BaseModel):
     value: int
 
 
+class DriverLoadState(BaseModel):
+    """What acts on the motor of one driver."""
+
+    load_torque_nm: float = Field(description="constant, like a weight: a positive one pulls to negative positions")
+    friction: float = Field(description="friction on top of the motor's own [N m]")
+    blocked: bool
+    supply_v: float = Field(description="motor supply [V]")
+
+
 class DriverState(BaseModel):
     """What one driver got with the last datagram, and the coils behind it."""
 
@@ -65,6 +74,7 @@ class DriverState(BaseModel):
         default=None, description="of a driver with a motor: its plug, temperature, shorts"
     )
     truth: TruthState | None = Field(default=None, description="how that motor and its shaft really are")
+    load: DriverLoadState | None = Field(default=None, description="what acts on that motor and its driver")
 
 
 class ChainState(BaseModel):

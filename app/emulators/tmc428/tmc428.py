@@ -303,6 +303,7 @@ class Tmc428(Chip):
                     selected=self.selects.fit,
                     motor=None if told is None else told[0],
                     truth=None if told is None else told[1],
+                    load=None if told is None else told[2],
                 )
             )
         return ChainState(

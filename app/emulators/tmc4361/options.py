@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import form, rest_only
+from ...form_hints import form, rest_only, shown
 from ..core.pins import WIRES_MAX, PinWire
 from ..drive.documents import (
     ChipFaultsChange,
@@ -31,7 +31,7 @@ class Tmc4361Wire(PinWire):
 class Tmc4361Options(MotorDocument):
     """How an emulated chip, its motor, its encoder and its stage are made: the `link` of an emulated device."""
 
-    model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoder"))
+    model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoder, driver"))
 
     seed: NoiseSeed = 4361
     clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = rest_only(
@@ -43,10 +43,12 @@ class Tmc4361Options(MotorDocument):
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = rest_only(
         2.1, "peak coil current at current scale 255 [A]: the default motor's holding torque"
     )
-    driver: DriverBehind = rest_only(
+    driver: DriverBehind = shown(
         "wired",
+        "Motor driver",
         "what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have "
         "to set up and that follows steps or currents",
+        words={"wired": "bridges that take the chip's currents", "tmc2660": "TMC2660, set up by cover datagrams"},
     )
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(
         0, "SGT of a wired driver's StallGuard2"

@@ -3824,14 +3824,14 @@ export interface components {
              */
             load?: components["schemas"]["LoadOptions"];
             /**
-             * Supply V
-             * @description motor supply [V]
+             * Supply
+             * @description motor supply, of a tmc2660 [V]
              * @default 24
              */
             supply_v?: number;
             /**
-             * Full Scale A
-             * @description peak coil current at current scale 31 and VSENSE 0: 310 mV over 100 mOhm [A]
+             * Full scale
+             * @description peak coil current at current scale 31 and VSENSE 0, of a tmc2660: 310 mV over 100 mOhm [A]
              * @default 3.1
              */
             full_scale_a?: number;
@@ -3999,7 +3999,7 @@ export interface components {
              */
             full_scale_a?: number;
             /**
-             * Driver
+             * Motor driver
              * @description what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have to set up and that follows steps or currents
              * @default wired
              * @enum {string}
@@ -5669,6 +5669,29 @@ export interface components {
             kind: "emulator";
         };
         /**
+         * DriverLoadState
+         * @description What acts on the motor of one driver.
+         */
+        DriverLoadState: {
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions
+             */
+            load_torque_nm: number;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Supply V
+             * @description motor supply [V]
+             */
+            supply_v: number;
+        };
+        /**
          * DriverPinsChange
          * @description Levels from outside: true is high.
          */
@@ -5781,6 +5804,8 @@ export interface components {
             motor?: components["schemas"]["MotorState"] | null;
             /** @description how that motor and its shaft really are */
             truth?: components["schemas"]["TruthState"] | null;
+            /** @description what acts on that motor and its driver */
+            load?: components["schemas"]["DriverLoadState"] | null;
         };
         /**
          * DriverSync
@@ -5976,7 +6001,7 @@ export interface components {
              */
             wires?: components["schemas"]["StepOutputWire"][];
             /**
-             * Drivers
+             * Drivers of the chain
              * @description TMC428, TMC429: drivers of the chain, one an axis, the first next to SDI_S; none: three tmc236
              */
             drivers?: components["schemas"]["ChainDriverOptions"][];

@@ -1,17 +1,27 @@
-import { Divider } from "@mantine/core";
+import { Divider, SegmentedControl, Switch } from "@mantine/core";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
 import { EmulatorTime, Faults, Power, SwitchRow } from "../../pages/bench/EmulatorParts";
+import { BridgesAt, type MotorChange, Shaft, Supply } from "../../pages/bench/MotorParts";
 import type { ControlsProps } from "../family";
 
 type ChipState = Schemas["EmulatorState"];
 type ChipPatch = Schemas["EmulatorPatch"];
 type ChipAxis = ChipState["axes"][number];
+type ChainDriver = Schemas["DriverState"];
+type DriverChange = Omit<NonNullable<ChipPatch["drivers"]>[number], "axis">;
 
 const SWITCHES = [
   ["left", "Left"],
   ["reference", "Reference"],
   ["right", "Right"],
+] as const;
+
+/** What a TMC236 can be made to report, by the bit of its status (DS-TMC428 9.1). */
+const REPORTS = [
+  ["Too hot (OT)", 1 << 7],
+  ["Coil A open (OLA)", 1 << 2],
+  ["Coil B open (OLB)", 1 << 3],
 ] as const;
 
 const FAULTS = [
@@ -20,11 +30,29 @@ const FAULTS = [
 ] as const;
 
 /** What acts on an emulated chip: switches, time, faults, power. */
-export function Controls({ device, ...emulator }: ControlsProps) {
+export function Controls({ device, axis: chosen, onAxis, ...emulator }: ControlsProps) {
   const state = emulator.state as ChipState;
   const send: (patch: ChipPatch) => void = emulator.send;
+  const drivers = state.driver_chain?.drivers ?? [];
+  const driver = drivers.find(({ driver: index }) => index === chosen) ?? drivers[0];
   return (
     <>
+      {driver !== undefined && (
+        <>
+          <Divider label="Drivers of the chain" labelPosition="left" />
+          <SegmentedControl
+            fullWidth
+            aria-label="Driver of the chain"
+            data={drivers.map(({ driver: index }) => ({
+              value: String(index),
+              label: `Driver of ${device.axes[index]?.name ?? index}`,
+            }))}
+            value={String(driver.driver)}
+            onChange={(value) => onAxis(Number(value))}
+          />
+          <OfDriver driver={driver} send={(change) => send({ drivers: [{ axis: driver.driver, ...change }] })} />
+        </>
+      )}
       <Divider label="Switches" labelPosition="left" />
       {state.axes.map((axis) => (
         <AxisSwitches
@@ -40,6 +68,39 @@ export function Controls({ device, ...emulator }: ControlsProps) {
         send={send}
         note="Resets the chip: registers and RAM lose what was set. The carriages stay where they are."
       />
+    </>
+  );
+}
+
+interface DriverProps {
+  driver: ChainDriver;
+  send: (change: DriverChange) => void;
+}
+
+/** One driver of the chain: its motor, or without one of its own what it reports. */
+function OfDriver({ driver, send }: DriverProps) {
+  const { motor, truth, load, status } = driver;
+  if (!motor || !truth || !load)
+    return (
+      <div className="stack gap-4" data-testid="driver-reports">
+        {REPORTS.map(([label, bit]) => (
+          <Switch
+            key={label}
+            size="sm"
+            label={label}
+            checked={(status & bit) !== 0}
+            onChange={(event) => send({ status: event.currentTarget.checked ? status | bit : status & ~bit })}
+          />
+        ))}
+      </div>
+    );
+  const sendMotor = (change: MotorChange) => send(change);
+  return (
+    <>
+      <Shaft plant={{ motor, truth, ...load }} send={sendMotor}>
+        <Supply volts={load.supply_v} send={send} />
+      </Shaft>
+      <BridgesAt celsius={motor.temperature_c} send={sendMotor} />
     </>
   );
 }

@@ -332,6 +332,15 @@ describe("a TMC5xxx", () => {
     expect(changeBody(draftOf(device), draftOf(device))).toEqual({});
   });
 
+  it("has drivers behind a controller to choose, of each axis or the one of a TMC4361", () => {
+    const chain = typed(named("tmc428"), { "drivers.1.driver": "tmc2660", "drivers.1.supply_v": "36" });
+    expect(problemsOf(chain)).toEqual({});
+    expect(linkOf(chain)).toEqual({ kind: "emulator", drivers: [{}, { driver: "tmc2660", supply_v: 36 }, {}] });
+    expect(linkOf(typed(named("tmc4361"), { driver: "tmc2660" }))).toEqual({ kind: "emulator", driver: "tmc2660" });
+    const paths = fieldsOf(linkForm(about("tmc4210"), "emulator"), 1).map(({ path }) => path);
+    expect(paths.some((path) => path.startsWith("drivers"))).toBe(false);
+  });
+
   it("has a motor and a stage to set, and no home switch", () => {
     const draft = typed(named("tmc5072"), { "motor.holding_torque_nm": "1", "encoder.lines": "500" });
     expect(problemsOf(draft)).toEqual({});

@@ -38,7 +38,7 @@ export function FieldInput({ field, of, value, problem, onChange, onFocus }: Fie
       <Select
         {...common}
         classNames={{ label: "hint regular" }}
-        style={WIDE}
+        {...(of === undefined ? { style: WIDE } : {})}
         data={field.options}
         value={common.value || String(field.default ?? "")}
         onChange={change}
