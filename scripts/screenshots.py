@@ -41,6 +41,8 @@ PAGES = {
     "filters": ("/filters", SERVO),
     "serial-encoder": ("/serial-encoder", SERVO),
     "driver-sync": ("/driver-sync", SERVO),
+    "drive-currents": ("/drive-currents", SERVO),
+    "start": ("/start", SERVO),
     "mslut": ("/microsteps", SERVO),
     "pair-bench": ("/", TWO_AXES),
     "pair-registers": ("/registers", TWO_AXES),
