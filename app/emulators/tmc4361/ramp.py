@@ -208,6 +208,11 @@ def go_on(r: Cells, s: Cells, f: Floats) -> int:
     f[c.A] = a + t * j
     steps = int(f[c.P] - s[c.STEPPED])
     s[c.STEPPED] += steps
+    if s[c.STEPPED] == f[c.GOAL] and f[c.PLAN_END] - tick * f[c.DT] < f[c.DT]:
+        # There by rounding, with an end that comes before the next tick: TARGET_REACHED is told at rest, so that what
+        # it starts begins there (TZEROWAIT, VSTART, ASTART).
+        rest(r, s, f)
+        return steps
     if tick >= _ANCHOR_TICKS and piece + 1 == s[c.PIECES] and f[c.PLAN_END] == math.inf:
         f[c.PLAN + c.P_T], f[c.PLAN + c.P_P] = 0.0, f[c.P] - s[c.STEPPED]
         f[c.PLAN + c.P_V], f[c.PLAN + c.P_A], f[c.PLAN + c.P_J] = f[c.V], 0.0, 0.0

@@ -177,6 +177,27 @@ def test_enabled_targets_share_the_stages() -> None:
     assert [rig.read(f"X_PIPE{n}") for n in (0, 2, 4)] == [101, 103, 105]
 
 
+@pytest.mark.sheet("DS-TMC4361", "10.2")
+@pytest.mark.parametrize("way", [80, 83, 97, 100])
+def test_a_start_by_the_target_begins_from_rest_however_the_last_tick_falls(way: int) -> None:
+    """The last step of some ways fell a tick before the end of the ramp: TZEROWAIT was passed over then."""
+    rig = Rig()
+    rig.ramp(Ramp(20_000.0, 1e6, 1e6, 1e7, 1e7, 1e7, 1e7), S_POSITION)
+    rig.write("TZEROWAIT", 160_000)  # 10 ms
+    for n in range(8):
+        rig.write(f"X_PIPE{n}", 2 * way)
+    rig.write("START_CONF", BY_TARGET | 1 << 12)
+    rig.write("XTARGET", way)
+    for _ in range(1000):
+        if rig.position == way:
+            break
+        rig.wait(1e-3)
+    rig.wait(5e-3)
+    assert (rig.position, rig.signed("VACTUAL")) == (way, 0)
+    rig.wait(0.5)
+    assert rig.position == 2 * way
+
+
 # --- shadow registers ------------------------------------------------------------------------------------------------
 
 _SETS = {
