@@ -29,6 +29,7 @@ CALCULATORS = (
     "driver-chain",
     "input-filter",
     "serial-encoder",
+    "target-sequence",
     "current-scales",
     "drive-current",
     "pwm-duty",

@@ -35,6 +35,8 @@ from .tmc4361 import currents, input_filters
 from .tmc4361.current_schemas import DriveCurrent, DriveCurrentResult, PwmDuty, PwmDutyResult
 from .tmc4361.driver_sync import driver_sync
 from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
+from .tmc4361.sequence import target_sequence
+from .tmc4361.sequence_schemas import TargetSequence, TargetSequenceResult
 from .tmc4361.serial_encoder import serial_encoder
 from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
 from .tmc4361.sync_schemas import DriverSync, DriverSyncResult
@@ -115,6 +117,12 @@ def list_input_filters() -> InputFilters:
 def calculate_input_filter(body: InputFilter) -> InputFilterResult:
     """What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse."""
     return input_filters.input_filter(body)
+
+
+@router.post("/target-sequence")
+def calculate_target_sequence(body: TargetSequence) -> TargetSequenceResult:
+    """The registers of a sequence of targets that a TMC4361 makes alone, and its whole motion."""
+    return target_sequence(body)
 
 
 @router.post("/serial-encoder")

@@ -1715,6 +1715,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/target-sequence": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Target Sequence
+         * @description The registers of a sequence of targets that a TMC4361 makes alone, and its whole motion.
+         */
+        post: operations["calculate_target_sequence"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/serial-encoder": {
         parameters: {
             query?: never;
@@ -12086,6 +12106,94 @@ export interface components {
              */
             phase: string;
         };
+        /**
+         * SequenceMove
+         * @description A way to a target.
+         */
+        SequenceMove: {
+            /**
+             * Start S
+             * @description when the start gives the target
+             */
+            start_s: number;
+            /**
+             * Begin S
+             * @description when the motor moves
+             */
+            begin_s: number;
+            /**
+             * End S
+             * @description when it is there, or is sent elsewhere
+             */
+            end_s: number;
+            /** Origin */
+            origin: number;
+            /** Target */
+            target: number;
+            /** Reached */
+            reached: boolean;
+            /**
+             * Shape
+             * @enum {string}
+             */
+            shape: "s" | "trapezoid" | "hold";
+            /** Vmax Pps */
+            vmax_pps: number;
+        };
+        /**
+         * SequenceRamp
+         * @description Ramp registers by their names in lower case [pps, pps^2, pps^3].
+         */
+        SequenceRamp: {
+            /**
+             * Values
+             * @description vmax, amax, dmax, bow1...; what is left out is 0
+             */
+            values: {
+                [key: string]: number;
+            };
+            /**
+             * Shape
+             * @default s
+             * @enum {string}
+             */
+            shape?: "s" | "trapezoid" | "hold";
+        };
+        /**
+         * SequenceShadow
+         * @description Shadow registers that a start exchanges the ramp with.
+         */
+        SequenceShadow: {
+            /**
+             * Option
+             * @description shadow_option
+             */
+            option: number;
+            /**
+             * Sets
+             * @description one for option 0; what a set leaves out is as in the ramp
+             */
+            sets: components["schemas"]["SequenceRamp"][];
+            /**
+             * Cyclic
+             * @description cyclic_shadow_regs
+             * @default false
+             */
+            cyclic?: boolean;
+            /**
+             * Misses
+             * @description shadow_miss_cnt
+             * @default 0
+             */
+            misses?: number;
+        };
+        /** SequenceWord */
+        SequenceWord: {
+            /** Name */
+            name: string;
+            /** Value */
+            value: number;
+        };
         /** SequencerRow */
         SequencerRow: {
             /** Index */
@@ -13650,6 +13758,129 @@ export interface components {
         TakenBack: {
             /** Registers */
             registers: components["schemas"]["RegisterChange"][];
+        };
+        /**
+         * TargetSequence
+         * @description Targets, and what leads from one to the next.
+         */
+        TargetSequence: {
+            /**
+             * Position
+             * @description where it stands [microsteps]
+             * @default 0
+             */
+            position?: number;
+            /**
+             * Targets
+             * @description 8 at most where START triggers
+             */
+            targets: number[];
+            ramp: components["schemas"]["SequenceRamp"];
+            /**
+             * Trigger
+             * @description TARGET_REACHED, or the pin START
+             * @default target
+             * @enum {string}
+             */
+            trigger?: "target" | "start";
+            shadow?: components["schemas"]["SequenceShadow"] | null;
+            /**
+             * Clock Hz
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Direct Acc Val En
+             * @default false
+             */
+            direct_acc_val_en?: boolean;
+            /**
+             * Direct Bow Val En
+             * @default false
+             */
+            direct_bow_val_en?: boolean;
+            /**
+             * Use Astart And Vstart
+             * @default false
+             */
+            use_astart_and_vstart?: boolean;
+            /**
+             * Delay
+             * @description START_DELAY
+             * @default 0
+             */
+            delay?: number;
+            /**
+             * Zero Wait
+             * @description TZEROWAIT
+             * @default 0
+             */
+            zero_wait?: number;
+            /**
+             * Pulses S
+             * @description edges of START, rising times
+             * @default []
+             */
+            pulses_s?: number[];
+            /**
+             * Immediate
+             * @description immediate_start_in
+             * @default false
+             */
+            immediate?: boolean;
+            /**
+             * Active High
+             * @description pol_start_signal
+             * @default false
+             */
+            active_high?: boolean;
+            /**
+             * Ring
+             * @description the pipeline goes round (xpipe_rewrite_reg)
+             * @default false
+             */
+            ring?: boolean;
+            /**
+             * Moves Most
+             * @description moves to look at
+             * @default 20
+             */
+            moves_most?: number;
+            /**
+             * Samples
+             * @default 800
+             */
+            samples?: number;
+        };
+        /** TargetSequenceResult */
+        TargetSequenceResult: {
+            /**
+             * Words
+             * @description in the order of writing: what sets it going comes last
+             */
+            words: components["schemas"]["SequenceWord"][];
+            /** Moves */
+            moves: components["schemas"]["SequenceMove"][];
+            /**
+             * Starts S
+             * @description every start, also those after which nothing moves
+             */
+            starts_s: number[];
+            /**
+             * Ends
+             * @description it comes to rest by itself; else only the first moves are here
+             */
+            ends: boolean;
+            /** Duration S */
+            duration_s: number;
+            /** Time S */
+            time_s: number[];
+            /** Position */
+            position: number[];
+            /** Velocity Pps */
+            velocity_pps: number[];
+            /** Findings */
+            findings: string[];
         };
         /**
          * TcpLink
@@ -24278,6 +24509,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["InputFilterResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_target_sequence: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TargetSequence"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TargetSequenceResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
