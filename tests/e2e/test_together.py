@@ -56,11 +56,22 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
         field = page.get_by_label(f"Target of {chip.device}", exact=False)
         field.fill("0")
         field.press("Enter")
+    page.get_by_role("button", name="Go by these positions").press("Enter")
+    expect(page.get_by_test_id("via").get_by_role("row")).to_have_count(2)
+    for chip, target in zip(pair, ("500", "400"), strict=True):
+        field = page.get_by_label(f"Target of {chip.device}", exact=False)
+        field.fill(target)
+        field.press("Enter")
+    page.get_by_label("Each leg takes").fill("1.5")
+    page.get_by_label("Each leg takes").press("Enter")
     page.get_by_role("button", name="Plan", exact=True).press("Enter")
-    expect(page.get_by_test_id("line-plan")).to_contain_text("Off the line", timeout=PATIENCE_MS)
+    plan = page.get_by_test_id("line-plan")
+    expect(plan).to_contain_text("Off the line", timeout=PATIENCE_MS)
+    expect(plan.get_by_role("table").get_by_role("row")).to_have_count(1 + 2 * 2)
+    expect(plan.get_by_role("img", name="All are there after 3.0")).to_be_visible()
     for size in (PHONE, DESKTOP):
         page.set_viewport_size(size)
         check_axe(page)
     page.get_by_role("button", name="Go there").press("Enter")
     expect(page.get_by_test_id("line-state")).to_contain_text("done: there after", timeout=PATIENCE_MS)
-    assert [chip.axis()["position"] for chip in pair] == [0, 0]
+    assert [chip.axis()["position"] for chip in pair] == [500, 400]

@@ -1,5 +1,5 @@
-import { Button, Group, Table, Text } from "@mantine/core";
-import { IconLine, IconPlayerStop } from "@tabler/icons-react";
+import { ActionIcon, Button, Group, Table, Text } from "@mantine/core";
+import { IconLine, IconMapPinPlus, IconPlayerStop, IconX } from "@tabler/icons-react";
 import { useMemo } from "react";
 import { Card } from "../../lib/Card";
 import { compact, duration, fixed } from "../../lib/format";
@@ -9,7 +9,16 @@ import { colorOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
 import { useWork } from "../../lib/useWork";
 import { Plot } from "../../plots/Plot";
-import { type LinePlan, lineText, type StraightLine } from "./starts";
+import {
+  type LinePlan,
+  type LineWish,
+  lineText,
+  pathOf,
+  type StraightLine,
+  viaOf,
+  withoutVia,
+  withVia,
+} from "./starts";
 import classes from "./together.module.css";
 import { planLine, startLine, stopLine, useLine } from "./useTogether";
 
@@ -17,12 +26,12 @@ interface Props {
   /** null while the chosen axes and targets make none */
   line: StraightLine | null;
   names: Readonly<Record<string, string>>;
-  pace: number;
-  onPace: (percent: number) => void;
+  wish: LineWish;
+  onWish: (wish: LineWish) => void;
 }
 
 /** The chosen axes go to their targets on a straight line and arrive together: planned first, then gone. */
-export function LineCard({ line, names, pace, onPace }: Props) {
+export function LineCard({ line, names, wish, onWish }: Props) {
   const plan = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : planLine(line)));
   const start = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : startLine(line)));
   const stop = useWork(stopLine);
@@ -36,12 +45,34 @@ export function LineCard({ line, names, pace, onPace }: Props) {
           label="Pace"
           className={classes.pace ?? ""}
           unit="%"
-          value={pace}
+          value={wish.pacePercent}
           min={1}
           max={100}
           step={5}
-          onChange={onPace}
+          onChange={(pacePercent) => onWish({ ...wish, pacePercent })}
         />
+        <NumberField
+          size="xs"
+          label="Each leg takes"
+          className={classes.pace ?? ""}
+          unit="s"
+          placeholder="by pace"
+          value={wish.legS}
+          min={0.01}
+          max={3600}
+          step={0.5}
+          onChange={(legS) => onWish({ ...wish, legS })}
+          onClear={() => onWish({ ...wish, legS: null })}
+        />
+        <Button
+          size="sm"
+          variant="default"
+          leftSection={<IconMapPinPlus size={16} aria-hidden />}
+          disabled={line === null || line.points.length >= POINTS_MAX}
+          onClick={() => line !== null && onWish(withVia(line, wish))}
+        >
+          Go by these positions
+        </Button>
         <Button size="sm" variant="default" disabled={line === null} loading={plan.isPending} onClick={plan.mutate}>
           Plan
         </Button>
@@ -63,6 +94,7 @@ export function LineCard({ line, names, pace, onPace }: Props) {
           {line === null ? "Choose axes above, each with a position." : lineText(state.data)}
         </Text>
       </Group>
+      {line !== null && <Via line={line} names={names} wish={wish} onWish={onWish} />}
       <div className="mt-8">
         <ProblemAlert error={plan.error} doing="Planning the line" onClose={() => plan.reset()} />
         <ProblemAlert error={start.error} doing="Going on the line" onClose={() => start.reset()} />
@@ -73,23 +105,71 @@ export function LineCard({ line, names, pace, onPace }: Props) {
   );
 }
 
+/** As many as the server takes. */
+const POINTS_MAX = 64;
+
+/** The points on the way, in their order. */
+function Via({ line, names, wish, onWish }: Props & { line: StraightLine }) {
+  const points = viaOf(line.axes, wish);
+  if (points.length === 0) return null;
+  return (
+    <Table className={classes.table} maw={560} mt="xs" verticalSpacing={3} data-testid="via">
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th>By</Table.Th>
+          {line.axes.map(({ device, axis }) => (
+            <Table.Th key={`${device}/${axis}`} className="right">
+              {names[device] ?? device} {axis}
+            </Table.Th>
+          ))}
+          <Table.Th aria-label="Remove" />
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {points.map((point, number) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: a point is its place on the way, and may come twice
+          <Table.Tr key={number}>
+            <Table.Td>{number + 1}</Table.Td>
+            {line.axes.map(({ device, axis }, index) => (
+              <Table.Td key={`${device}/${axis}`} className="right">
+                {fixed(point[index] ?? 0)}
+              </Table.Td>
+            ))}
+            <Table.Td className="right">
+              <ActionIcon
+                size="sm"
+                variant="subtle"
+                aria-label={`Remove point ${number + 1}`}
+                onClick={() => onWish(withoutVia(wish, number))}
+              >
+                <IconX size={14} aria-hidden />
+              </ActionIcon>
+            </Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
 const HUES = ["position", "velocity", "acceleration", "encoder_position", "load_value", "residual"];
 
 function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
   const scheme = useScheme();
-  const leg = plan.legs[0];
+  const last = plan.legs.at(-1);
+  const several = plan.legs.length > 1;
   const title = ({ device, axis }: { device: string; axis: number }) => `${names[device] ?? device} ${axis}`;
-  const data = useMemo(
-    () => (leg === undefined ? undefined : ([leg.time_s, ...leg.axes.map(({ position }) => position)] as const)),
-    [leg],
-  );
-  if (leg === undefined || data === undefined) return null;
+  const data = useMemo(() => {
+    const { timeS, positions } = pathOf(plan);
+    return [timeS, ...positions] as const;
+  }, [plan]);
+  if (last === undefined) return null;
   return (
     <div data-testid="line-plan">
       <Plot
         label="Expected positions over time"
-        summary={`All are there after ${duration(leg.duration_s)}, ${duration(leg.arrival_spread_s)} apart`}
-        series={leg.axes.map((axis, index) => ({
+        summary={`All are there after ${duration(plan.duration_s)}, ${duration(last.arrival_spread_s)} apart`}
+        series={last.axes.map((axis, index) => ({
           label: title(axis),
           color: colorOf(HUES[index % HUES.length] ?? "position", scheme),
           unit: "µsteps",
@@ -102,6 +182,7 @@ function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
       <Table className={classes.table} verticalSpacing={4} mt="xs">
         <Table.Thead>
           <Table.Tr>
+            {several && <Table.Th>Leg</Table.Th>}
             <Table.Th>Axis</Table.Th>
             <Table.Th className="right">Speed</Table.Th>
             <Table.Th className="right">There after</Table.Th>
@@ -109,14 +190,18 @@ function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
-          {leg.axes.map((axis) => (
-            <Table.Tr key={`${axis.device}/${axis.axis}`}>
-              <Table.Td>{title(axis)}</Table.Td>
-              <Table.Td className="right">{fixed(axis.velocity_pps)} pps</Table.Td>
-              <Table.Td className="right">{duration(axis.duration_s)}</Table.Td>
-              <Table.Td className="right">{compact(axis.off_line, 2)} µsteps</Table.Td>
-            </Table.Tr>
-          ))}
+          {plan.legs.map((leg, number) =>
+            leg.axes.map((axis) => (
+              // biome-ignore lint/suspicious/noArrayIndexKey: a leg is its place on the way
+              <Table.Tr key={`${number} ${axis.device}/${axis.axis}`}>
+                {several && <Table.Td>{number + 1}</Table.Td>}
+                <Table.Td>{title(axis)}</Table.Td>
+                <Table.Td className="right">{fixed(axis.velocity_pps)} pps</Table.Td>
+                <Table.Td className="right">{duration(axis.duration_s)}</Table.Td>
+                <Table.Td className="right">{compact(axis.off_line, 2)} µsteps</Table.Td>
+              </Table.Tr>
+            )),
+          )}
         </Table.Tbody>
       </Table>
     </div>

@@ -8,7 +8,17 @@ import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useWork } from "../../lib/useWork";
 import { LineCard } from "./LineCard";
-import { type Choice, type Choices, lineOf, movesOf, type Row, type StartedTogether, skewText, UNSAID } from "./starts";
+import {
+  type Choice,
+  type Choices,
+  lineOf,
+  movesOf,
+  NO_WISH,
+  type Row,
+  type StartedTogether,
+  skewText,
+  UNSAID,
+} from "./starts";
 import classes from "./together.module.css";
 import { startTogether } from "./useTogether";
 
@@ -23,7 +33,7 @@ export function StartCard({ rows, names }: Props) {
   const [choices, setChoices] = useState<Choices>({});
   const [relative, setRelative] = useState(false);
   const [useWires, setUseWires] = useState(true);
-  const [pace, setPace] = useState(100);
+  const [wish, setWish] = useState(NO_WISH);
   const moves = movesOf(rows, choices, relative);
   const start = useWork(() => startTogether(moves ?? [], useWires));
   const change = (key: string, more: Partial<Choice>) =>
@@ -121,7 +131,7 @@ export function StartCard({ rows, names }: Props) {
           <ProblemAlert error={start.error} doing="Starting together" onClose={() => start.reset()} />
         </div>
       </Card>
-      <LineCard line={lineOf(moves, relative, pace)} names={names} pace={pace} onPace={setPace} />
+      <LineCard line={lineOf(moves, relative, wish)} names={names} wish={wish} onWish={setWish} />
       {start.data !== undefined && <Started start={start.data} names={names} />}
     </>
   );

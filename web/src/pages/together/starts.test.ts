@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { about } from "../../../test/catalog";
-import { lineOf, lineText, movesOf, netText, rowsOf, skewText } from "./starts";
+import { lineOf, lineText, movesOf, NO_WISH, netText, pathOf, rowsOf, skewText, withoutVia, withVia } from "./starts";
 
 const axes = (...names: string[]) => names.map((name, index) => ({ index, name }));
 const device = (id: string, model: string, names: string[], state = "connected") =>
@@ -30,9 +30,27 @@ describe("moves that start together", () => {
 
   it("makes a line of positions, not of distances", () => {
     const moves = movesOf(ROWS, { "bench/0": { chosen: true, target: 100 } }, false);
-    expect(lineOf(moves, false, 50)).toEqual({ axes: [{ device: "bench", axis: 0 }], points: [[100]], pace: 0.5 });
-    expect(lineOf(moves, true, 50)).toBeNull();
-    expect(lineOf(null, false, 50)).toBeNull();
+    const wish = { ...NO_WISH, pacePercent: 50, legS: 2 };
+    const axes = [{ device: "bench", axis: 0 }];
+    expect(lineOf(moves, false, wish)).toEqual({ axes, points: [[100]], pace: 0.5, duration_s: 2 });
+    expect(lineOf(moves, true, wish)).toBeNull();
+    expect(lineOf(null, false, wish)).toBeNull();
+  });
+
+  it("goes by points on the way, as long as they are of its axes", () => {
+    const to = (key: string, target: number) => movesOf(ROWS, { [key]: { chosen: true, target } }, false);
+    const line = (moves: ReturnType<typeof to>, wish = NO_WISH) => lineOf(moves, false, wish) ?? expect.fail();
+    const one = withVia(line(to("bench/0", 100)), NO_WISH);
+    const two = withVia(line(to("bench/0", 50), one), one);
+    expect(line(to("bench/0", 0), two).points).toEqual([[100], [50], [0]]);
+    expect(line(to("bench/0", 0), withoutVia(two, 0)).points).toEqual([[50], [0]]);
+    expect(line(to("bench/1", 7), two).points).toEqual([[7]]);
+  });
+
+  it("makes one path of all legs", () => {
+    const leg = (position: number[]) => ({ duration_s: 2, arrival_spread_s: 0, time_s: [0, 2], axes: [{ position }] });
+    const plan = { duration_s: 4, legs: [leg([0, 10]), leg([10, 5])] } as unknown as Parameters<typeof pathOf>[0];
+    expect(pathOf(plan)).toEqual({ timeS: [0, 2, 2, 4], positions: [[0, 10, 10, 5]] });
   });
 
   it("says how a line went", () => {

@@ -6,7 +6,7 @@ export type TogetherMove = Schemas["TogetherMove"];
 export type StartedTogether = Schemas["StartedTogether"];
 export type AxisStart = Schemas["AxisStart"];
 export type Net = Schemas["Net"];
-export type StraightLine = Pick<Schemas["StraightLine"], "axes" | "points" | "pace">;
+export type StraightLine = Pick<Schemas["StraightLine"], "axes" | "points" | "pace" | "duration_s">;
 export type LinePlan = Schemas["LinePlan"];
 export type LineState = Schemas["LineState"];
 
@@ -57,11 +57,54 @@ export function movesOf(rows: readonly Row[], choices: Choices, relative: boolea
   return moves.length === 0 || moves.length < chosen.length ? null : moves;
 }
 
-/** The straight line of the same choice; null where there is none. */
-export function lineOf(moves: readonly TogetherMove[] | null, relative: boolean, pace: number): StraightLine | null {
+/** How a line is gone, besides where it ends. */
+export interface LineWish {
+  pacePercent: number;
+  /** that each leg takes at least; null: as fast as the pace says [s] */
+  legS: number | null;
+  /** points on the way, a position for each axis [microsteps], of the axes of that key */
+  via: { axes: string; points: readonly (readonly number[])[] };
+}
+
+export const NO_WISH: LineWish = { pacePercent: 100, legS: null, via: { axes: "", points: [] } };
+
+/** The straight line of the same choice, by way of its points; null where there is none. */
+export function lineOf(moves: readonly TogetherMove[] | null, relative: boolean, wish: LineWish): StraightLine | null {
   if (moves === null || relative) return null;
   const axes = moves.map(({ device, axis }) => ({ device, axis }));
-  return { axes, points: [moves.map(({ target }) => target)], pace: pace / 100 };
+  const points = [...viaOf(axes, wish).map((point) => [...point]), moves.map(({ target }) => target)];
+  return { axes, points, pace: wish.pacePercent / 100, duration_s: wish.legS };
+}
+
+/** Points on the way of a line of those axes: those of other axes are no points of it. */
+export function viaOf(axes: StraightLine["axes"], { via }: LineWish): readonly (readonly number[])[] {
+  return via.axes === keyOf(axes) ? via.points : [];
+}
+
+/** The wish with the end of a line as a point on the way, too. */
+export function withVia(line: StraightLine, wish: LineWish): LineWish {
+  return { ...wish, via: { axes: keyOf(line.axes), points: line.points } };
+}
+
+/** The wish without one of its points. */
+export function withoutVia(wish: LineWish, number: number): LineWish {
+  return { ...wish, via: { ...wish.via, points: wish.via.points.filter((_, index) => index !== number) } };
+}
+
+function keyOf(axes: StraightLine["axes"]): string {
+  return axes.map(({ device, axis }) => `${device}/${axis}`).join(" ");
+}
+
+/** All legs of a plan as one: times from the start of the first [s], and of each axis the positions at these. */
+export function pathOf({ legs }: LinePlan): { timeS: number[]; positions: number[][] } {
+  let begun = 0;
+  const timeS: number[] = [];
+  for (const leg of legs) {
+    for (const time of leg.time_s) timeS.push(begun + time);
+    begun += leg.duration_s;
+  }
+  const positions = (legs[0]?.axes ?? []).map((_, index) => legs.flatMap((leg) => leg.axes[index]?.position ?? []));
+  return { timeS, positions };
 }
 
 /** How the latest line is, in words. */

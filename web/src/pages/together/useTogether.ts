@@ -27,12 +27,12 @@ export function useLine() {
 
 /** What the planners expect of a line; throws ApiError. */
 export function planLine(body: StraightLine) {
-  return api.POST("/api/v1/straight-line/plan", { body: { ...body, duration_s: null } });
+  return api.POST("/api/v1/straight-line/plan", { body });
 }
 
 /** Go there; throws ApiError. */
 export function startLine(body: StraightLine) {
-  return api.POST("/api/v1/straight-line", { body: { ...body, duration_s: null } });
+  return api.POST("/api/v1/straight-line", { body });
 }
 
 /** End it and stop its motors. */
