@@ -73,13 +73,18 @@ export interface Move {
   assumed: boolean;
 }
 
-/** The ramp that the chip holds, as the calculator takes it. */
-export function moveOf(chip: Planned, clockHz: number): Move {
+/** The ramp that the chip holds, with what is staged; null where it holds none. */
+export function heldRamp(chip: Planned, clockHz: number): ReturnType<typeof designOf> {
   const held = new Map<string, number>();
   const put = (name: string, value: number | null) => value !== null && held.set(name, value);
   for (const register of RAMP) put(register, chip.planned(register));
   for (const [register, field] of RAMP_FIELDS) put(field, chip.planned(register, field));
-  const found = designOf(held, clockHz);
+  return designOf(held, clockHz);
+}
+
+/** The ramp that the chip holds, as the calculator takes it. */
+export function moveOf(chip: Planned, clockHz: number): Move {
+  const found = heldRamp(chip, clockHz);
   const { design, options } = found ?? { design: START, options: OPTIONS };
   return {
     parameters: rampParameters(design, { ...options, mode: "position" }, clockHz, 1),

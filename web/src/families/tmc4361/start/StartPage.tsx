@@ -7,13 +7,14 @@ import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
 import { useSelectedAxis } from "../../../live/selection";
+import { SequenceSection } from "./SequenceSection";
 import { StartSection } from "./StartSection";
 import { StepSection } from "./StepSection";
 
-const GROUPS = ["general", "start", "step/dir", "ramp"] as const;
+const GROUPS = ["general", "start", "step/dir", "ramp", "pipeline", "shadow"] as const;
 const DEFAULT_CLOCK = 16e6;
 
-/** What gives a start and what waits for one; steps that come from outside, and what they become. */
+/** What gives a start and what waits for one, sequences of targets; steps that come from outside, and what they become. */
 export default function StartPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Start and steps" />;
@@ -43,6 +44,7 @@ function OfChip({ device, axis }: { device: Device; axis: Device["axes"][number]
         <StartSection {...common} />
         <StepSection {...common} microsteps={axis.microsteps_per_full_step} fullSteps={axis.full_steps_per_rev} />
       </div>
+      <SequenceSection chip={chip} clockHz={clockHz} disabled={!chip.known || !connected} />
       <StagedDrawer chip={chip} device={device} />
     </Page>
   );
