@@ -27,6 +27,12 @@ LOOKS: tuple[tuple[ViewportSize, Literal["light", "dark"]], ...] = (
     (PHONE, "dark"),
 )
 
+BEYOND = """() => [...document.querySelectorAll("body *")]
+  .filter((each) => each.getBoundingClientRect().right > document.documentElement.clientWidth)
+  .slice(0, 5)
+  .map((each) => `${each.tagName} ${each.className} ${each.textContent.slice(0, 40)}`)"""
+"""What reaches beyond the right edge."""
+
 
 @pytest.mark.parametrize("path", PAGES)
 def test_a_page_is_open_to_everybody(page: Page, check_axe: Callable[[Page], None], path: str) -> None:
@@ -40,7 +46,7 @@ def test_a_page_is_open_to_everybody(page: Page, check_axe: Callable[[Page], Non
         expect(page.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
         check_axe(page)
         sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
-        assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"
+        assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px: {page.evaluate(BEYOND)}"
 
 
 def test_pages_are_reached_by_menu_and_by_keyboard(page: Page) -> None:

@@ -96,7 +96,8 @@ def _recognised(cells: Sequence[int], ends: Sequence[int]) -> tuple[tuple[Driver
 def _recognise(codes: tuple[int, ...]) -> tuple[DriverSpec, tuple[str, ...]]:
     for name, known in KNOWN_DRIVERS.items():
         if codes in (known.plain, known.fast_decay):
-            return DriverSpec(name, fast_decay=codes == known.fast_decay), known.bit_names
+            # where both are the same the chain says nothing of fast decay
+            return DriverSpec(name, fast_decay=codes != known.plain), known.bit_names
     return DriverSpec(CUSTOM, signals=tuple(signal_name(code) for code in codes)), ("",) * len(codes)
 
 
