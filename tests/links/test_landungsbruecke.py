@@ -122,7 +122,7 @@ def test_options_that_cannot_be(options: dict[str, object], error: type[Exceptio
 
 
 def test_chips_without_boards_have_no_such_link() -> None:
-    with pytest.raises(UsageError, match="a tmc428 has no landungsbruecke link; tmc2130, tmc2240, tmc4361, "):
+    with pytest.raises(UsageError, match="a tmc428 has no landungsbruecke link; tmc2130, tmc2240, tmc2660, tmc4361, "):
         board_factory("tmc428", {"kind": "landungsbruecke", "port": "x"}, VirtualClock())
 
 
