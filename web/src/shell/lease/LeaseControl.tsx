@@ -18,12 +18,22 @@ function takenWords(lease: Lease): string {
     : `Taken by ${lease.holder} · ${lasting(lease.since_s)}`;
 }
 
+/** The place of the control until it is known who has the bench: nothing in the bar moves then. */
+function Room() {
+  return (
+    <Button variant="default" className={classes.control} style={{ visibility: "hidden" }} aria-hidden tabIndex={-1}>
+      <IconSteeringWheel size={16} />
+      <span className={classes.words}>You have the bench</span>
+    </Button>
+  );
+}
+
 /** Who has the bench: the way to it, and to everything about it. Without words where there is no room for them. */
 export function LeaseControl() {
   const { lease, asking } = useLease();
   const [opened, { toggle, close }] = useDisclosure();
   const access = useAccess();
-  if (lease === null) return null;
+  if (lease === null) return <Room />;
   if (access?.role === "look") return <OnlyLooking access={access} lease={lease} />;
   if (isFree(lease))
     return (
