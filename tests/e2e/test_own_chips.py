@@ -93,6 +93,8 @@ def test_a_listed_chip_on_a_uart_is_found_and_one_says_which_it_is(page: Page, a
     search.get_by_role("button", name="Probe").click()
     found = search.get_by_label("Modules found").get_by_role("listitem").filter(has_text="version 0x00")
     expect(found).to_contain_text("node 2", timeout=30_000)
+    beyond = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
+    assert beyond <= 0, "the long name of the port breaks"
     found.get_by_label("Which chip is version 0x00 at node 2").select_option(label=LISTED.title)
     found.get_by_role("button", name="Add").click()
     form = page.get_by_role("form", name="Add a device")

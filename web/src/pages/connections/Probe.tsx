@@ -127,7 +127,7 @@ export function Probe({ onAdd, titleOf }: Props) {
               <span className="num">
                 {probe.done} of {probe.total}
               </span>{" "}
-              asked on <span className="num">{probe.port}</span>
+              asked on <span className="num breaks anywhere">{probe.port}</span>
             </span>
             {!running && probe.found.length === 0 && <span>nothing answered</span>}
           </div>
