@@ -118,15 +118,17 @@ function Bench({ devices, lost }: BenchProps) {
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
               {(scope) =>
                 can(device, "events") && (
-                  <EventsTimeline
-                    key={`${device.id}/${entry.index}`}
-                    axis={entry.index}
-                    device={device}
-                    name={`${device.name} ${entry.name}`}
-                    source={scope.sources[0]}
-                    connected={asKnown(device).state === "connected"}
-                    window={{ current: () => scope.view.current(), box: scope.timeBox }}
-                  />
+                  <div className={classes.events}>
+                    <EventsTimeline
+                      key={`${device.id}/${entry.index}`}
+                      axis={entry.index}
+                      device={device}
+                      name={`${device.name} ${entry.name}`}
+                      source={scope.sources[0]}
+                      connected={asKnown(device).state === "connected"}
+                      window={{ current: () => scope.view.current(), box: scope.timeBox }}
+                    />
+                  </div>
                 )
               }
             </ScopeCard>
