@@ -5,13 +5,12 @@ HOST ?= 127.0.0.1
 PORT ?= 8000
 # `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
 ARGS ?=
-# Of each half of the tests, which run at the same time: a core for each half of a small machine.
-WORKERS ?= 1
+# Processes that Python tests run in: both cores of a small machine. Browser tests run beside them, in one process that
+# has a browser and a server behind it (0), or in so many.
+WORKERS ?= 2
+BROWSERS ?= 0
 # The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
 CONSTRAINTS ?= constraints.txt
-
-# One process is the one that pytest has anyway.
-SIDE = $(WORKERS:1=0)
 
 # With ARGS one half of the tests may have none to run, which pytest ends with 5.
 NONE_IS_WELL = $(if $(ARGS),|| [ $$? -eq 5 ])
@@ -26,8 +25,8 @@ STAMPS := .venv/.stamps
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help run dev test test-all python-tests browser-tests test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
-	web-check chromium lock clean
+.PHONY: help run dev test test-all python-tests browser-tests test-fast lint lint-python lint-web format types conformance \
+	report bench screenshots install web web-check chromium lock clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -45,17 +44,18 @@ test:  ## everything that CI holds: linters, types, UI, Python and browser tests
 test-all:
 	@$(MAKE) --no-print-directory --jobs=3 $(STAMPS)/kernels chromium lint-python web-check browser-tests python-tests
 
-# Whole lines, for both halves print at the same time. A file of browser tests shares what it has set up: loadfile.
+# Whole lines, for both halves print at the same time. One browser beside two processes of Python tests: both halves end at
+# about the same time, and no core is idle. A file of browser tests shares what it has set up: loadfile.
 python-tests browser-tests: SHELL := bash
 python-tests browser-tests: .SHELLFLAGS := -o pipefail -c
 python-tests: $(STAMPS)/kernels $(STAMPS)/tools
-	@($(BIN)/pytest -n $(SIDE) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
+	@($(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 browser-tests: $(STAMPS)/kernels $(STAMPS)/tools chromium
-	@($(BIN)/pytest -n $(SIDE) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
+	@($(BIN)/pytest -n $(BROWSERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
-	$(BIN)/pytest -n auto -m "not e2e and not slow" $(ARGS)
+	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
 
 lint: lint-python lint-web  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
 
@@ -82,7 +82,7 @@ conformance: $(STAMPS)/app $(STAMPS)/tools  ## which sections of the data sheets
 	$(PY) -m tests.conformance
 
 report: $(STAMPS)/kernels $(STAMPS)/tools  ## lines that the Python tests run, room by room, and the most complex functions
-	$(BIN)/pytest -n auto -m "not e2e" --cov=app --cov-report= $(ARGS)
+	$(BIN)/pytest -n $(WORKERS) -m "not e2e" --cov=app --cov-report= $(ARGS)
 	@$(PY) scripts/report.py
 
 bench: install $(STAMPS)/tools chromium  ## measured figures beside what is required (QUICK=1 for a short run)
