@@ -44,8 +44,8 @@ test:  ## everything that CI holds: linters, types, UI, Python and browser tests
 test-all:
 	@$(MAKE) --no-print-directory --jobs=3 $(STAMPS)/kernels chromium lint-python web-check browser-tests python-tests
 
-# Whole lines, for both halves print at the same time. One browser beside two processes of Python tests: both halves end at
-# about the same time, and no core is idle. A file of browser tests shares what it has set up: loadfile.
+# Whole lines, for both halves print at the same time. One browser beside two processes of Python tests keeps both cores
+# busy. A file of browser tests shares what it has set up: loadfile.
 python-tests browser-tests: SHELL := bash
 python-tests browser-tests: .SHELLFLAGS := -o pipefail -c
 python-tests: $(STAMPS)/kernels $(STAMPS)/tools
