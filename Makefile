@@ -47,12 +47,11 @@ test-all:
 # Whole lines, for both halves print at the same time. One browser beside two processes of Python tests keeps both cores
 # busy. A file of browser tests shares what it has set up: loadfile.
 python-tests browser-tests: SHELL := bash
-python-tests browser-tests: .SHELLFLAGS := -o pipefail -c
 python-tests: $(STAMPS)/kernels $(STAMPS)/tools
-	@($(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
+	@set -o pipefail; ($(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 browser-tests: $(STAMPS)/kernels $(STAMPS)/tools chromium
-	@($(BIN)/pytest -n $(BROWSERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
+	@set -o pipefail; ($(BIN)/pytest -n $(BROWSERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
