@@ -81,6 +81,10 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         self.pace: Pace | None = None
         """Bounds the work of a catch-up; None where time waits for whoever works it out, as a test's does."""
         self._skips = 0
+        self.wired: WiredChip | None = None
+        """The pins that can be wired to other emulators; None where it has none."""
+        self.wires: Sequence[PinWire] = ()
+        """Which of them are, and to which net."""
 
     @property
     def brought_to_s(self) -> float:
@@ -142,16 +146,6 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         """The name in the catalog."""
 
     # --- wires to others ------------------------------------------------------------------------
-
-    @property
-    def wired(self) -> WiredChip | None:
-        """The pins that can be wired to other emulators; None where it has none."""
-        return None
-
-    @property
-    def wires(self) -> Sequence[PinWire]:
-        """Which of them are, and to which net."""
-        return ()
 
     def share_time(self, shared: SharedTime | None, lock: AbstractContextManager[object], clock: ScaledClock) -> None:
         """From now on be brought on by `shared` (None: by itself again), under `lock`, on `clock`.

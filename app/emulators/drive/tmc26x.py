@@ -143,6 +143,22 @@ class Tmc26x:
         flags = self.drive.read("DRV_STATUS") >> 24 & 0xFF
         return flags | STST_FLAG if self.takes_currents else flags  # STST is of the input STEP alone
 
+    # --- pins ------------------------------------------------------------------------------------
+
+    @property
+    def enn(self) -> bool:
+        """Level at ENN: high switches the bridges off."""
+        return not self.drive.enabled
+
+    @enn.setter
+    def enn(self, level: bool) -> None:
+        self.drive.enabled = not level
+
+    @property
+    def diag(self) -> bool:
+        """Whether SG_TST is active: a stall."""
+        return bool(self.flags & SG_FLAG)
+
     # --- steps -----------------------------------------------------------------------------------
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from ...clock import Clock
@@ -11,7 +11,6 @@ from ...errors import OutOfRange, WrongState
 from ...links.datagram32 import FRAME_BYTES
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
-from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsState
 from . import stage
 from .options import EmulatorOptions, EmulatorPatch
@@ -36,15 +35,8 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
         self._options = options
         self._noise = random.Random(options.seed)
         step_dir = isinstance(self._chip, StepDirChip)
-        self._wired = Wires(self._chip, options.clock_hz, lambda: self.brought_to_s) if step_dir else None
-
-    @property
-    def wired(self) -> Wires | None:
-        return self._wired
-
-    @property
-    def wires(self) -> Sequence[PinWire]:
-        return self._options.wires
+        self.wires = options.wires
+        self.wired = Wires(self._chip, options.clock_hz, lambda: self.brought_to_s) if step_dir else None
 
     @property
     def model(self) -> str:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 
 from ...clock import Clock
 from ..core.chip40 import EmulatorBase40
 from ..core.ground_truth import GroundTruth
-from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsState, ground_truth
 from . import plant
 from .options import Tmc4361Options, Tmc4361Patch
@@ -29,20 +27,13 @@ class EmulatedTmc4361(EmulatorBase40[Chip, Tmc4361Patch, Tmc4361State]):
         super().__init__(clock, options.time_scale, chip, options.clock_hz, options.seed)
         plant.place(chip, options.stage)
         chip.reset()
-        self._wired = Wires(chip, options.clock_hz)
+        self.wired: Wires = Wires(chip, options.clock_hz)
+        self.wires = options.wires
 
     @property
     def model(self) -> str:
         """The name in the catalog."""
         return MODEL
-
-    @property
-    def wired(self) -> Wires:
-        return self._wired
-
-    @property
-    def wires(self) -> Sequence[PinWire]:
-        return self.options.wires
 
     def _selected(self) -> None:
         self._chip.wake()

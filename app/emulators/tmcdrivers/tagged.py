@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
-from dataclasses import asdict
 
 from ...clock import Clock
 from ...registers.tmcdrivers.tmc2660 import FORMAT
 from ..core.base import ChipFaults, EmulatorBase
 from ..core.ground_truth import GroundTruth
-from ..core.pins import PinWire
-from ..drive.documents import ChipFaultsState, ground_truth, motor_state, truth_state
-from ..drive.tmc26x import SG_FLAG, Tmc26x
-from ..motor_documents import change_load
+from ..drive.documents import ground_truth
+from ..drive.tmc26x import Tmc26x
+from . import plant
 from .options import DriverModel, TmcDriverOptions, TmcDriverPatch, check_change
-from .state import DriverPinsState, TmcDriverState
+from .state import TmcDriverState
 from .wires import Wires
 
 CLOCK_HZ = 15e6
@@ -36,20 +33,13 @@ class EmulatedTagged(EmulatorBase[TmcDriverPatch, TmcDriverState]):
         self._chip = Tmc26x(options.drive(FULL_SCALE_A))
         self._chip.drive.least_supply_v = LEAST_SUPPLY_V
         self._noise = random.Random(options.seed)
-        self._wired = Wires(self._chip, options.clock_hz)
+        self.wired: Wires = Wires(self._chip, options.clock_hz)
+        self.wires = options.wires
 
     @property
     def model(self) -> str:
         """The name in the catalog."""
         return MODEL
-
-    @property
-    def wired(self) -> Wires:
-        return self._wired
-
-    @property
-    def wires(self) -> Sequence[PinWire]:
-        return self.options.wires
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         """Answer 24 bits, of which the last 20 are the datagram and the first 20 of the answer the status.
@@ -81,37 +71,12 @@ class EmulatedTagged(EmulatorBase[TmcDriverPatch, TmcDriverState]):
         check_change(self.options, change)
 
     def _change(self, change: TmcDriverPatch) -> None:
-        chip, plant = self._chip, self._chip.drive.plant
         if change.power_cycle:
-            chip.reset()
-        if change.pins.enn is not None:
-            chip.drive.enabled = not change.pins.enn
-        if change.pins.step_hz is not None:
-            chip.step_hz = change.pins.step_hz
-        if change.supply_v is not None:
-            plant.supply_v = change.supply_v
-        change_load(plant, change)
+            self._chip.reset()
+        plant.change(self._chip, change)
 
     def _ground_truth(self, axis: int) -> GroundTruth:
         return ground_truth(self._chip.drive.plant_state, self._chip.drive.plant)
 
     def _describe(self) -> TmcDriverState:
-        chip, drive = self._chip, self._chip.drive
-        plant = drive.plant
-        return TmcDriverState(
-            model=MODEL,
-            **self._times,
-            clock_hz=self.options.clock_hz,
-            rigid=self.options.rigid,
-            supply_v=plant.supply_v,
-            motor=motor_state(plant, drive.options.motor),
-            load_torque_nm=plant.load_torque_nm,
-            blocked=plant.blocked,
-            friction=plant.extra_friction_nm,
-            truth=truth_state(drive.plant_state),
-            uart=None,
-            pins=DriverPinsState(
-                enn=not drive.enabled, diag=bool(chip.flags & SG_FLAG), step_hz=chip.step_hz, steps=chip.steps_made
-            ),
-            faults=ChipFaultsState(**asdict(self.faults)),
-        )
+        return plant.describe(MODEL, self._chip, self.options, self._times, self.faults)
