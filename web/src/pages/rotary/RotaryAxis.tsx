@@ -12,6 +12,7 @@ import { colorOf } from "../../lib/palette";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { scaleOf } from "../../lib/units";
 import { useScheme } from "../../lib/useScheme";
+import { WarningLines } from "../../lib/Warnings";
 import { LiveText } from "../../live/LiveText";
 import { useTelemetry } from "../../live/useTelemetry";
 import { useTopSpeed } from "../bench/motion/useMotionLimits";
@@ -188,11 +189,7 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
       {stop.isError && <ProblemAlert error={stop.error} doing="Stopping" onClose={stop.reset} />}
       {extended.query.isError && connected && <ProblemAlert error={extended.query.error} doing="Looking" />}
       <Trust seen={seen} disabled={!connected} busy={going} onChange={(body) => void change("Setting it", body)} />
-      {answer.warnings.map((warning) => (
-        <Text key={warning} className="caution text-12" role="status">
-          {warning}
-        </Text>
-      ))}
+      <WarningLines texts={answer.warnings} />
       <Card
         className={`pad lines-24 start ${!connected || !answer.watching || !answer.trusted ? "dim" : ""}`}
         aria-label="Now"

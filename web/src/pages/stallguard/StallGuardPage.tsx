@@ -2,7 +2,7 @@ import { IconGauge } from "@tabler/icons-react";
 import { can, type Device } from "../../api/queries";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { Page } from "../../lib/Page";
-import { ProblemAlert } from "../../lib/ProblemAlert";
+import { ChipNotices } from "../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../lib/rows/useChipRows";
@@ -85,7 +85,6 @@ function ModuleLoad({ device, axis }: Props) {
 const GROUPS = ["general", "current", "thresholds", "switches", "driver", "ramp"] as const;
 
 function ChipLoad({ device, axis }: Props) {
-  const connected = device.state === "connected";
   const clockHz = device.clock_hz ?? 16e6;
   const chip = useChipRows(device, axis.index, GROUPS);
   const settings = chipSettings(chip, { clockHz, microstepsPerFullStep: axis.microsteps_per_full_step ?? 256 });
@@ -119,24 +118,7 @@ function ChipLoad({ device, axis }: Props) {
       }}
       accelerationPps2={amax ? (amax * clockHz ** 2) / 2 ** 41 : null}
       thresholds={<ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />}
-      notice={
-        <>
-          {chip.live.catalog.isError && (
-            <ProblemAlert
-              error={chip.live.catalog.error}
-              doing="Reading the register list"
-              retry={() => void chip.live.catalog.refetch()}
-            />
-          )}
-          {connected && chip.live.readings.isError && (
-            <ProblemAlert
-              error={chip.live.readings.error}
-              doing={`Reading ${device.name}`}
-              retry={() => void chip.live.readings.refetch()}
-            />
-          )}
-        </>
-      }
+      notice={<ChipNotices chip={chip} device={device} />}
       foot={<StagedDrawer chip={chip} device={device} />}
     />
   );

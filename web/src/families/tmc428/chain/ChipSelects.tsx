@@ -5,6 +5,7 @@ import { Card } from "../../../lib/Card";
 import { ChipField } from "../../../lib/rows/ChipField";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
+import { WarningList } from "../../../lib/Warnings";
 import { useEmulator } from "../../../pages/bench/useEmulator";
 import { selectNotes } from "./selects";
 
@@ -35,13 +36,7 @@ export function ChipSelects({ device, lengths }: { device: Device; lengths: read
           The emulated board is wired for {state.chip_selects === "individual" ? "three selects" : "one select"}.
         </Text>
       )}
-      <ul className="list" aria-live="polite" data-testid="select-notes">
-        {notes.map((note) => (
-          <li key={note} className="m-0 caution text-12">
-            {note}
-          </li>
-        ))}
-      </ul>
+      <WarningList texts={notes} data-testid="select-notes" />
       <StagedDrawer chip={chip} device={device} />
     </Card>
   );

@@ -11,6 +11,7 @@ import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
+import { WarningList } from "../../../lib/Warnings";
 import { Plot } from "../../../plots/Plot";
 import {
   AFTER_POWER_ON,
@@ -132,13 +133,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
             : ` · ${fixed(result.braking_below * 100)} % of braking at is_aleat: between two steps of v_target nothing accelerates`}
         </Text>
       )}
-      <ul className="list" aria-live="polite">
-        {result?.warnings.map((warning) => (
-          <li key={warning} className="m-0 caution text-12">
-            {warning}
-          </li>
-        ))}
-      </ul>
+      <WarningList texts={result?.warnings ?? []} />
       {known && device && <StagedDrawer chip={chip} device={device} />}
     </Card>
   );

@@ -5,6 +5,7 @@ import { compact, duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import type { Calculation } from "../../../lib/useCalc";
+import { WarningList } from "../../../lib/Warnings";
 import { CandidateChart } from "./CandidateChart";
 import { idealP, labelOf, type Model, type Pair, pOf, type RampDesign } from "./design";
 import classes from "./Ramps.module.css";
@@ -141,13 +142,7 @@ export function PairSection(props: Props) {
           <span>over: µsteps beyond the target</span>
           <span>below: {labelOf(model, "pmul")}</span>
         </p>
-        <ul className="room list" aria-live="polite">
-          {(result?.warnings ?? []).map((warning) => (
-            <li key={warning} className="m-0 caution text-12">
-              {warning}
-            </li>
-          ))}
-        </ul>
+        <WarningList className="room list" texts={result?.warnings ?? []} />
       </div>
     </Card>
   );

@@ -8,6 +8,7 @@ import { FIELDS, MOTOR, type Motor, type MotorKey, motorBody } from "../../../li
 import { type AxisScale, fromSteps } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
 import { useSessionKept } from "../../../lib/useKept";
+import { WarningList } from "../../../lib/Warnings";
 
 interface Props {
   /** whose motor is kept */
@@ -106,13 +107,7 @@ export function StartStop({ own, ramp, scale, unit, vMin, onVMin }: Props) {
               </tr>
             </tbody>
           </table>
-          <ul className="list" aria-live="polite">
-            {result.warnings.map((warning) => (
-              <li key={warning} className="m-0 caution text-12">
-                {warning}
-              </li>
-            ))}
-          </ul>
+          <WarningList texts={result.warnings} />
         </div>
       )}
       <Text className="hint mt-4">

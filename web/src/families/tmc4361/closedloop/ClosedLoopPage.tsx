@@ -5,8 +5,8 @@ import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NoDevice, Waiting } from "../../../lib/NoDevice";
 import { Page } from "../../../lib/Page";
-import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf, type Quantity } from "../../../lib/palette";
+import { ChipNotices } from "../../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
@@ -84,20 +84,7 @@ function ClosedLoop({ device, axis }: Props) {
   return (
     <Page name="Closed loop">
       <DeviceNotice device={device} />
-      {chip.live.catalog.isError && (
-        <ProblemAlert
-          error={chip.live.catalog.error}
-          doing="Reading the register list"
-          retry={() => void chip.live.catalog.refetch()}
-        />
-      )}
-      {connected && chip.live.readings.isError && (
-        <ProblemAlert
-          error={chip.live.readings.error}
-          doing={`Reading ${device.name}`}
-          retry={() => void chip.live.readings.refetch()}
-        />
-      )}
+      <ChipNotices chip={chip} device={device} />
       <Card className="pad lines-16 fades" aria-label="Now" data-stale={!connected || link.phase !== "live"}>
         {(
           [

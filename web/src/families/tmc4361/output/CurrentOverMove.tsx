@@ -11,6 +11,7 @@ import { colorOf } from "../../../lib/palette";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
+import { WarningLines } from "../../../lib/Warnings";
 import { Plot } from "../../../plots/Plot";
 import { type Course, moveOf, rowsOf, scalesOf } from "./scales";
 
@@ -155,11 +156,7 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             The coils get {fixed(result.mean_square * 100, 0)} % of full scale's heat in motion, and{" "}
             {fixed(result.rest_square * 100, 0)} % at rest.
           </Text>
-          {result.findings.map((finding) => (
-            <Text key={finding} className="caution text-12" role="status">
-              {finding}
-            </Text>
-          ))}
+          <WarningLines texts={result.findings} />
         </div>
       )}
     </Card>

@@ -2,7 +2,7 @@ import { IconBolt } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { NoDevice, Waiting } from "../../../lib/NoDevice";
 import { Page } from "../../../lib/Page";
-import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { ChipNotices } from "../../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
@@ -29,16 +29,7 @@ function OfChip({ device, axis }: { device: Device; axis: Device["axes"][number]
   return (
     <Page name="Drive currents">
       <DeviceNotice device={device} />
-      {chip.live.catalog.isError && (
-        <ProblemAlert
-          error={chip.live.catalog.error}
-          doing="Reading the register list"
-          retry={() => void chip.live.catalog.refetch()}
-        />
-      )}
-      {chip.live.readings.isError && connected && (
-        <ProblemAlert error={chip.live.readings.error} doing="Reading the registers" />
-      )}
+      <ChipNotices chip={chip} device={device} />
       <div className="columns side-left until-62" data-stale={!connected}>
         <ScaleFields chip={chip} clockHz={clockHz} disabled={!chip.known} />
         <div className="column ahead">

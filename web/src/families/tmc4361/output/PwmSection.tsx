@@ -1,4 +1,3 @@
-import { Text } from "@mantine/core";
 import { useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import { Card } from "../../../lib/Card";
@@ -10,6 +9,7 @@ import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
+import { WarningLines } from "../../../lib/Warnings";
 import { Plot } from "../../../plots/Plot";
 import { pwmOf } from "./scales";
 
@@ -81,11 +81,7 @@ export function PwmSection({ chip, clockHz, disabled }: Props) {
             marks={[{ id: "speed", x: speed, color: colorOf("position_reached", scheme), fixed: true }]}
             height={130}
           />
-          {result.findings.map((finding) => (
-            <Text key={finding} className="caution text-12" role="status">
-              {finding}
-            </Text>
-          ))}
+          <WarningLines texts={result.findings} />
         </div>
       )}
     </Card>

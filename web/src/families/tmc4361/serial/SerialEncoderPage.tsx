@@ -11,10 +11,12 @@ import { NumberField } from "../../../lib/NumberField";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { ChipField } from "../../../lib/rows/ChipField";
+import { ChipNotices } from "../../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
 import { type Calculation, useCalc } from "../../../lib/useCalc";
+import { WarningList } from "../../../lib/Warnings";
 import { useSelectedAxis } from "../../../live/selection";
 import { useChangeEmulator, useEmulator } from "../../../pages/bench/useEmulator";
 import {
@@ -61,13 +63,7 @@ function SerialEncoder({ device, axis }: { device: Device; axis: number }) {
   return (
     <Page name="Serial encoder">
       <DeviceNotice device={device} />
-      {device.state === "connected" && chip.live.readings.isError && (
-        <ProblemAlert
-          error={chip.live.readings.error}
-          doing={`Reading ${device.name}`}
-          retry={() => void chip.live.readings.refetch()}
-        />
-      )}
+      <ChipNotices chip={chip} device={device} />
       <div className="columns until-75" data-stale={device.state !== "connected"}>
         <div className="column">
           <Card title="Encoder that is read">
@@ -343,13 +339,7 @@ function Facts({ result }: { result: SerialAnswer }) {
           ))}
         </tbody>
       </table>
-      <ul className="list" aria-live="polite">
-        {result.warnings.map((warning) => (
-          <li key={warning} className="m-0 caution text-12">
-            {warning}
-          </li>
-        ))}
-      </ul>
+      <WarningList texts={result.warnings} />
     </>
   );
 }

@@ -5,6 +5,7 @@ import { duration } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
+import { WarningLines } from "../../../lib/Warnings";
 import { useChangeEmulator, useEmulator } from "../../../pages/bench/useEmulator";
 import { StartPicture } from "./StartPicture";
 import { PIPED, startOf, TRIGGERS, WAITING } from "./start";
@@ -37,11 +38,7 @@ export function StartSection({ chip, device, clockHz, disabled }: Props) {
       ) : (
         <Text className="hint">Not read yet.</Text>
       )}
-      {start?.findings.map((finding) => (
-        <Text key={finding} className="caution text-12" role="status">
-          {finding}
-        </Text>
-      ))}
+      <WarningLines texts={start?.findings ?? []} />
       <div className="halves start gap-8 mt-8">
         <fieldset className="grid gap-6 plain">
           <legend className="text-12 bold">A start comes from</legend>

@@ -8,6 +8,7 @@ import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
+import { WarningLines } from "../../../lib/Warnings";
 import { useChangeEmulator, useEmulator } from "../../../pages/bench/useEmulator";
 import { GEAR_ONE, type StepsOut, stepFindings, stepInputOf, stepsOut } from "./start";
 
@@ -94,11 +95,7 @@ export function StepSection({ chip, device, clockHz, disabled, microsteps, fullS
             <span className="num">{compact(out.steps)}</span> steps come out, {fixed(out.steps / turn, 3)} turns of the
             motor, at <span className="num">{compact(out.pps)}</span> pps.
           </Text>
-          {stepFindings(input, out.pps, clockHz).map((finding) => (
-            <Text key={finding} className="caution text-12" role="status">
-              {finding}
-            </Text>
-          ))}
+          <WarningLines texts={stepFindings(input, out.pps, clockHz)} />
           {device.emulated && <Feed device={device} pulses={pulses} rateHz={rateHz} out={out} />}
         </>
       )}

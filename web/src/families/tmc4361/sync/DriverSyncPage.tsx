@@ -10,10 +10,12 @@ import { NumberField } from "../../../lib/NumberField";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { ChipField } from "../../../lib/rows/ChipField";
+import { ChipNotices } from "../../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
+import { WarningList } from "../../../lib/Warnings";
 import { useSelectedAxis } from "../../../live/selection";
 import { useEmulator } from "../../../pages/bench/useEmulator";
 import { dcVelocity, type SyncQuestion, slowestClocks, syncQuestion, TIMES } from "./question";
@@ -46,13 +48,7 @@ function DriverSync({ device, axis }: { device: Device; axis: Device["axes"][num
   return (
     <Page name="Driver sync">
       <DeviceNotice device={device} />
-      {device.state === "connected" && chip.live.readings.isError && (
-        <ProblemAlert
-          error={chip.live.readings.error}
-          doing={`Reading ${device.name}`}
-          retry={() => void chip.live.readings.refetch()}
-        />
-      )}
+      <ChipNotices chip={chip} device={device} />
       {found.error !== null && <ProblemAlert error={found.error} doing="Calculating" retry={found.retry} />}
       <div className="columns until-75" data-stale={device.state !== "connected"}>
         <div className="column">
@@ -96,7 +92,7 @@ function DriverSync({ device, axis }: { device: Device; axis: Device["axes"][num
                       <Row name="at standstill" value={frequency(result.chopsync.rest_hz)} />
                     </tbody>
                   </table>
-                  <Warnings warnings={result.chopsync.warnings} />
+                  <WarningList texts={result.chopsync.warnings} />
                 </>
               )}
             </div>
@@ -225,7 +221,7 @@ function DcStepFacts({ result }: { result: Schemas["DcStepResult"] }) {
           <Row name="Nothing is compared for" value={duration(result.blank_s)} />
         </tbody>
       </table>
-      <Warnings warnings={result.warnings} />
+      <WarningList texts={result.warnings} />
     </>
   );
 }
@@ -236,18 +232,6 @@ function Row({ name, value }: { name: string; value: string }) {
       <th scope="row">{name}</th>
       <td className="num">{value}</td>
     </tr>
-  );
-}
-
-function Warnings({ warnings }: { warnings: readonly string[] }) {
-  return (
-    <ul className="list" aria-live="polite">
-      {warnings.map((warning) => (
-        <li key={warning} className="m-0 caution text-12">
-          {warning}
-        </li>
-      ))}
-    </ul>
   );
 }
 

@@ -4,6 +4,7 @@ import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { WarningLines } from "../../../lib/Warnings";
 import type { Registers } from "./chip";
 import classes from "./currents.module.css";
 import type { ChopperQuestion, Motor } from "./useChopper";
@@ -98,11 +99,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
               </li>
             ))}
           </ul>
-          {result.warnings.map((warning) => (
-            <Text key={warning} className="caution text-12" role="status">
-              {warning}
-            </Text>
-          ))}
+          <WarningLines texts={result.warnings} />
         </div>
       )}
       {runRmsA === null && <Text className="hint">Waits for the run current: IRUN is not known yet.</Text>}

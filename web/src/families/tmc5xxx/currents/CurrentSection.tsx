@@ -9,6 +9,7 @@ import { colorOf } from "../../../lib/palette";
 import { ChipField } from "../../../lib/rows/ChipField";
 import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
+import { WarningLines } from "../../../lib/Warnings";
 import type { Registers } from "./chip";
 import classes from "./currents.module.css";
 import { HoldPlot } from "./HoldPlot";
@@ -111,11 +112,7 @@ export function CurrentSection({ chip, model, clockHz, sensing, onSensing, disab
           <ChipField chip={chip} register="GCONF" field="I_scale_analog" disabled={disabled} />
         </div>
       )}
-      {(result?.warnings ?? []).map((warning) => (
-        <Text key={warning} className="caution text-12" role="status">
-          {warning}
-        </Text>
-      ))}
+      <WarningLines texts={result?.warnings ?? []} />
       {result && hold && (
         <>
           <HoldPlot
@@ -259,13 +256,7 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
               IHOLD {answer.hold.scale}: {fixed(answer.hold.rms_a, 3)} A rms at rest, {percent(answer.hold.error)} off.
             </Text>
           )}
-          {answer.warnings
-            .filter((warning) => !result?.warnings.includes(warning))
-            .map((warning) => (
-              <Text key={warning} className="caution text-12" role="status">
-                {warning}
-              </Text>
-            ))}
+          <WarningLines texts={answer.warnings.filter((warning) => !result?.warnings.includes(warning))} />
         </>
       )}
     </div>

@@ -5,7 +5,7 @@ import { Card } from "../../../lib/Card";
 import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
 import { Page } from "../../../lib/Page";
-import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { ChipNotices } from "../../../lib/rows/ChipNotices";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { asDriver } from "../../../lib/rows/driver";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
@@ -44,7 +44,6 @@ function OfChip({ device, axis, model }: { device: Device; axis: Device["axes"][
   const chip = useChipRows(device, axis.index, GROUPS);
   const channel = `velocity.${axis.index}`;
   const { buffer, link } = useTelemetry(device.id, [channel], Math.min(RATE_HZ, device.rate_max_hz), 2);
-  const connected = device.state === "connected";
   const scale = {
     clockHz: device.clock_hz ?? DEFAULT_CLOCK,
     microsteps: axis.microsteps_per_full_step ?? 256,
@@ -60,16 +59,7 @@ function OfChip({ device, axis, model }: { device: Device; axis: Device["axes"][
           parameters that set them.
         </Text>
       )}
-      {chip.live.catalog.isError && (
-        <ProblemAlert
-          error={chip.live.catalog.error}
-          doing="Reading the register list"
-          retry={() => void chip.live.catalog.refetch()}
-        />
-      )}
-      {chip.live.readings.isError && connected && (
-        <ProblemAlert error={chip.live.readings.error} doing="Reading the registers" />
-      )}
+      <ChipNotices chip={chip} device={device} />
       <Parts
         chip={module ? asDriver(chip, { ...scale, inPps: chip.held("unit_mode") !== 0 }) : chip}
         known={chip.known}
