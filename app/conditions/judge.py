@@ -25,6 +25,8 @@ Kind = Literal[
 ]
 
 CONNECT = Remedy("connect", "POST", "connect")
+WARNED_BESIDE = frozenset({"moving", "held", "on_target", "ready", "stalled", "following_error", "lost_steps"})
+"""Kinds whose cause a warning of the driver goes with."""
 UNSEEN = "lost steps would not be seen"
 
 
@@ -91,7 +93,17 @@ class AxisObservation:
 
 
 def judge(seen: AxisObservation) -> Condition:
-    """The condition of an axis; of several the one that its user has to know first."""
+    """The condition of an axis; of several the one that its user has to know first. Warnings are told beside it."""
+    found = _judge(seen)
+    warned = _first(seen.signs.warnings) if found.kind in WARNED_BESIDE else None
+    if warned is None:
+        return found
+    cause = f"{found.cause}; {warned.cause}"
+    remedies = _once((*found.remedies, *warned.remedies))
+    return replace(found, cause=cause, evidence=(*found.evidence, *warned.evidence), remedies=remedies)
+
+
+def _judge(seen: AxisObservation) -> Condition:
     if seen.held_back is not None:
         return _of("cannot_move", seen.held_back)
     if seen.link != "connected":

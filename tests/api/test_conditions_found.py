@@ -216,10 +216,15 @@ async def test_a_driver_that_shuts_down_is_a_fault(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     one = await rig(app, client, clock, model)
+    await one.change_emulator(motor={"temperature_c": 130})
+    await clock.advance(TOLD_S)
+    condition = (await one.told())["condition"]
+    assert (condition["kind"], "the driver warns that it is hot" in condition["cause"]) == ("ready", True)
     await one.change_emulator(motor={"temperature_c": 160})
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert condition["kind"] == "driver_fault"
+    assert "warns" not in condition["cause"]
     assert "too hot" in condition["cause"]
     await one.change_emulator(motor={"temperature_c": 40})
     await clock.advance(TOLD_S)

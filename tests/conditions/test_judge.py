@@ -9,7 +9,7 @@ import pytest
 from app.calc.positions.encoder_resolution import EncoderLine
 from app.conditions.judge import AxisObservation, Thresholds, WrongResolution, judge
 from app.devices.core.results import AxisState, MotionEnd, StopReason, Switches
-from app.devices.core.signs import Evidence, Remedy, Sign, Signs, zero
+from app.devices.core.signs import Evidence, Remedy, Sign, Signs, hot, zero
 
 STATE = AxisState(
     position=1000,
@@ -81,6 +81,33 @@ def test_of_several_the_one_that_has_to_be_known_first(changed: dict[str, object
     found = judge(replace(SENT, **changed))  # type: ignore[arg-type]
     assert found.kind == kind
     assert found.cause
+
+
+@pytest.mark.parametrize(
+    ("changed", "kind", "cause"),
+    [
+        (
+            {"state": replace(STATE, moving=True, target_position=None)},
+            "moving",
+            "it moves; the driver warns that it is",
+        ),
+        ({}, "on_target", "at its target; lost steps would not be seen; the driver warns that it is hot"),
+        (
+            {"state": replace(STATE, position_reached=False)},
+            "ready",
+            "at rest; lost steps would not be seen; the driver",
+        ),
+        ({"end": end("stall", "a stall")}, "stalled", "a stall; the driver warns that it is hot"),
+        ({"link": "disconnected"}, "not_connected", "it is not connected"),
+    ],
+)
+def test_a_warning_of_the_driver_is_told_beside_what_the_axis_does(
+    changed: dict[str, object], kind: str, cause: str
+) -> None:
+    warned = hot({"otpw": True, "ot": False}, "otpw", "ot", Evidence("DRV_STATUS.otpw", "1", 5.0))
+    found = judge(replace(SENT, **{"signs": Signs(warnings=warned), **changed}))  # type: ignore[arg-type]
+    assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
+    assert any(piece.what == "DRV_STATUS.otpw" for piece in found.evidence) == (kind != "not_connected")
 
 
 def test_zeros_come_with_their_cure() -> None:

@@ -180,6 +180,7 @@ def judged(device: Device, axis: int, state: AxisState) -> tuple[str, str]:
     ("change", "kind", "cause", "event"),
     [
         ({"motor": {"temperature_c": 160.0}}, "driver_fault", "driver 1 is too hot", "driver_OT"),
+        ({"motor": {"temperature_c": 110.0}}, "moving", "it moves to 0; driver 1 warns that it is hot", "driver_OTPW"),
         ({"motor": {"connected": False}}, "driver_fault", "driver 1 finds no load at coils A and B", "driver_OLA"),
         (
             {"motor": {"short_to_ground": "b"}},

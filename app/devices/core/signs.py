@@ -43,7 +43,8 @@ class Sign:
 class Signs:
     """Everything that a driver tells of one axis beside its state.
 
-    faults : the motor driver, or the chip, has shut down or warns of it
+    faults : the motor driver, or the chip, has shut down
+    warnings : what it warns of and goes on all the same: told beside whatever the axis does
     blocks : what keeps every command from moving the motor
     stall : a stall stopped it, and holds it
     stalling : its driver tells of a stall right now, and it is stepped on all the same
@@ -56,6 +57,7 @@ class Signs:
     """
 
     faults: tuple[Sign, ...] = ()
+    warnings: tuple[Sign, ...] = ()
     blocks: tuple[Sign, ...] = ()
     stall: Sign | None = None
     stalling: Sign | None = None
@@ -84,6 +86,13 @@ class EncoderSeen:
     way: int
     slack: float
     external: bool = False
+
+
+def hot(flags: Mapping[str, bool], warned: str, off: str, told: Evidence, who: str = "the driver") -> tuple[Sign, ...]:
+    """That a driver warns that it is hot, by the flag `warned`. Not where it is `off` already: then both are set."""
+    if not flags.get(warned) or flags.get(off):
+        return ()
+    return (Sign(f"{who} warns that it is hot: it switches off when it gets much hotter", (told,)),)
 
 
 def start_up(axis: int) -> Remedy:

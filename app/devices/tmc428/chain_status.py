@@ -12,7 +12,7 @@ from ...registers.tmcdrivers.tmc2660 import FLAGS
 from ..core.register_io import RegisterIO
 from ..core.register_link import RegisterLink
 from ..core.results import AxisState
-from ..core.signs import Evidence, Sign
+from ..core.signs import Evidence, Sign, hot
 from .cover import ChainCover
 from .interrupts import Interrupts
 from .memory import RampMemory
@@ -98,6 +98,11 @@ class ChainStatus:
             coils = "coils A and B" if len(open_coils) > 1 else f"coil {open_coils[0][-1]}"
             found.append(Sign(f"{who} finds no load at {coils}: is the motor connected?", evidence))
         return tuple(found)
+
+    def warnings(self, axis: int, state: AxisState) -> tuple[Sign, ...]:
+        """What the driver of the axis warns of and goes on."""
+        who = self._who(axis)
+        return hot(state.flags, "driver_OTPW", "driver_OT", Evidence(f"{who}: OTPW", "1", state.time_s), who)
 
     def stalling(self, axis: int, state: AxisState) -> Sign | None:
         """That the motor does not follow, while it is stepped."""

@@ -99,6 +99,7 @@ class RampMonitor(AxisMonitor):
             told = replace(
                 told,
                 faults=(*told.faults, *self._chain.faults(index, state)),
+                warnings=self._chain.warnings(index, state),
                 stalling=self._chain.stalling(index, state),
             )
         return replace(told, resets=self._resets.count(index))

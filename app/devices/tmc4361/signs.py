@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...errors import WrongState
 from ..core.results import AxisState
-from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from ..core.signs import Evidence, Sign, Signs, clear_flags, hot, start_up, write, zero
 from . import roles
 from .cruise import Cruise
 from .events import Events
@@ -18,9 +18,8 @@ DRIVER_FAULTS = {
     "OT": "is too hot and has switched off",
     "S2GA": "has switched off: a short in phase A",
     "S2GB": "has switched off: a short in phase B",
-    "OTPW": "warns that it is hot: it switches off when it gets much hotter",
 }
-"""What a flag of STATUS says of the driver, the worst first. Under OT nothing is said of OTPW: it is set as well."""
+"""What a flag of STATUS says of a driver that is off, the worst first."""
 OPEN, STALL = ("OLA", "OLB"), "SG"
 SLOW_FULLSTEPS_PER_S = 400.0
 """Faster than that flags of open loads tell nothing (DS-TMC2660 6.10, "slow motion"; the figure INFERRED)."""
@@ -39,6 +38,7 @@ def signs(
     """Of `state`, as it was read just now. `driver` is the name of the device that drives the axis, if one does."""
     return Signs(
         faults=_driver_faults(memory, driver or UNNAMED, state),
+        warnings=hot(state.flags, "OTPW", "OT", _told("OTPW", state), driver or UNNAMED),
         blocks=tuple(_blocks(memory, cruise, axis, state)),
         stall=_stall(memory, axis, state, driver or UNNAMED, stalled=stalled),
         stalling=_stalling(driver, state),
@@ -50,9 +50,10 @@ def signs(
 
 
 def _driver_faults(memory: ChipMemory, who: str, state: AxisState) -> tuple[Sign, ...]:
-    """What the driver has switched off for or warns of, and coils that are not connected."""
-    told = [name for name in DRIVER_FAULTS if state.flags.get(name) and not (name == "OTPW" and state.flags.get("OT"))]
-    found = [Sign(f"{who} {DRIVER_FAULTS[name]}", (_told(name, state),)) for name in told]
+    """What the driver has switched off for, and coils that are not connected."""
+    found = [
+        Sign(f"{who} {cause}", (_told(name, state),)) for name, cause in DRIVER_FAULTS.items() if state.flags.get(name)
+    ]
     coils = [name for name in OPEN if state.flags.get(name)]
     slow = abs(state.velocity_pps) / memory.microsteps <= SLOW_FULLSTEPS_PER_S
     if coils and state.moving and slow:

@@ -11,7 +11,7 @@ from ...calc.units.tmc5xxx import (
     velocity_units,
 )
 from ..core.results import AxisState
-from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from ..core.signs import Evidence, Sign, Signs, clear_flags, hot, start_up, write, zero
 from . import roles as r
 from .memory import ChipMemory
 from .start_up import CHOPCONF
@@ -36,6 +36,9 @@ def signs(
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(_faults(memory, axis, state)),
+        warnings=hot(
+            state.flags, "otpw", "ot", Evidence(f"{memory.rows(axis).drv_status.name}.otpw", "1", state.time_s)
+        ),
         blocks=tuple(_blocks(memory, clock_hz, axis, state)),
         stall=_stall(memory, axis, state),
         holds=tuple(_holds(memory, axis, state)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.results import AxisState
-from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write
+from ..core.signs import Evidence, Sign, Signs, clear_flags, hot, start_up, write
 from .memory import DriverMemory
 from .roles import part
 
@@ -24,7 +24,12 @@ OFF_TIME = 3
 
 def signs(memory: DriverMemory, resets: int, state: AxisState) -> Signs:
     """Of `state`, as it was read just now."""
-    return Signs(faults=tuple(_faults(memory, state)), blocks=tuple(_blocks(memory, state)), resets=resets)
+    return Signs(
+        faults=tuple(_faults(memory, state)),
+        warnings=hot(state.flags, "otpw", "ot", Evidence(f"{memory.rows.drv_status.name}.otpw", "1", state.time_s)),
+        blocks=tuple(_blocks(memory, state)),
+        resets=resets,
+    )
 
 
 def _faults(memory: DriverMemory, state: AxisState) -> list[Sign]:

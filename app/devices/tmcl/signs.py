@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.results import AxisState
-from ..core.signs import Evidence, Sign, Signs, start_up, write, zero
+from ..core.signs import Evidence, Sign, Signs, hot, start_up, write, zero
 from .state import ModuleState
 
 FAULTS = {
@@ -28,6 +28,12 @@ def signs(module: ModuleState, axis: int, state: AxisState) -> Signs:
             )
             for name, cause in FAULTS.items()
             if state.flags.get(name)
+        ),
+        warnings=hot(
+            state.flags,
+            "overtemperature_warning",
+            "overtemperature",
+            Evidence(f"{module.roles.driver_flags.name}.overtemperature_warning", "1", state.time_s),
         ),
         blocks=tuple(_blocks(module, axis, state)),
         stall=_stopped("stall_stop", "StallGuard stopped the motor", state),

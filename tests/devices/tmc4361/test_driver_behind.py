@@ -164,7 +164,7 @@ async def driven(b: Bench) -> None:
 @pytest.mark.parametrize(
     ("change", "kind", "cause", "flag"),
     [
-        ({"motor": {"temperature_c": 120.0}}, "driver_fault", "the feed warns that it is hot", "OTPW"),
+        ({"motor": {"temperature_c": 120.0}}, "moving", "it moves; the feed warns that it is hot", "OTPW"),
         ({"motor": {"temperature_c": 160.0}}, "driver_fault", "the feed is too hot", "OT"),
         ({"motor": {"short_to_ground": "b"}}, "driver_fault", "the feed has switched off: a short in phase B", "S2GB"),
         ({"motor": {"connected": False}}, "driver_fault", "the feed finds no load at coils A and B", "OLA"),

@@ -112,6 +112,7 @@ async def test_a_stall_is_a_flag_and_a_channel() -> None:
     [
         ({"motor": {"short_to_ground": "b"}}, "driver_fault", "phase B is shorted"),
         ({"motor": {"temperature_c": 160.0}}, "driver_fault", "too hot"),
+        ({"motor": {"temperature_c": 130.0}}, "ready", "the driver warns that it is hot"),
         ({"pins": {"enn": True}}, "cannot_move", "ENN"),
         ({"power_cycle": True}, "cannot_move", "the driver is off"),
     ],

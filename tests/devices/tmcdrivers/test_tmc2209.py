@@ -127,6 +127,7 @@ async def test_a_reset_is_seen_once_and_kept_for_who_reads_gstat() -> None:
     [
         ({"motor": {"short_to_ground": "a"}}, "driver_fault", "phase A is shorted"),
         ({"motor": {"temperature_c": 160.0}}, "driver_fault", "too hot"),
+        ({"motor": {"temperature_c": 130.0}}, "ready", "the driver warns that it is hot"),
         ({"pins": {"enn": True}}, "cannot_move", "ENN"),
         ({"supply_v": 2.0}, "driver_fault", "charge pump"),
     ],

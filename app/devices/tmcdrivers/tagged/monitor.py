@@ -12,7 +12,7 @@ from ...core.capabilities import AxisMonitor, Identity, PositionCounter
 from ...core.counter import CounterReading
 from ...core.results import AxisState, MotionEnd, Switches
 from ...core.session import Session
-from ...core.signs import Evidence, Sign, Signs, start_up, write
+from ...core.signs import Evidence, Sign, Signs, hot, start_up, write
 from .memory import FINEST, STANDS, TaggedMemory
 from .status import StatusReader
 
@@ -72,13 +72,15 @@ class TaggedMonitor(AxisMonitor):
             for name, cause in FAULTS.items()
             if state.flags.get(name)
         )
+        warnings = hot(state.flags, "OTPW", "OT", Evidence(f"{rows.scale.name}.OTPW", "1", when_s))
         if not memory.answers:
-            return Signs(faults, (Sign(UNKNOWN, (), (start_up(0),)),))
+            return Signs(blocks=(Sign(UNKNOWN, (), (start_up(0),)),))
         if memory.field(rows.chopper, "toff") == 0:
             name = f"{rows.chopper.name}.toff"
             remedies = (start_up(0), write(rows.chopper.name, 0, OFF_TIME, "toff"))
-            return Signs(faults, (Sign(f"the driver is off ({name} is 0)", (Evidence(name, "0", when_s),), remedies),))
-        return Signs(faults)
+            off = Sign(f"the driver is off ({name} is 0)", (Evidence(name, "0", when_s),), remedies)
+            return Signs(faults, warnings, (off,))
+        return Signs(faults, warnings)
 
     def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
         self.session.axis(axis)
