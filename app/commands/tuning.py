@@ -16,7 +16,9 @@ tune = typer.Typer(
     name="tune", no_args_is_help=True, help="Studies: find an axis's setting, prove it, and put it back if no better."
 )
 
-KindName = Annotated[str, typer.Argument(metavar="STUDY", help="first_look or fastest_move.")]
+KindName = Annotated[
+    str, typer.Argument(metavar="STUDY", help="Which, as GET /studies lists them: first_look, fastest_move ...")
+]
 Options = Annotated[
     list[str] | None,
     typer.Argument(metavar="NAME=VALUE...", help="Of the study: distance=51200 margin=0.1 budget.trials=40 ..."),

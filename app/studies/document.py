@@ -5,9 +5,11 @@ Written by forms, REST, the command line or Python; versioned like a profile. An
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Final, Literal, TypeAlias, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic import Field, StringConstraints, model_validator
+
+from .parts import Part
 
 FORMAT: Final = "stepscope-study"
 VERSION: Final = 1
@@ -15,12 +17,6 @@ VERSION: Final = 1
 Int = Annotated[int, Field(strict=True)]
 Positive = Annotated[float, Field(strict=True, gt=0, le=1e12, allow_inf_nan=False)]
 Sampler = Literal["tpe", "cmaes", "nsga2"]
-
-
-class Part(BaseModel):
-    """What documents and records of studies are made of."""
-
-    model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
 
 
 class Budget(Part):
@@ -120,6 +116,7 @@ class FirstLook(Part):
 What: TypeAlias = Annotated[FastestMove | FirstLook, Field(discriminator="kind")]
 Kind = Literal["fastest_move", "first_look"]
 TITLES: dict[Kind, str] = {"fastest_move": "Fastest move", "first_look": "First look"}
+Wanted = TypeVar("Wanted", bound=Part)
 
 
 class StudyDocument(Part):
@@ -153,3 +150,8 @@ class StudyDocument(Part):
     def title(self) -> str:
         """Its name, or what it is."""
         return self.name or TITLES[self.study.kind]
+
+    def wanted(self, kind: type[Wanted]) -> Wanted:
+        """What is looked for, of the kind that it is known to be."""
+        assert isinstance(self.study, kind)
+        return self.study

@@ -29,16 +29,6 @@ class StudyKind:
     plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
 
 
-async def _plan_fastest(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
-    assert document.study.kind == "fastest_move"
-    return await fastest_move.plan(device, axis, document.study, document.budget)
-
-
-async def _plan_first_look(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
-    assert document.study.kind == "first_look"
-    return await first_look.plan(device, axis, document.study)
-
-
 POSITIONS = ("position", "encoder_position", "velocity")
 KINDS: dict[Kind, StudyKind] = {
     "first_look": StudyKind(
@@ -47,7 +37,7 @@ KINDS: dict[Kind, StudyKind] = {
         "direction, encoder, switches, travel, and what is missing: small moves alone",
         POSITIONS,
         FirstLookStudy,
-        _plan_first_look,
+        first_look.plan,
     ),
     "fastest_move": StudyKind(
         "fastest_move",
@@ -55,6 +45,6 @@ KINDS: dict[Kind, StudyKind] = {
         "faster: the ramp with the shortest move at which no step is lost, with a margin",
         POSITIONS,
         FastestMoveStudy,
-        _plan_fastest,
+        fastest_move.plan,
     ),
 }

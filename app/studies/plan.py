@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
 from pydantic import Field
 
-from .document import Part
+from ..devices.core.device import Device
+from ..devices.core.results import AxisState
+from ..errors import BenchError, WrongState
+from .families import ramp_of
+from .parts import Part
+from .ramp_settings import RampSpace, held_of
+
+Ground = TypeVar("Ground")
 
 
 class StudyPlan(Part):
@@ -23,3 +34,66 @@ class StudyPlan(Part):
     time_s: float = Field(default=0.0, description="about, at most [s]")
     registers: list[str] = Field(default_factory=list, description="those that it sets, and sets back")
     unwatched: list[str] = Field(default_factory=list, description="what nothing of it would notice")
+
+
+@dataclass(slots=True)
+class Looked(Generic[Ground]):
+    """What a study finds before it moves anything: its ground to stand on, and what is missing.
+
+    ground : None where something is missing without which nothing else can be told
+    """
+
+    ground: Ground | None = None
+    missing: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def required(self) -> Ground:
+        """The ground. Raises WrongState where anything is missing."""
+        if self.missing or self.ground is None:
+            raise WrongState("; ".join(self.missing) or "nothing to look at", "see what the plan says is missing")
+        return self.ground
+
+
+@dataclass(frozen=True, slots=True)
+class AxisNow:
+    """An axis as every study finds it. full_step, turn : [microsteps]."""
+
+    space: RampSpace
+    state: AxisState
+    full_step: int
+    turn: int
+
+
+async def axis_now(device: Device, axis: int, missing: list[str]) -> AxisNow | None:
+    """The axis before a study; what keeps any study from it is added to `missing`. Nothing moves.
+
+    None where that is all that can be told. Raises BenchError where the device does not answer.
+    """
+    device.session.require_connected()
+    try:
+        space = RampSpace(device, axis, ramp_of(device), await held_of(device))
+    except WrongState as error:
+        missing.append(str(error))
+        return None
+    state = await device.monitor.axis_state(axis)
+    microsteps = device.axis(axis).microsteps
+    if microsteps is None:
+        missing.append("how many microsteps a turn has is not known: start the axis up")
+        return None
+    if state.moving:
+        missing.append("the axis moves: stop it first")
+    return AxisNow(space, state, *microsteps)
+
+
+async def planned(
+    title: str, looking: Awaitable[Looked[Ground]], tell: Callable[[StudyPlan, Ground], None]
+) -> StudyPlan:
+    """What a study would do, as `tell` has it of the ground that it stands on. Nothing moves."""
+    try:
+        looked = await looking
+    except BenchError as error:
+        return StudyPlan(title=title, missing=[str(error)])
+    plan = StudyPlan(title=title, missing=looked.missing, warnings=looked.warnings)
+    if looked.ground is not None:
+        tell(plan, looked.ground)
+    return plan

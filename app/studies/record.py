@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from .document import Part, StudyDocument
+from .document import StudyDocument
+from .parts import Interval, Part
 
 State = Literal["running", "done", "failed", "aborted", "interrupted"]
 """interrupted: the server ended in the middle of it."""
@@ -50,13 +51,6 @@ class Pair(Part):
     baseline_s: float
     winner_s: float
     order: Literal["AB", "BA"]
-
-
-class Interval(Part):
-    """From where to where something lies, 95 %."""
-
-    low: float
-    high: float
 
 
 class Evidence(Part):

@@ -36,7 +36,6 @@ from tests.bench import (
     serving,
     stall_homing,
     stops,
-    studies,
     tmcl_link,
     tmcl_programs,
     together,
@@ -44,6 +43,7 @@ from tests.bench import (
     uart_link,
     velocity_stream,
 )
+from tests.bench.studies import fastest_move
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -61,7 +61,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "programs": tmcl_programs.measure,
     "editor": editor.measure,
     "homing": stall_homing.measure,
-    "studies": studies.measure,
+    "study fastest move": fastest_move.measure,
     "lossy": lossy_download.measure,
     "uart": uart_link.measure,
     "velocity": velocity_stream.measure,

@@ -14,7 +14,7 @@ from app.devices.core.device import Device
 from app.devices.tmc5xxx.start_up import Start
 from app.procedures.procedures import Procedures
 from app.studies.document import StudyDocument
-from app.studies.fastest_move.study import FastestMoveStudy
+from app.studies.kinds import KINDS
 from app.studies.record import StudyRecord
 from app.studies.run import StudyRun
 from app.studies.store import StudyStore
@@ -65,9 +65,10 @@ class Studied:
     def document(self, study: dict[str, Any], **more: Any) -> StudyDocument:
         return StudyDocument.model_validate({"device": self.device.id, "study": study, **more})
 
-    def begin(self, document: StudyDocument, record: StudyRecord | None = None) -> FastestMoveStudy:
+    def begin(self, document: StudyDocument, record: StudyRecord | None = None) -> StudyRun:
+        """A study of the kind that the document asks for, on axis 0; `record`: one to be gone on with."""
         record = record or self.store.begin(document)
-        run = FastestMoveStudy(self.device, 0, self.clock, record, Kept(self.store, record.id))
+        run = KINDS[document.study.kind].make(self.device, 0, self.clock, record, Kept(self.store, record.id))
         return self.procedures.start(run)
 
     async def finish(self, run: StudyRun, within_s: float = 2000.0) -> StudyRecord:

@@ -108,17 +108,14 @@ async def test_an_axis_that_loses_steps_as_it_is_set_is_called_by_its_name(tmp_p
 async def test_the_plan_says_what_will_move_and_what_is_missing(tmp_path: Path) -> None:
     async with studied(tmp_path) as s:
         document = s.document(MOVE)
-        assert document.study.kind == "fastest_move"
-        plan = await ranges.plan(s.device, 0, document.study, document.budget)
+        plan = await ranges.plan(s.device, 0, document)
         assert plan.missing == []
         assert (plan.position_from, plan.position_to) == (0, 12_800 + 4 * 256)
         assert plan.acceleration_max_pps2 == pytest.approx(2e6, rel=1e-3)
         assert plan.velocity_max_pps == pytest.approx(500_000, rel=1e-4)
         await s.device.motion.rotate(0, 1000)
         await s.clock.advance(0.1)
-        assert any(
-            "moves" in line for line in (await ranges.plan(s.device, 0, document.study, document.budget)).missing
-        )
+        assert any("moves" in line for line in (await ranges.plan(s.device, 0, document)).missing)
 
 
 @pytest.mark.parametrize(("speed", "seconds"), [(100.0, 11.0), (1e9, 2 * (1000 / 100) ** 0.5)])

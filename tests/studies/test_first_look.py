@@ -11,23 +11,19 @@ import pytest
 
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.first_look.encoder_fit import fit_encoder
-from app.studies.first_look.study import FirstLookStudy
 from app.studies.record import Finding, StudyRecord
 from app.studies.store import StudyStore
 from tests.devices.tmc5xxx.harness import START
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
-from tests.studies.harness import Kept, Studied, studied
+from tests.studies.harness import Studied, studied
 
 TURN = 51_200
 NAMES = ("VMAX", "AMAX", "DMAX", "V1")
 
 
 async def looked(s: Studied, **study: Any) -> StudyRecord:
-    record = s.store.begin(s.document({"kind": "first_look", **study}))
-    run = FirstLookStudy(s.device, 0, s.clock, record, Kept(s.store, record.id))
-    s.procedures.start(run)
-    await s.finish(run, 120)
+    record = await s.finish(s.begin(s.document({"kind": "first_look", **study})), 120)
     assert record.state == "done", record.message
     return record
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ...devices.core.capabilities import EncoderSetting, PositionFromEncoder
 from ...devices.core.device import Device
-from ...devices.core.results import AxisState
-from ...errors import BenchError, WrongState
+from ...errors import WrongState
 from ...number_text import plain
-from ..document import Budget, FastestMove
-from ..families import ramp_of
-from ..plan import StudyPlan
-from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of, least_time_s
+from ..document import Budget, FastestMove, StudyDocument
+from ..plan import Looked, StudyPlan, axis_now, planned
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
 from ..search import Dimension
 
 FASTER, SLOWER = 10.0, 0.5
@@ -37,15 +35,6 @@ class Ranges:
     """An electrical period [microsteps]: runs begin at different places of it."""
 
 
-@dataclass(slots=True)
-class Looked:
-    """What there is, and what is missing."""
-
-    ranges: Ranges | None = None
-    missing: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-
 def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) -> dict[str, tuple[float, float]]:
     soft, now = device.axes[axis].settings.limits, space.now()
     found = {}
@@ -63,26 +52,20 @@ def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) ->
     return found
 
 
-async def look(device: Device, axis: int, wanted: FastestMove) -> Looked:
+async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]:
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
-    looked = Looked()
+    looked = Looked[Ranges]()
     say = looked.missing.append
-    device.session.require_connected()
     try:
-        names = ramp_of(device)
         device.need(EncoderSetting).require_encoder(axis)
         device.need(PositionFromEncoder)
-        space = RampSpace(device, axis, names, await held_of(device))
     except WrongState as error:
         say(str(error))
         return looked
-    state: AxisState = await device.monitor.axis_state(axis)
-    microsteps = device.axis(axis).microsteps_per_full_step
-    if microsteps is None:
-        say("how many microsteps a full step has is not known: start the axis up")
+    found = await axis_now(device, axis, looked.missing)
+    if found is None:
         return looked
-    if state.moving:
-        say("the axis moves: stop it first")
+    space, state, microsteps = found.space, found.state, found.full_step
     if state.encoder_position is None:
         say("no encoder tells its position: without one lost steps cannot be seen")
     now = space.now()
@@ -104,20 +87,21 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked:
             say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
             return looked
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
-    looked.ranges = Ranges(space, dimensions, state.position, microsteps, period)
+    looked.ground = Ranges(space, dimensions, state.position, microsteps, period)
     return looked
 
 
-async def plan(device: Device, axis: int, wanted: FastestMove, budget: Budget) -> StudyPlan:
+async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
     """What the study would do. Nothing moves."""
-    try:
-        looked = await look(device, axis, wanted)
-    except BenchError as error:
-        return StudyPlan(title="Fastest move", missing=[str(error)])
-    told = StudyPlan(title="Fastest move", missing=looked.missing, warnings=looked.warnings)
-    ranges = looked.ranges
-    if ranges is None:
-        return told
+    wanted = document.wanted(FastestMove)
+
+    def tell(told: StudyPlan, ranges: Ranges) -> None:
+        _tell(told, ranges, wanted, document.budget, axis)
+
+    return await planned("Fastest move", look(device, axis, wanted), tell)
+
+
+def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, axis: int) -> None:
     now, most = ranges.space.now(), {each.name: each.high * (1 + wanted.margin) for each in ranges.dimensions}
     step_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
     runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs
@@ -148,4 +132,3 @@ async def plan(device: Device, axis: int, wanted: FastestMove, budget: Budget) -
         "an encoder that slips on its shaft looks like lost steps",
         "what is behind the motor's shaft (a belt that jumps) is not seen by an encoder on that shaft",
     ]
-    return told

@@ -16,9 +16,10 @@ from ...procedures.procedure import Failed
 from ...profiles.capture import capture
 from ..document import FastestMove
 from ..moves import MeasuredMoves, MoveFigures
+from ..parts import Interval
 from ..proof import is_better, paired_effect, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
-from ..record import Evidence, Figures, Interval, Pair, StudyRecord, Trial
+from ..record import Evidence, Figures, Pair, StudyRecord, Trial
 from ..run import Keeper, StudyRun
 from ..search import Asked, Searcher
 from ..twin import jobs_of, tried_on_twins
@@ -49,17 +50,12 @@ class FastestMoveStudy(StudyRun):
 
     @property
     def wanted(self) -> FastestMove:
-        study = self.record.document.study
-        assert isinstance(study, FastestMove)
-        return study
+        return self.record.document.wanted(FastestMove)
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
-        looked = await look(self.device, self.axis, wanted)
-        if looked.missing or looked.ranges is None:
-            raise WrongState("; ".join(looked.missing) or "nothing to look at", "see what the plan says is missing")
-        ranges = self._ranges = looked.ranges
+        ranges = self._ranges = (await look(self.device, self.axis, wanted)).required()
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ranges.microsteps, wanted.band_fullsteps)
         self._way_before = record.way_fullsteps
         self._random = random.Random(record.document.seed + len(record.trials))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ...devices.core.device import Device
-from ...errors import BenchError, WrongState
 from ...number_text import plain
-from ..document import FirstLook
-from ..families import ramp_of
-from ..plan import StudyPlan
-from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of
+from ..document import FirstLook, StudyDocument
+from ..plan import Looked, StudyPlan, axis_now, planned
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 
 SPEED_UP_S = 0.25
 """How long these moves speed up and brake [s]."""
@@ -26,35 +24,16 @@ class Ground:
     ramp: dict[str, float]
 
 
-@dataclass(slots=True)
-class Looked:
-    """What there is, and what is missing."""
-
-    ground: Ground | None = None
-    missing: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-
-async def look(device: Device, axis: int, wanted: FirstLook) -> Looked:
+async def look(device: Device, axis: int, wanted: FirstLook) -> Looked[Ground]:
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
-    looked = Looked()
+    looked = Looked[Ground]()
     say = looked.missing.append
-    device.session.require_connected()
-    try:
-        space = RampSpace(device, axis, ramp_of(device), await held_of(device))
-    except WrongState as error:
-        say(str(error))
+    found = await axis_now(device, axis, looked.missing)
+    if found is None:
         return looked
-    state = await device.monitor.axis_state(axis)
-    microsteps = device.axis(axis).microsteps
-    if microsteps is None:
-        say("how many microsteps a turn has is not known: start the axis up")
-        return looked
-    if state.moving:
-        say("the axis moves: stop it first")
+    space, state, turn = found.space, found.state, found.turn
     for sign in device.monitor.signs(axis, state).faults:
         say(f"{sign.cause}: see the condition of the axis")
-    turn = microsteps[1]
     limits = device.axes[axis].settings.limits
     far = round(wanted.turns * turn)
     if limits.beyond(state.position + far):
@@ -78,16 +57,17 @@ def travel_of(device: Device, axis: int, wanted: FirstLook, ground: Ground) -> t
     return low, high
 
 
-async def plan(device: Device, axis: int, wanted: FirstLook) -> StudyPlan:
+async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
     """What the study would do. Nothing moves."""
-    try:
-        looked = await look(device, axis, wanted)
-    except BenchError as error:
-        return StudyPlan(title="First look", missing=[str(error)])
-    told = StudyPlan(title="First look", missing=looked.missing, warnings=looked.warnings)
-    ground = looked.ground
-    if ground is None:
-        return told
+    wanted = document.wanted(FirstLook)
+
+    def tell(told: StudyPlan, ground: Ground) -> None:
+        _tell(told, ground, device, axis, wanted)
+
+    return await planned("First look", look(device, axis, wanted), tell)
+
+
+def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: FirstLook) -> None:
     far = ground.start + round(wanted.turns * ground.turn)
     told.position_from, told.position_to = ground.start, far
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.ramp[SPEED], ground.ramp[ACCELERATION]
@@ -107,4 +87,3 @@ async def plan(device: Device, axis: int, wanted: FirstLook) -> StudyPlan:
     told.unwatched = [
         "where a hard stop is, nothing tells: leave the travel out, or set soft limits, where one is near"
     ]
-    return told

@@ -11,13 +11,13 @@ from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
-from ...errors import WrongState
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ...telemetry.sampling import FloatArray, Sampling
 from ..document import FirstLook
+from ..parts import Interval
 from ..ramp_settings import UNITS
-from ..record import Finding, Interval, Mend
+from ..record import Finding, Mend
 from ..run import StudyRun
 from .encoder_fit import EncoderFit, fit_encoder
 from .plan import Ground, look, travel_of
@@ -39,17 +39,12 @@ class FirstLookStudy(StudyRun):
 
     @property
     def wanted(self) -> FirstLook:
-        study = self.record.document.study
-        assert isinstance(study, FirstLook)
-        return study
+        return self.record.document.wanted(FirstLook)
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
-        looked = await look(self.device, self.axis, wanted)
-        if looked.missing or looked.ground is None:
-            raise WrongState("; ".join(looked.missing), "see what the plan says is missing")
-        ground = self._ground = looked.ground
+        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         record.findings = []
         if not record.baseline:
             record.baseline, record.baseline_setting = ground.space.before, ground.space.now()

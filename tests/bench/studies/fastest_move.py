@@ -1,6 +1,6 @@
-"""Studies on plants drawn from a seed that they do not know; the judge reads the ground truth afterwards.
+"""The fastest move on plants drawn from a seed that it does not know; the judge reads the ground truth afterwards.
 
-The fastest move is compared with the best of a grid of speeds and accelerations on the same plant, each tried three
+It is compared with the best of a grid of speeds and accelerations on the same plant, each tried three
 times with the study's margin: the first that holds, in order of the time that its ramp takes. Time is the emulator's
 own, so a busy machine changes nothing but how long this takes.
 """
@@ -80,15 +80,14 @@ async def _best_of_grid(seed: int, folder: Path) -> float:
     """The time of the fastest setting of the grid that holds."""
     async with studied(folder, FULL, **drawn(seed)) as s:
         wanted = FastestMove.model_validate(MOVE)
-        looked = await look(s.device, 0, wanted)
-        assert looked.ranges is not None, looked.missing
-        space, before = looked.ranges.space, looked.ranges.space.now()
-        axes = [np.geomspace(each.low, each.high, GRID) for each in looked.ranges.dimensions]
+        ranges = (await look(s.device, 0, wanted)).required()
+        space, before = ranges.space, ranges.space.now()
+        axes = [np.geomspace(each.low, each.high, GRID) for each in ranges.dimensions]
         grid = sorted(
             ({SPEED: float(v), ACCELERATION: float(a)} for v in axes[0] for a in axes[1]),
             key=lambda one: least_time_s(wanted.distance, one[SPEED], one[ACCELERATION]),
         )
-        moves = MeasuredMoves(s.device, 0, s.clock, looked.ranges.microsteps, wanted.band_fullsteps)
+        moves = MeasuredMoves(s.device, 0, s.clock, ranges.microsteps, wanted.band_fullsteps)
 
         async def search() -> float:
             for setting in grid:

@@ -1,0 +1,122 @@
+"""What a report tells of a fastest move: how sure it is, before and best, and what was tried."""
+
+from __future__ import annotations
+
+from ...number_text import plain
+from ..record import Evidence, Figures, StudyRecord, Trial
+from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
+
+WORDS = {"feasible": "held", "infeasible": "lost steps", "pruned": "not tried", "failed": "failed"}
+
+
+def sections(record: StudyRecord) -> list[str]:
+    """Each with its heading."""
+    parts = []
+    if record.evidence is not None:
+        parts.append("<h2>How sure</h2>" + _evidence(record.evidence) + _pairs_plot(record))
+    if record.baseline_setting and record.baseline_figures is not None:
+        parts.append("<h2>Before and best</h2>" + _settings(record, record.trial(record.best)))
+    if record.trials:
+        parts.append("<h2>What was tried</h2>" + _history(record) + _scatter(record) + _trials(record))
+    return parts
+
+
+def _evidence(evidence: Evidence) -> str:
+    low, high = evidence.interval_s.low, evidence.interval_s.high
+    return table(
+        ("", ""),
+        (
+            ("pairs", str(evidence.pairs)),
+            ("before, mean", f"{plain(evidence.baseline_s, 5)} s"),
+            ("best, mean", f"{plain(evidence.winner_s, 5)} s"),
+            ("difference", f"{plain(evidence.difference_s * 1e3, 4)} ms ({100 * evidence.share:.3g} %)"),
+            ("its 95 % interval", f"{plain(low * 1e3, 4)} to {plain(high * 1e3, 4)} ms"),
+            ("p", f"{evidence.p:.3g}"),
+            ("test", evidence.test),
+            ("lost steps", f"in {evidence.lost_runs} of {evidence.runs} runs"),
+            ("loss rate, 95 % bound", f"below {100 * evidence.loss_rate_max:.2g} %"),
+        ),
+    )
+
+
+def _settings(record: StudyRecord, best: Trial | None) -> str:
+    rows = []
+    for name, value in record.baseline_setting.items():
+        unit = record.units.get(name, "")
+        rows.append((f"{name} [{unit}]", plain(value, 6), "" if best is None else plain(best.setting[name], 6)))
+
+    def figures(of: Figures | None, name: str) -> str:
+        return "" if of is None else number(getattr(of, name))
+
+    found = None if best is None else best.figures
+    rows.append(("time [s]", figures(record.baseline_figures, "time_s"), figures(found, "time_s")))
+    rows.append(
+        (
+            "peak deviation [full steps]",
+            figures(record.baseline_figures, "deviation_fullsteps"),
+            figures(found, "deviation_fullsteps"),
+        )
+    )
+    return table(("", "before", "best"), rows)
+
+
+def _trials(record: StudyRecord) -> str:
+    names = list(record.units)
+    rows = [
+        (
+            str(trial.number),
+            *(plain(trial.setting[name], 5) for name in names),
+            WORDS[trial.state],
+            number(trial.figures.time_s),
+            number(trial.figures.deviation_fullsteps, 3),
+            trial.why,
+        )
+        for trial in record.trials
+    ]
+    heads = ("trial", *(f"{name} [{record.units[name]}]" for name in names), "", "time [s]", "deviation", "why")
+    return table(heads, rows)
+
+
+def _tried(record: StudyRecord) -> list[Trial]:
+    return [trial for trial in record.trials if trial.state in ("feasible", "infeasible")]
+
+
+def _history(record: StudyRecord) -> str:
+    tried = [(trial, trial.figures.time_s or trial.expected_s or 0.0) for trial in _tried(record)]
+    if len(tried) < 2:
+        return ""
+    x = PlotAxis([trial.number for trial, _ in tried], EDGE, WIDTH - 10)
+    y = PlotAxis([value for _, value in tried], HEIGHT - EDGE, 10)
+    marks = "".join(
+        mark(x.at(trial.number), y.at(value), trial.state, f"trial {trial.number}: {plain(value, 4)} s, {trial.why}")
+        for trial, value in tried
+    )
+    return frame(x, y, "trial", "time [s]", marks)
+
+
+def _scatter(record: StudyRecord) -> str:
+    tried, names = _tried(record), list(record.units)
+    if len(tried) < 2 or len(names) < 2:
+        return ""
+    first, second = names[:2]
+    x = PlotAxis([trial.setting[first] for trial in tried], EDGE, WIDTH - 10, log=True)
+    y = PlotAxis([trial.setting[second] for trial in tried], HEIGHT - EDGE, 10, log=True)
+    marks = "".join(
+        mark(x.at(trial.setting[first]), y.at(trial.setting[second]), trial.state, f"trial {trial.number}")
+        for trial in tried
+    )
+    return frame(x, y, f"{first} [{record.units[first]}]", f"{second} [{record.units[second]}]", marks)
+
+
+def _pairs_plot(record: StudyRecord) -> str:
+    if len(record.pairs) < 2:
+        return ""
+    differences = [(pair.winner_s - pair.baseline_s) * 1e3 for pair in record.pairs]
+    x = PlotAxis(list(range(1, len(differences) + 1)), EDGE, WIDTH - 10)
+    y = PlotAxis([*differences, 0.0], HEIGHT - EDGE, 10)
+    zero = f'<path d="M{EDGE} {y.at(0):.1f}H{WIDTH - 10}" stroke="#868e96"/>'
+    marks = zero + "".join(
+        mark(x.at(index), y.at(value), "feasible", f"pair {index}: {plain(value, 4)} ms")
+        for index, value in enumerate(differences, 1)
+    )
+    return frame(x, y, "pair", "difference [ms]", marks)

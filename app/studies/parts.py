@@ -1,0 +1,18 @@
+"""What documents and records of studies are made of."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Part(BaseModel):
+    """A part of a document or a record: an unknown key is an error."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
+
+
+class Interval(Part):
+    """From where to where something lies, 95 %."""
+
+    low: float
+    high: float

@@ -1,0 +1,79 @@
+"""What reports of studies are made of: tables, and plots as SVG."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from ..number_text import plain
+
+WIDTH, HEIGHT, EDGE = 640, 260, 54
+COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", "failed": "#e8590c"}
+
+
+def text(told: object) -> str:
+    """As HTML shows it."""
+    return html.escape(str(told))
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Rows of cells below their heads."""
+    head = "".join(f"<th>{text(name)}</th>" for name in heads)
+    body = "".join("<tr>" + "".join(f"<td>{text(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A figure; empty for none."""
+    return "" if value is None else plain(value, digits)
+
+
+class PlotAxis:
+    """One axis of a plot: from data to pixels."""
+
+    def __init__(self, values: Sequence[float], low: float, high: float, *, log: bool = False) -> None:
+        self._log = log
+        shown = [math.log10(value) for value in values] if log else list(values)
+        least, most = min(shown), max(shown)
+        pad = (most - least) * 0.06 or abs(most) * 0.1 or 1.0
+        self._from, self._to, self._low, self._high = least - pad, most + pad, low, high
+
+    def at(self, value: float) -> float:
+        """Where it is drawn."""
+        shown = math.log10(value) if self._log else value
+        return self._low + (shown - self._from) / (self._to - self._from) * (self._high - self._low)
+
+    def ticks(self) -> list[float]:
+        """Five values to be written."""
+        shown = [self._from + (self._to - self._from) * (index + 0.5) / 5 for index in range(5)]
+        return [10**value for value in shown] if self._log else shown
+
+
+def frame(x: PlotAxis, y: PlotAxis, x_name: str, y_name: str, marks: str) -> str:
+    """A plot: its axes with names and ticks around `marks`."""
+    ticks = "".join(
+        f'<text x="{x.at(value):.1f}" y="{HEIGHT - EDGE + 18}" text-anchor="middle">{plain(value, 3)}</text>'
+        for value in x.ticks()
+    ) + "".join(
+        f'<text x="{EDGE - 6}" y="{y.at(value) + 4:.1f}" text-anchor="end">{plain(value, 3)}</text>'
+        for value in y.ticks()
+    )
+    return (
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{text(y_name)} over {text(x_name)}" '
+        f'font-size="12" fill="currentColor"><rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
+        f'height="{HEIGHT - EDGE - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
+        f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">{text(x_name)}</text>'
+        f'<text transform="translate(13 {HEIGHT / 2 - 20}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
+        "</svg>"
+    )
+
+
+def mark(x: float, y: float, state: str, title: str) -> str:
+    """A trial's place in a plot [pixels]: a dot where it held, else a cross."""
+    colour = COLOURS[state]
+    if state == "feasible":
+        shape = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}">'
+        return f"{shape}<title>{text(title)}</title></circle>"
+    cross = f"M{x - 4:.1f} {y - 4:.1f}l8 8M{x + 4:.1f} {y - 4:.1f}l-8 8"
+    return f'<path d="{cross}" stroke="{colour}" stroke-width="2"><title>{text(title)}</title></path>'
