@@ -258,8 +258,16 @@ class AsyncBench:
     # --- several devices ------------------------------------------------------------------------
 
     async def wiring(self) -> Json:
-        """The nets by which pins of emulated devices are wired together."""
+        """The nets by which pins of emulated devices are wired together, and the pins that can be."""
         return await self._send(calls.wiring())
+
+    async def wire_pins(self, net: str, *pins: tuple[str, str]) -> Json:
+        """Have exactly these pins, each of a device's id and its name (`("left", "START")`), on a net."""
+        return await self._send(calls.wire_pins(net, pins))
+
+    async def unwire_pins(self, net: str) -> Json:
+        """Take all pins off a net."""
+        return await self._send(calls.unwire_pins(net))
 
     async def start_together(self, *moves: Json, use_wires: bool = True) -> Json:
         """Start axes of any devices together, each move `{"device", "axis", "target"}`; by START where it is wired.

@@ -160,6 +160,15 @@ def wiring() -> Call[Json]:
     return Call("GET", f"{BASE}/wiring", _as_it_is)
 
 
+def wire_pins(net: str, pins: Sequence[tuple[str, str]]) -> Call[Json]:
+    body = {"pins": [{"device": device, "pin": pin} for device, pin in pins]}
+    return Call("PUT", f"{BASE}/wiring/{quote(net, safe='')}", _as_it_is, body)
+
+
+def unwire_pins(net: str) -> Call[Json]:
+    return Call("DELETE", f"{BASE}/wiring/{quote(net, safe='')}", _as_it_is)
+
+
 def start_together(moves: Sequence[Json], use_wires: bool) -> Call[Json]:
     return Call("POST", f"{BASE}/start-together", _as_it_is, {"moves": list(moves), "use_wires": use_wires})
 

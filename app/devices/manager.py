@@ -11,7 +11,7 @@ import contextlib
 import gc
 import logging
 import time
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..clock import Clock
@@ -172,6 +172,17 @@ class DeviceManager:
             await self._start(successor, wait=True)
             await self._powered(successor)
         return successor
+
+    def describe_link(self, device_id: str, option: str, value: Sequence[object]) -> None:
+        """Keep in a link what has been changed behind it: it is no other one. An empty `value` leaves the option out.
+
+        An edited demo device becomes an ordinary one. Raises UnknownThing.
+        """
+        device = self.get(device_id)
+        link = {name: said for name, said in device.link.items() if name != option}
+        link |= {option: value} if value else {}
+        device.session.reconfigure(device.id, replace(device.config, link=link, demo=False))
+        self._on_change()
 
     def renew(self, model: str) -> None:
         """Make disconnected devices of `model` anew: its table is another one now. One whose link it has no more stays

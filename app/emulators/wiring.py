@@ -1,7 +1,7 @@
 """Which pins of this server's emulators are wired together: made of the nets that their options name.
 
 A net is the same name at pins of several emulators. START pins go with START pins, and one step output with any number
-of step inputs. What cannot be wired is left open, and says why.
+of step inputs. What cannot be wired is left open, and says why. Wires may come and go while the emulators live on.
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from ..errors import UnknownThing, UsageError
 from .core.base import EmulatorBase
 from .core.coupling import Coupling, Pin, Sampler, groups
-from .core.pins import WiredChip
+from .core.pins import PinWire, WiredChip
 
 Role = Literal["level", "output", "input"]
 
@@ -33,6 +34,13 @@ class NetPin:
     key: str
     pin: str
     role: Role
+
+
+@dataclass(frozen=True, slots=True)
+class WirablePin(NetPin):
+    """A pin that can be wired, and the nets it is on."""
+
+    nets: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +72,16 @@ class EmulatorWiring:
     def __init__(self) -> None:
         self._couplings: dict[Hashable, Coupling] = {}
         self._nets: tuple[NetState, ...] = ()
+        self._there: list[_Wired] = []
+
+    @property
+    def pins(self) -> tuple[WirablePin, ...]:
+        """Every pin that can be wired, by emulator."""
+        return tuple(
+            WirablePin(one.key, pin, _role(one.chip, pin), tuple(w.net for w in one.emulator.wires if w.pin == pin))
+            for one in self._there
+            for pin in _pins(one.chip)
+        )
 
     @property
     def nets(self) -> tuple[NetState, ...]:
@@ -77,6 +95,7 @@ class EmulatorWiring:
             for each in present
             if isinstance(each.emulator, EmulatorBase) and (chip := each.emulator.wired) is not None
         ]
+        self._there = there
         by_net: dict[str, list[tuple[int, str]]] = {}
         for number, one in enumerate(there):
             for wire in one.emulator.wires:
@@ -101,6 +120,45 @@ class EmulatorWiring:
                 )
         self._nets = tuple(states[net] for net in sorted(states))
 
+    def assign(self, net: str, pins: Sequence[tuple[str, str]]) -> dict[str, Sequence[PinWire]]:
+        """Have exactly these pins, each a key and its name, on a net; none removes it. `sync` makes the wires of it.
+
+        By key the wires of each emulator that has others now. Raises UnknownThing, and UsageError for pins that cannot
+        be wired; then nothing has changed.
+        """
+        wanted = [self._found(net, *pin) for pin in pins]
+        if wanted and (why := _judge(net, wanted, self._there).open) is not None:
+            raise UsageError(f"these pins make no net: {why}")
+        if not wanted and all(state.net != net for state in self._nets):
+            raise UnknownThing("net", net, [state.net for state in self._nets])
+        changed: dict[str, Sequence[PinWire]] = {}
+        for number, one in enumerate(self._there):
+            wires = [wire for wire in one.emulator.wires if wire.net != net]
+            wires += [PinWire.model_validate({"pin": pin, "net": net}) for member, pin in wanted if member == number]
+            if wires != list(one.emulator.wires):
+                one.emulator.wires = changed[one.key] = wires
+        return changed
+
+    def _found(self, net: str, key: str, pin: str) -> tuple[int, str]:
+        numbers = [number for number, one in enumerate(self._there) if one.key == key]
+        if not numbers:
+            raise UnknownThing("emulated device with pins", key, [one.key for one in self._there])
+        one = self._there[numbers[0]]
+        if pin not in _pins(one.chip):
+            raise UnknownThing(f"pin of {key}", pin, list(_pins(one.chip)))
+        for wire in one.emulator.wires:
+            if wire.pin == pin and wire.net != net:
+                raise UsageError(f"{key} {pin} is on net {wire.net}; remove it there first")
+        return numbers[0], pin
+
+
+def _pins(chip: WiredChip) -> tuple[str, ...]:
+    return (*chip.levels, *chip.outputs, *chip.inputs)
+
+
+def _role(chip: WiredChip, pin: str) -> Role:
+    return "level" if pin in chip.levels else "output" if pin in chip.outputs else "input"
+
 
 def _steps(state: NetState, pins: Sequence[Pin]) -> tuple[Pin, list[Pin]]:
     """The output of a net of steps, and its inputs."""
@@ -114,8 +172,8 @@ def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -
     missing = ""
     for number, pin in pins:
         chip = there[number].chip
-        roles.append("level" if pin in chip.levels else "output" if pin in chip.outputs else "input")
-        if pin not in (*chip.levels, *chip.outputs, *chip.inputs):
+        roles.append(_role(chip, pin))
+        if pin not in _pins(chip):
             missing = f"{there[number].key} has no pin {pin}"
     members = [number for number, _ in pins]
     why: str | None = None

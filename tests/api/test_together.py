@@ -50,6 +50,53 @@ async def test_devices_on_a_net_are_wired_until_one_leaves(client: httpx.AsyncCl
     assert (await nets(client))["start"]["open"] == "no other pin is on it"
 
 
+async def wire(client: httpx.AsyncClient, net: str, *pins: tuple[str, str]) -> httpx.Response:
+    body = {"pins": [{"device": device, "pin": pin} for device, pin in pins]}
+    return await client.put(f"wiring/{net}", json=body)
+
+
+async def test_wires_come_and_go_while_the_devices_live_on(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    one, two = await add(client, "one"), await add(client, "two")
+    pins = (await client.get("wiring")).json()["pins"]
+    assert [(pin["device"], pin["pin"]) for pin in pins if pin["pin"] == "START"] == [
+        ("one", "START"),
+        ("two", "START"),
+    ]
+    answer = await wire(client, "go", ("one", "START"), ("two", "START"))
+    assert answer.status_code == 200, answer.text
+    assert (await nets(client))["go"]["open"] is None
+    moves = [{"device": name, "axis": 0, "target": 2000} for name in ("one", "two")]
+    started = (await client.post("start-together", json={"moves": moves})).json()
+    assert [axis["how"] for axis in started["axes"]] == ["START wire"] * 2
+    await clock.advance(1.0)
+    assert [(await client.get(f"{device}/axes/0")).json()["position"] for device in (one, two)] == [2000, 2000]
+    assert (await client.get(one)).json()["link"]["wires"] == [{"pin": "START", "net": "go"}]
+    assert (await client.delete("wiring/go")).json()["nets"] == []
+    assert "wires" not in (await client.get(one)).json()["link"]
+    assert (await client.get(f"{one}/axes/0")).json()["position"] == 2000, "the chip was not made anew"
+    entries = (await client.get("audit", params={"limit": 50})).json()["entries"]
+    assert [e["subject"] for e in entries if e["action"] in ("wire pins", "remove wires")] == ["go", "go"]
+
+
+async def test_wires_that_make_no_net_are_refused_and_change_nothing(client: httpx.AsyncClient) -> None:
+    await add(client, "one", **NET)
+    await add(client, "two", **NET)
+    before = (await client.get("wiring")).json()
+    for net, pins, said in (
+        ("other", [("one", "START"), ("two", "STEP1")], "one START is on net start; remove it there first"),
+        ("other", [("one", "STEP1"), ("two", "STEP1")], "steps come from one output, and it has 2"),
+        ("start", [("one", "START"), ("two", "DIAG7")], "no pin of two is called 'DIAG7'; known: START, STEP1"),
+        ("start", [("one", "START"), ("nobody", "START")], "no emulated device with pins is called 'nobody'"),
+        ("start", [("one", "START"), ("one", "START")], "it has two pins of one device"),
+    ):
+        answer = await wire(client, net, *pins)
+        assert answer.status_code in (404, 422), answer.text
+        assert said in answer.json()["detail"]
+    assert (await wire(client, "Has Blanks", ("one", "START"), ("two", "START"))).status_code == 422
+    assert (await client.delete("wiring/nothing")).status_code == 404
+    assert (await client.get("wiring")).json() == before
+
+
 async def test_a_start_over_rest_is_that_of_the_wired_chip(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     one, two = await add(client, "one", **NET), await add(client, "two", **NET)
     for device, conf in ((one, 1 | 1 << 8 | 1 << 9), (two, 1 | 1 << 5 | 1 << 9 | 1 << 10)):

@@ -16,13 +16,12 @@ from tests.e2e.motor import wait_for
 
 PATIENCE_MS = 30_000
 """For whatever has to come from the server: the machine may be busy."""
-WIRES = [{"pin": "START", "net": "start"}]
 
 
 @pytest.fixture(scope="module")
 def pair(api: httpx.Client) -> Iterator[list[Loop]]:
     with ExitStack() as stack:
-        chips = [stack.enter_context(a_loop(api, name, wires=WIRES)) for name in ("left", "right")]
+        chips = [stack.enter_context(a_loop(api, name)) for name in ("left", "right")]
         for chip in chips:
             for name, value in (("VMAX", 20_000 * 256), ("AMAX", 800_000), ("DMAX", 800_000), ("RAMPMODE", 5)):
                 chip.write(name, value)
@@ -35,7 +34,15 @@ def is_at(chip: Loop, position: int) -> bool:
 
 def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe: Callable[[Page], None]) -> None:
     page.goto("/together")
-    expect(page.get_by_test_id("nets")).to_contain_text("left START, right START", timeout=PATIENCE_MS)
+    page.get_by_label("Net", exact=True).fill("go")
+    choose = page.get_by_role("combobox", name="Pins to connect")
+    for chip in pair:
+        choose.fill(f"{chip.device} START")
+        page.get_by_role("option", name=f"{chip.device} START").click()
+    choose.press("Escape")
+    page.get_by_role("button", name="Connect", exact=True).press("Enter")
+    nets = page.get_by_test_id("nets")
+    expect(nets).to_contain_text("an edge is seen at the same clock", timeout=PATIENCE_MS)
     button = page.get_by_role("button", name="Start together")
     expect(button).to_be_disabled()
     for chip, target in zip(pair, ("3000", "-2000"), strict=True):
@@ -75,3 +82,5 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
     page.get_by_role("button", name="Go there").press("Enter")
     expect(page.get_by_test_id("line-state")).to_contain_text("done: there after", timeout=PATIENCE_MS)
     assert [chip.axis()["position"] for chip in pair] == [500, 400]
+    nets.get_by_role("button", name="Take left START off go").press("Enter")
+    expect(nets).to_have_count(0, timeout=PATIENCE_MS)

@@ -33,7 +33,10 @@ def taken_apart(method: str, path: str, query: bytes, plain: Container[tuple[str
             axis = int(number) if re.fullmatch("[0-9]{1,2}", number) else None
         elif parts[2:3] == ["registers"] and len(parts) > 3:
             _name(parts, 3, names)
-    elif parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"], ["studies"]) and len(parts) > 1:
+    elif (
+        parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"], ["studies"], ["wiring"])
+        and len(parts) > 1
+    ):
         _name(parts, 1, names)
     asked = dict(parse_qsl(query.decode("latin-1"), keep_blank_values=True))
     if axis is None and re.fullmatch("[0-9]{1,2}", asked.get("axis", "")):

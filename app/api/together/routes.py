@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from collections.abc import Sequence
+from typing import Annotated
+
+from fastapi import APIRouter, Path
 
 from ...devices.core.results import AxisMove
-from ...errors import SoftLimit, UsageError
+from ...emulators.core.pins import NET_PATTERN
+from ...errors import SoftLimit, UnknownThing, UsageError
 from ...procedures.start_together import StartNet, TogetherMove
 from ...procedures.straight_line import LineAxis, plan_line
 from ..audit import wording
@@ -13,9 +17,21 @@ from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from ..server_state import ServerState
-from .schemas import LinePlan, LineState, Net, StartedTogether, StartTogether, StraightLine, Wiring
+from .schemas import (
+    LinePlan,
+    LineState,
+    Net,
+    NetPins,
+    StartedTogether,
+    StartTogether,
+    StraightLine,
+    WirablePin,
+    Wiring,
+)
 
 router = APIRouter(tags=["together"])
+
+NetId = Annotated[str, Path(pattern=NET_PATTERN, description="small letters, digits and dashes")]
 
 REAL_EDGE_S = 1e-4
 """How far apart real chips see an edge of START at the most: each by its own clock, behind its input filter, which
@@ -24,8 +40,32 @@ holds it for 1024 clocks at the longest (INPUT_FILT_CONF)."""
 
 @router.get("/wiring")
 async def get_wiring(bench: CurrentBench) -> Wiring:
-    """Which pins of emulated devices are wired together, and whether that works. It is set with their links."""
-    return Wiring(nets=[Net.model_validate(net) for net in bench.wiring.nets])
+    """Which pins of emulated devices can be wired, which are wired together, and whether that works."""
+    wiring = bench.wiring
+    return Wiring(
+        nets=[Net.model_validate(net) for net in wiring.nets],
+        pins=[WirablePin.model_validate(pin) for pin in wiring.pins],
+    )
+
+
+@router.put("/wiring/{net}", responses=problems(UnknownThing, UsageError))
+@policy(words=wording.named("wire pins"))
+async def wire_pins(bench: CurrentBench, net: NetId, body: NetPins) -> Wiring:
+    """Have exactly these pins of emulated devices on a net. The devices go on, and their links tell of it."""
+    return await _assigned(bench, net, [(pin.device, pin.pin) for pin in body.pins])
+
+
+@router.delete("/wiring/{net}", responses=problems(UnknownThing))
+@policy(words=wording.named("remove wires"))
+async def unwire_pins(bench: CurrentBench, net: NetId) -> Wiring:
+    """Take all pins off a net."""
+    return await _assigned(bench, net, [])
+
+
+async def _assigned(bench: ServerState, net: str, pins: Sequence[tuple[str, str]]) -> Wiring:
+    for device, wires in bench.wiring.assign(net, pins).items():
+        bench.manager.describe_link(device, "wires", [wire.model_dump() for wire in wires])
+    return await get_wiring(bench)
 
 
 @router.post("/start-together", responses=problems(*DEVICE_PROBLEMS, SoftLimit, UsageError))

@@ -22,6 +22,23 @@ class NetPin(Answer):
     role: Literal["level", "output", "input"] = Field(description="level: either way, as the chip is set")
 
 
+class WirablePin(NetPin):
+    """A pin of an emulated device that can be wired to others."""
+
+    nets: list[str] = Field(description="the nets it is on")
+
+
+class PinOfDevice(Body):
+    device: Annotated[str, Field(min_length=1, max_length=200)] = Field(description="id of the emulated device")
+    pin: Annotated[str, Field(min_length=1, max_length=32)]
+
+
+class NetPins(Body):
+    """All pins of a net."""
+
+    pins: Annotated[list[PinOfDevice], Field(min_length=2, max_length=64)]
+
+
 class Net(Answer):
     """Pins of emulated devices that are wired together: those whose options (`wires`) name the same net."""
 
@@ -146,6 +163,7 @@ class LineState(Answer):
 
 
 class Wiring(Answer):
-    """All nets, by name."""
+    """All nets by name, and all pins that can be wired by device."""
 
     nets: list[Net]
+    pins: list[WirablePin]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 Cells = NDArray[np.int64]
-NetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,31}$")]
+NET_PATTERN = r"^[a-z0-9][a-z0-9-]{0,31}$"
+NetName = Annotated[str, Field(pattern=NET_PATTERN)]
 WIRES_MAX = 8
 
 START = "START"

@@ -2484,12 +2484,36 @@ export interface paths {
         };
         /**
          * Get Wiring
-         * @description Which pins of emulated devices are wired together, and whether that works. It is set with their links.
+         * @description Which pins of emulated devices can be wired, which are wired together, and whether that works.
          */
         get: operations["get_wiring"];
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/wiring/{net}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Wire Pins
+         * @description Have exactly these pins of emulated devices on a net. The devices go on, and their links tell of it.
+         */
+        put: operations["wire_pins"];
+        post?: never;
+        /**
+         * Unwire Pins
+         * @description Take all pins off a net.
+         */
+        delete: operations["unwire_pins"];
         options?: never;
         head?: never;
         patch?: never;
@@ -9316,6 +9340,14 @@ export interface components {
             role: "level" | "output" | "input";
         };
         /**
+         * NetPins
+         * @description All pins of a net.
+         */
+        NetPins: {
+            /** Pins */
+            pins: components["schemas"]["PinOfDevice"][];
+        };
+        /**
          * NowTrigger
          * @description At once.
          */
@@ -9433,6 +9465,16 @@ export interface components {
              * @description of one: a quarter of the counter's range [microsteps]
              */
             length: number;
+        };
+        /** PinOfDevice */
+        PinOfDevice: {
+            /**
+             * Device
+             * @description id of the emulated device
+             */
+            device: string;
+            /** Pin */
+            pin: string;
         };
         /** PmulPdiv */
         PmulPdiv: {
@@ -15240,6 +15282,33 @@ export interface components {
             step_pps: number;
         };
         /**
+         * WirablePin
+         * @description A pin of an emulated device that can be wired to others.
+         */
+        WirablePin: {
+            /**
+             * Device
+             * @description id of the device
+             */
+            device: string;
+            /**
+             * Pin
+             * @description START, or STEP1 to STEP3: step and direction of an axis
+             */
+            pin: string;
+            /**
+             * Role
+             * @description level: either way, as the chip is set
+             * @enum {string}
+             */
+            role: "level" | "output" | "input";
+            /**
+             * Nets
+             * @description the nets it is on
+             */
+            nets: string[];
+        };
+        /**
          * WireFaultsChange
          * @description Faults on the wire.
          */
@@ -15335,11 +15404,13 @@ export interface components {
         };
         /**
          * Wiring
-         * @description All nets, by name.
+         * @description All nets by name, and all pins that can be wired by device.
          */
         Wiring: {
             /** Nets */
             nets: components["schemas"]["Net"][];
+            /** Pins */
+            pins: components["schemas"]["WirablePin"][];
         };
         /** Switches */
         MotionSwitches: {
@@ -27496,6 +27567,146 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    wire_pins: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description small letters, digits and dashes */
+                net: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NetPins"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    unwire_pins: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description small letters, digits and dashes */
+                net: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Wiring"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

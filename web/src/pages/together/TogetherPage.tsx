@@ -24,12 +24,10 @@ export default function TogetherPage() {
         </Card>
       </Page>
     );
+  const names = Object.fromEntries(devices.data.map(({ id, name }) => [id, name]));
   return (
     <Page name="Together">
-      <StartCard
-        rows={rowsOf(devices.data)}
-        names={Object.fromEntries(devices.data.map(({ id, name }) => [id, name]))}
-      />
+      <StartCard rows={rowsOf(devices.data)} names={names} />
       {wiring.isError ? (
         <Card title="Wires">
           <ProblemAlert error={wiring.error} doing="Reading the wires" retry={() => void wiring.refetch()} />
@@ -39,7 +37,7 @@ export default function TogetherPage() {
           <Text size="sm">Reading the wires</Text>
         </Card>
       ) : (
-        <WiresCard nets={wiring.data.nets} />
+        <WiresCard nets={wiring.data.nets} pins={wiring.data.pins} names={names} />
       )}
     </Page>
   );

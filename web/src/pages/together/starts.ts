@@ -1,11 +1,11 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { duration } from "../../lib/format";
+import type { Net } from "./wires";
 
 export type TogetherMove = Schemas["TogetherMove"];
 export type StartedTogether = Schemas["StartedTogether"];
 export type AxisStart = Schemas["AxisStart"];
-export type Net = Schemas["Net"];
 export type StraightLine = Pick<Schemas["StraightLine"], "axes" | "points" | "pace" | "duration_s">;
 export type LinePlan = Schemas["LinePlan"];
 export type LineState = Schemas["LineState"];

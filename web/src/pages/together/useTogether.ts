@@ -1,13 +1,30 @@
-import { useQuery } from "@tanstack/react-query";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api } from "../../api/client";
 import type { StraightLine, TogetherMove } from "./starts";
+import type { Pin } from "./wires";
+
+const WIRING_KEY = ["wiring"];
 
 /** The nets of the emulated devices, looked at while the page is open. */
 export function useWiring() {
   return useQuery({
-    queryKey: ["wiring"],
+    queryKey: WIRING_KEY,
     queryFn: () => api.GET("/api/v1/wiring"),
     refetchInterval: 2000,
+  });
+}
+
+/** Have exactly these pins on a net; none removes it. */
+export function useWirePins() {
+  const queries = useQueryClient();
+  return useMutation({
+    mutationFn: ({ net, pins }: { net: string; pins: Pin[] }) => {
+      const path = { net };
+      return pins.length === 0
+        ? api.DELETE("/api/v1/wiring/{net}", { path })
+        : api.PUT("/api/v1/wiring/{net}", { path, body: { pins } });
+    },
+    onSuccess: (wiring) => queries.setQueryData(WIRING_KEY, wiring),
   });
 }
 
