@@ -6,10 +6,10 @@ import { EmptyState } from "../../lib/EmptyState";
 import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Remedies } from "../../lib/Remedies";
-import { Evidence } from "./Evidence";
+import { titleOf } from "./kinds";
 import { figureOf, remedyOf, type Study } from "./study";
-import { TrialPlots } from "./TrialPlots";
 import { type Changes, useStudy } from "./useStudies";
+import { VIEWS } from "./views";
 
 interface Props {
   id: string | null;
@@ -28,12 +28,12 @@ export function StudyView({ id, changes }: Props) {
       </EmptyState>
     );
   if (study === undefined) return <ProblemAlert error={error} doing="Reading the study" retry={() => void refetch()} />;
+  const { Results } = VIEWS[study.document.study.kind];
   return (
     <>
       <Outcome study={study} changes={changes} />
       {study.findings.length > 0 && <Findings study={study} />}
-      {study.evidence && <Evidence study={study} evidence={study.evidence} />}
-      {study.trials.length > 0 && <TrialPlots study={study} />}
+      {Results && <Results study={study} />}
     </>
   );
 }
@@ -43,10 +43,9 @@ function Outcome({ study, changes }: { study: Study; changes: Changes }) {
   const running = study.state === "running";
   const best = study.trials.find(({ number }) => number === study.best);
   const failed = [changes.stop, changes.resume, changes.best, changes.undo, changes.keep, changes.remove];
-  const title = study.document.name || (study.document.study.kind === "first_look" ? "First look" : "Fastest move");
   return (
     <Card
-      title={title}
+      title={titleOf(study.document)}
       note={running ? study.phase : study.state}
       actions={
         running ? (

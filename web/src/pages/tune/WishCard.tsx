@@ -1,15 +1,15 @@
-import { Button, List, Switch, Text } from "@mantine/core";
+import { Button, List, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { Choice } from "../../lib/Choice";
 import { compact, duration } from "../../lib/format";
-import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { QuantityField } from "../../lib/QuantityField";
-import { scaleOf } from "../../lib/units";
-import { documentOf, type Form, firstForm, type Plan, WISHES } from "./study";
+import { type AxisScale, scaleOf } from "../../lib/units";
+import { documentOf, type Forms, firstForms, KINDS, WISHES } from "./kinds";
+import type { Kind, Plan } from "./study";
 import { type Changes, usePlan } from "./useStudies";
+import { VIEWS } from "./views";
 
 interface Props {
   device: Device;
@@ -23,129 +23,25 @@ interface Props {
 export function WishCard({ device, axis, changes, busy }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const perTurn = scale.microstepsPerFullStep === null ? null : scale.microstepsPerFullStep * scale.fullStepsPerRev;
-  const [form, setForm] = useState<Form>(() => firstForm(perTurn));
-  const [unit, setUnit] = useState("rev");
-  const change = (part: Partial<Form>) => setForm((before) => ({ ...before, ...part }));
-  const wish = documentOf(form, device.id, axis.index);
+  const [kind, setKind] = useState<Kind>("first_look");
+  const [forms, setForms] = useState<Forms>(() => firstForms(perTurn));
+  const change = <K extends Kind>(of: K, part: Partial<Forms[K]>) =>
+    setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));
+  const wish = documentOf(kind, forms, device.id, axis.index);
   const connected = device.state === "connected";
   const plan = usePlan(wish, connected && !busy);
-  const wanted = WISHES.find(({ value }) => value === form.kind);
   const ready = connected && !busy && plan.data?.missing.length === 0 && !plan.isPlaceholderData;
   return (
     <Card title="What do you want?">
       <div className="column">
         <Choice
           label="The axis shall be"
-          data={WISHES.map(({ value, label }) => ({ value, label }))}
-          value={form.kind}
-          onChange={(kind) => change({ kind: kind as Form["kind"] })}
-          description={wanted?.text}
+          data={WISHES}
+          value={kind}
+          onChange={(picked) => setKind(picked as Kind)}
+          description={KINDS[kind].text}
         />
-        {form.kind === "first_look" ? (
-          <>
-            <NumberField
-              label="Turn to either side"
-              value={form.turns}
-              min={0.1}
-              max={20}
-              unit="turns"
-              onChange={(turns) => change({ turns })}
-            />
-            <NumberField
-              label="Look for switches as far as"
-              description="0: not at all"
-              value={form.travelTurns}
-              min={0}
-              max={10_000}
-              unit="turns"
-              onChange={(travelTurns) => change({ travelTurns })}
-            />
-          </>
-        ) : (
-          <>
-            <QuantityField
-              label="Distance"
-              motion="position"
-              scale={scale}
-              value={form.distance}
-              unit={unit}
-              onUnit={setUnit}
-              onChange={(distance) => change({ distance })}
-            />
-            <NumberField
-              label="Margin of speed and acceleration"
-              value={form.marginPercent}
-              min={0}
-              max={100}
-              unit="%"
-              onChange={(marginPercent) => change({ marginPercent })}
-            />
-            <NumberField
-              label="Settings tried at most"
-              value={form.trials}
-              min={1}
-              max={1000}
-              integer
-              onChange={(trials) => change({ trials })}
-            />
-            <NumberField
-              label="Never faster than"
-              description="empty: the soft limit, else ten times as now"
-              value={form.velocityMaxPps}
-              min={1}
-              unit="pps"
-              onChange={(velocityMaxPps) => change({ velocityMaxPps })}
-              onClear={() => change({ velocityMaxPps: null })}
-            />
-            <NumberField
-              label="Never steeper than"
-              description="empty: the same"
-              value={form.accelerationMaxPps2}
-              min={1}
-              unit="pps^2"
-              onChange={(accelerationMaxPps2) => change({ accelerationMaxPps2 })}
-              onClear={() => change({ accelerationMaxPps2: null })}
-            />
-            <Switch
-              label="Try on an emulated twin first"
-              checked={form.twin}
-              onChange={({ currentTarget }) => change({ twin: currentTarget.checked })}
-            />
-            {form.twin && (
-              <>
-                <NumberField
-                  label="Holding torque of the motor"
-                  value={form.holdingTorqueNm}
-                  min={0.001}
-                  max={50}
-                  unit="N m"
-                  onChange={(holdingTorqueNm) => change({ holdingTorqueNm })}
-                />
-                <NumberField
-                  label="Rated current of the motor"
-                  value={form.ratedCurrentA}
-                  min={0.05}
-                  max={20}
-                  unit="A"
-                  onChange={(ratedCurrentA) => change({ ratedCurrentA })}
-                />
-                <NumberField
-                  label="Inertia of the load, at the motor"
-                  value={form.loadInertiaKgm2}
-                  min={0}
-                  max={1}
-                  unit="kg m²"
-                  onChange={(loadInertiaKgm2) => change({ loadInertiaKgm2 })}
-                />
-              </>
-            )}
-            <Switch
-              label="Quiet under way too"
-              checked={form.quiet}
-              onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}
-            />
-          </>
-        )}
+        <KindFields kind={kind} forms={forms} change={change} scale={scale} />
         {busy ? (
           <Text size="sm">A study of this axis runs. A stop, or any other command to it, ends it.</Text>
         ) : (
@@ -166,6 +62,19 @@ export function WishCard({ device, axis, changes, busy }: Props) {
       </div>
     </Card>
   );
+}
+
+interface FieldsProps<K extends Kind> {
+  kind: K;
+  forms: Forms;
+  change: (of: K, part: Partial<Forms[K]>) => void;
+  scale: AxisScale;
+}
+
+/** The fields of one kind of study. */
+function KindFields<K extends Kind>({ kind, forms, change, scale }: FieldsProps<K>) {
+  const { Fields } = VIEWS[kind];
+  return <Fields form={forms[kind]} change={(part) => change(kind, part)} scale={scale} />;
 }
 
 /** The plan, in words: what moves, how far, how fast, how long; and what is missing. */

@@ -1,5 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { crossings, documentOf, firstForm, frontOf, historyOf, rangesOf, remedyOf, type Study, spaceOf } from "./study";
+import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
+import { documentOf, firstForms } from "./kinds";
+import { remedyOf, type Study } from "./study";
 
 type Trial = Study["trials"][number];
 
@@ -26,8 +28,9 @@ const TRIALS = [
 
 describe("a study on the page", () => {
   it("asks for a move with its margin as a share, and for a look without a budget", () => {
-    const form = { ...firstForm(200 * 256), kind: "fastest_move" as const, marginPercent: 15, trials: 12 };
-    expect(documentOf(form, "slide", 1)).toMatchObject({
+    const forms = firstForms(200 * 256);
+    const fast = { ...forms.fastest_move, marginPercent: 15, trials: 12 };
+    expect(documentOf("fastest_move", { ...forms, fastest_move: fast }, "slide", 1)).toMatchObject({
       device: "slide",
       axis: 1,
       budget: { trials: 12 },
@@ -38,8 +41,10 @@ describe("a study on the page", () => {
         twin: { motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 } },
       },
     });
-    expect(documentOf({ ...form, twin: false }, "slide", 0).study).toMatchObject({ twin: null });
-    expect(documentOf({ ...form, kind: "first_look" }, "slide", 0)).toEqual({
+    expect(
+      documentOf("fastest_move", { ...forms, fastest_move: { ...fast, twin: false } }, "slide", 0).study,
+    ).toMatchObject({ twin: null });
+    expect(documentOf("first_look", forms, "slide", 0)).toEqual({
       device: "slide",
       axis: 0,
       study: { kind: "first_look", turns: 1, travel_turns: 0 },

@@ -1,10 +1,10 @@
 import { Text } from "@mantine/core";
-import { Card } from "../../lib/Card";
-import { compact } from "../../lib/format";
-import { colorOf } from "../../lib/palette";
-import { useScheme } from "../../lib/useScheme";
-import { Plot } from "../../plots/Plot";
-import type { Study } from "./study";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot } from "../../../plots/Plot";
+import type { Study } from "../study";
 
 interface Props {
   study: Study;

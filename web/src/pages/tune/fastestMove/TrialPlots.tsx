@@ -1,11 +1,12 @@
 import { Text } from "@mantine/core";
-import { Card } from "../../lib/Card";
-import { compact } from "../../lib/format";
-import { colorOf } from "../../lib/palette";
-import { useScheme } from "../../lib/useScheme";
-import { Plot } from "../../plots/Plot";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot } from "../../../plots/Plot";
+import type { Study } from "../study";
 import { Parallel } from "./Parallel";
-import { frontOf, historyOf, type Study, spaceOf } from "./study";
+import { frontOf, historyOf, spaceOf } from "./trials";
 
 /** What was tried, live: times over trials, the space of the settings, the front of two objectives, and all at once. */
 export function TrialPlots({ study }: { study: Study }) {

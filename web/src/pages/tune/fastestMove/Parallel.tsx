@@ -1,5 +1,6 @@
-import { compact } from "../../lib/format";
-import { crossings, rangesOf, type Study } from "./study";
+import { compact } from "../../../lib/format";
+import type { Study } from "../study";
+import { crossings, rangesOf } from "./trials";
 import classes from "./tune.module.css";
 
 interface Props {

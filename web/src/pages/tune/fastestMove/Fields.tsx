@@ -1,0 +1,96 @@
+import { Switch } from "@mantine/core";
+import { useState } from "react";
+import { NumberField } from "../../../lib/NumberField";
+import { QuantityField } from "../../../lib/QuantityField";
+import type { FieldsProps } from "../kind";
+import type { FastestMoveForm } from "./form";
+
+/** The move, what it may cost, its limits, and what is known of the motor for a twin. */
+export function Fields({ form, change, scale }: FieldsProps<FastestMoveForm>) {
+  const [unit, setUnit] = useState("rev");
+  return (
+    <>
+      <QuantityField
+        label="Distance"
+        motion="position"
+        scale={scale}
+        value={form.distance}
+        unit={unit}
+        onUnit={setUnit}
+        onChange={(distance) => change({ distance })}
+      />
+      <NumberField
+        label="Margin of speed and acceleration"
+        value={form.marginPercent}
+        min={0}
+        max={100}
+        unit="%"
+        onChange={(marginPercent) => change({ marginPercent })}
+      />
+      <NumberField
+        label="Settings tried at most"
+        value={form.trials}
+        min={1}
+        max={1000}
+        integer
+        onChange={(trials) => change({ trials })}
+      />
+      <NumberField
+        label="Never faster than"
+        description="empty: the soft limit, else ten times as now"
+        value={form.velocityMaxPps}
+        min={1}
+        unit="pps"
+        onChange={(velocityMaxPps) => change({ velocityMaxPps })}
+        onClear={() => change({ velocityMaxPps: null })}
+      />
+      <NumberField
+        label="Never steeper than"
+        description="empty: the same"
+        value={form.accelerationMaxPps2}
+        min={1}
+        unit="pps^2"
+        onChange={(accelerationMaxPps2) => change({ accelerationMaxPps2 })}
+        onClear={() => change({ accelerationMaxPps2: null })}
+      />
+      <Switch
+        label="Try on an emulated twin first"
+        checked={form.twin}
+        onChange={({ currentTarget }) => change({ twin: currentTarget.checked })}
+      />
+      {form.twin && (
+        <>
+          <NumberField
+            label="Holding torque of the motor"
+            value={form.holdingTorqueNm}
+            min={0.001}
+            max={50}
+            unit="N m"
+            onChange={(holdingTorqueNm) => change({ holdingTorqueNm })}
+          />
+          <NumberField
+            label="Rated current of the motor"
+            value={form.ratedCurrentA}
+            min={0.05}
+            max={20}
+            unit="A"
+            onChange={(ratedCurrentA) => change({ ratedCurrentA })}
+          />
+          <NumberField
+            label="Inertia of the load, at the motor"
+            value={form.loadInertiaKgm2}
+            min={0}
+            max={1}
+            unit="kg m²"
+            onChange={(loadInertiaKgm2) => change({ loadInertiaKgm2 })}
+          />
+        </>
+      )}
+      <Switch
+        label="Quiet under way too"
+        checked={form.quiet}
+        onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}
+      />
+    </>
+  );
+}

@@ -1,0 +1,89 @@
+import type { PlotData } from "../../../plots/series";
+import type { Study, Trial } from "../study";
+
+function moved({ state }: Trial): boolean {
+  return state === "feasible" || state === "infeasible";
+}
+
+/** Trials over their number: the time of those that held, what the others would have taken, and the best so far [s]. */
+export function historyOf(trials: readonly Trial[]): PlotData {
+  const tried = trials.filter(moved).sort((one, other) => one.number - other.number);
+  let best = Number.NaN;
+  const bests = tried.map(({ state, figures }) => {
+    const time = state === "feasible" ? figures.time_s : null;
+    if (time !== null && !(best <= time)) best = time;
+    return best;
+  });
+  return [
+    tried.map(({ number }) => number),
+    tried.map(({ state, figures }) => (state === "feasible" ? figures.time_s : null)),
+    tried.map(({ state, expected_s: expected }) => (state === "infeasible" ? expected : null)),
+    bests,
+  ];
+}
+
+/** The space of the first two settings: the second one over the first, of those that held and of those that did not. */
+export function spaceOf(trials: readonly Trial[], names: readonly string[]): PlotData {
+  const [first = "", second = ""] = names;
+  const tried = trials.filter(moved).sort((one, other) => (one.setting[first] ?? 0) - (other.setting[first] ?? 0));
+  const over = (state: Trial["state"]) =>
+    tried.map((trial) => (trial.state === state ? (trial.setting[second] ?? null) : null));
+  return [tried.map(({ setting }) => setting[first] ?? 0), over("feasible"), over("infeasible")];
+}
+
+/** Of two objectives: deviation over time, of those that held; and those that none beats in both. */
+export function frontOf(trials: readonly Trial[], front: readonly number[]): PlotData {
+  const held = trials
+    .filter(({ state, figures }) => state === "feasible" && figures.time_s !== null)
+    .sort((one, other) => (one.figures.time_s ?? 0) - (other.figures.time_s ?? 0));
+  return [
+    held.map(({ figures }) => figures.time_s ?? 0),
+    held.map(({ figures }) => figures.deviation_fullsteps),
+    held.map(({ number, figures }) => (front.includes(number) ? figures.deviation_fullsteps : null)),
+  ];
+}
+
+/** The least and greatest value of a setting among all trials: where an axis of parallel coordinates ends. */
+export interface Range {
+  name: string;
+  unit: string;
+  low: number;
+  high: number;
+}
+
+/** The axes of parallel coordinates: each setting, then the time. */
+export function rangesOf(study: Study): Range[] {
+  const tried = study.trials.filter(moved);
+  const range = (name: string, unit: string, values: number[]): Range => ({
+    name,
+    unit,
+    low: Math.min(...values),
+    high: Math.max(...values),
+  });
+  const settings = Object.entries(study.units).map(([name, unit]) =>
+    range(
+      name,
+      unit,
+      tried.map(({ setting }) => setting[name] ?? 0),
+    ),
+  );
+  return tried.length < 2
+    ? []
+    : [
+        ...settings,
+        range(
+          "time",
+          "s",
+          tried.map(({ figures, expected_s: expected }) => figures.time_s ?? expected ?? 0),
+        ),
+      ];
+}
+
+/** How high a trial crosses each axis: 0 at its lower end, 1 at its upper one; settings in equal ratios. */
+export function crossings(trial: Trial, ranges: readonly Range[]): number[] {
+  return ranges.map(({ name, low, high }) => {
+    if (high <= low) return 0.5;
+    if (name === "time") return ((trial.figures.time_s ?? trial.expected_s ?? 0) - low) / (high - low);
+    return Math.log((trial.setting[name] ?? low) / low) / Math.log(high / low);
+  });
+}

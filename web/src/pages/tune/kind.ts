@@ -1,0 +1,30 @@
+import type { ComponentType } from "react";
+import type { AxisScale } from "../../lib/units";
+import type { Study, Wish } from "./study";
+
+/** What the fields of a kind of study get: its part of the form, and the scale of the axis. */
+export interface FieldsProps<F> {
+  form: F;
+  change: (part: Partial<F>) => void;
+  scale: AxisScale;
+}
+
+/** A kind of study as it is asked for. */
+export interface KindForm<F> {
+  /** what a user can want, in their words */
+  label: string;
+  text: string;
+  /** its name where a study of it has none */
+  title: string;
+  /** what the form begins with */
+  first: (microstepsPerTurn: number | null) => F;
+  /** what the server wants of it: the study, and what it may cost where that is asked */
+  wish: (form: F) => Pick<Wish, "study" | "budget">;
+}
+
+/** A kind of study on the page. */
+export interface KindView<F> {
+  Fields: ComponentType<FieldsProps<F>>;
+  /** what came of it beside verdict, settings and findings */
+  Results: ComponentType<{ study: Study }> | null;
+}

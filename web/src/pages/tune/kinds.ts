@@ -1,0 +1,36 @@
+import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
+import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
+import type { KindForm } from "./kind";
+import type { Kind, Wish } from "./study";
+
+/** The form of each kind: what was typed stays when another one is looked at. */
+export interface Forms {
+  first_look: FirstLookForm;
+  fastest_move: FastestMoveForm;
+}
+
+/** The studies, in the order of the choice. */
+export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
+  first_look: FIRST_LOOK,
+  fastest_move: FASTEST_MOVE,
+};
+
+export const WISHES = Object.entries(KINDS).map(([value, { label }]) => ({ value, label }));
+
+/** What all forms begin with. */
+export function firstForms(microstepsPerTurn: number | null): Forms {
+  return {
+    first_look: FIRST_LOOK.first(microstepsPerTurn),
+    fastest_move: FASTEST_MOVE.first(microstepsPerTurn),
+  };
+}
+
+/** The document of a study as the server wants it. */
+export function documentOf<K extends Kind>(kind: K, forms: Forms, device: string, axis: number): Wish {
+  return { device, axis, ...KINDS[kind].wish(forms[kind]) };
+}
+
+/** Its name, or what it is. */
+export function titleOf({ name, study: { kind } }: { name: string; study: { kind: Kind } }): string {
+  return name || KINDS[kind].title;
+}
