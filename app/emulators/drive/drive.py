@@ -11,7 +11,7 @@ from . import kernel as k
 from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .options import DriveOptions
-from .physics import plant_state_of, set_physics
+from .physics import plant_state_of, set_graduation, set_physics
 from .plant import OT_C, OTPW_C, UNDERVOLTAGE_V, Plant, PlantState, Switches
 from .registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
 from .table import wave_of
@@ -52,6 +52,8 @@ _KEPT = (
     k.WATCH,
     k.RNG,
     k.SUBSTEPS,
+    k.UNTRUE,
+    k.UNEVEN,
     k.BLOCKED,
     k.FORCE,
     k.FORCED,
@@ -629,6 +631,7 @@ class Drive:
         f[k.ZERO] = encoders.internal_zero_fullsteps * math.pi / 2 / options.motor.rotor_teeth
         f[k.SCALE_I] = encoders.internal_counts / (2 * math.pi)
         f[k.SCALE_E] = 4 * encoders.external_lines / (2 * math.pi) * (-1 if encoders.external_reversed else 1)
+        set_graduation(encoders.external_errors, encoders.external_lines, self._s, f)
 
     def _bridges_changed(self) -> None:
         switched_on = self._toff > 0 and self._enabled

@@ -131,7 +131,9 @@ OUTSIDE, COMING, DIRECT_A, DIRECT_B = range(170, 174)
 tick, and coil currents that were told [1/248 of the peak]."""
 GAP, WINDOW, MOVED = range(174, 177)
 """From outside: ticks since the latest step, and ticks and steps since the speed was worked out last."""
-INTEGERS = 177
+UNTRUE, UNEVEN = range(177, 179)
+"""The external encoder has errors; the phases of the motor are unlike, or more than a sine."""
+INTEGERS = 179
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -164,7 +166,12 @@ ANGLE, SINE, COSINE = range(59, 62)
 """Electrical angle of the rotor in the last physics step, and its sine and cosine."""
 BRAKE_SQUARE, BRAKE_REST = range(62, 64)
 """A motor that goes at u needs at most `BRAKE_SQUARE` u^2 + `BRAKE_REST` to brake down to VSTOP [1/2^25 step]."""
-REALS = 64
+FLUX_A, FLUX_A3, FLUX_B, FLUX_B3, FLUX_BX = range(64, 69)
+"""Of an uneven motor: torque of a coil an ampere [N m/A] at an electrical angle with sine s and cosine c. That of A is
+(FLUX_A - FLUX_A3 s^2) c, that of B -(FLUX_B + FLUX_B3 s^2) s - FLUX_BX c."""
+EX1, PX1, EX2, PX2, EXS, PXS, LINES = range(69, 76)
+"""Errors of the external encoder and their phases [rad]: once and twice a turn, and once a line of so many."""
+REALS = 76
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -634,10 +641,20 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
 
 
 @inlined
+def _flux(f: Floats, sine: float, cosine: float) -> tuple[float, float]:
+    """Torque of each coil an ampere, of a motor whose phases are unlike or more than a sine; also its back-EMF."""
+    square = sine * sine
+    of_a = (f[FLUX_A] - f[FLUX_A3] * square) * cosine
+    return of_a, -(f[FLUX_B] + f[FLUX_B3] * square) * sine - f[FLUX_BX] * cosine
+
+
+@inlined
 def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> None:
     """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST."""
     theta, omega, ia, ib = f[THETA], f[OMEGA], f[IA], f[IB]
     teeth, kt, td, load = f[TEETH], f[KT], f[TD], f[LOAD]
+    uneven = s[UNEVEN] != 0
+    of_a = of_b = 0.0
     dt, dt_j, damp, friction, stiction = f[DT], f[DT_J], f[DAMP], f[FRICTION], f[STICTION]
     at, sine, cosine, lasts = f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS]
     torque = 0.0
@@ -656,9 +673,14 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
             lasts -= 1
         at = angle
         emf_a, emf_b = kt * omega * cosine, -kt * omega * sine
+        if uneven:
+            of_a, of_b = _flux(f, sine, cosine)
+            emf_a, emf_b = omega * of_a, omega * of_b
         new_a = _coil(f, ia, ref_a, emf_a, bridges)
         new_b = _coil(f, ib, ref_b, emf_b, bridges)
         torque = kt * (new_a * cosine - new_b * sine)
+        if uneven:
+            torque = new_a * of_a + new_b * of_b
         # sin(4e) = 2 sin(2e) cos(2e)
         detent = td * 4.0 * sine * cosine * (1.0 - 2.0 * sine * sine)
         if s[BLOCKED]:
@@ -1211,7 +1233,11 @@ def external_counts(s: Cells, f: Floats) -> int:
             place = -place
         turns = place // a_turn
         return turns * counts + (2 * (place - turns * a_turn) * counts + a_turn) // (2 * a_turn)
-    return math.floor((f[THETA] + f[SLIP_E]) * f[SCALE_E] + 0.5)
+    x = f[THETA] + f[SLIP_E]
+    if s[UNTRUE]:
+        x += f[EX1] * math.sin(x + f[PX1]) + f[EX2] * math.sin(2.0 * x + f[PX2])
+        x += f[EXS] * math.sin(f[LINES] * x + f[PXS])
+    return math.floor(x * f[SCALE_E] + 0.5)
 
 
 @compiled
@@ -1630,4 +1656,4 @@ def refresh(s: Cells, f: Floats) -> None:
     f[RATIO_E] = s[EXTERNAL + E_NUM] / s[EXTERNAL + E_DEN]
     # the harmonics, half a count of rounding, a microstep of rounding, and one of each to spare
     f[BOUND_I] = ((abs(f[E1]) + abs(f[E2])) * f[SCALE_I] + 2.0) * abs(f[RATIO_I]) + 2.0
-    f[BOUND_E] = 2.0 * abs(f[RATIO_E]) + 2.0
+    f[BOUND_E] = ((f[EX1] + f[EX2] + f[EXS]) * abs(f[SCALE_E]) + 2.0) * abs(f[RATIO_E]) + 2.0

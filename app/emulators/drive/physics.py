@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from . import kernel as k
-from .options import DriveOptions, MotorOptions
+from .options import DriveOptions, EncoderErrors, MotorOptions
 from .plant import PlantState
 
 _BRIDGES = {
@@ -26,6 +26,7 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
     f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
     f[k.TEETH], f[k.KT], f[k.TD] = motor.rotor_teeth, motor.torque_constant, motor.detent_torque_nm
+    _set_flux(motor, s, f)
     f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
     f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
     f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)
@@ -40,6 +41,26 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     if left is not None or right is not None:
         f[k.LOW_END] = -math.inf if left is None else left * step
         f[k.HIGH_END] = math.inf if right is None else right * step
+
+
+def set_graduation(errors: EncoderErrors, lines: int, s: k.Cells, f: k.Floats) -> None:
+    """What `kernel.external_counts` needs of an encoder with so many lines whose graduation is off."""
+    f[k.EX1], f[k.PX1] = math.radians(errors.eccentricity_deg), math.radians(errors.eccentricity_phase_deg)
+    f[k.EX2], f[k.PX2] = math.radians(errors.second_harmonic_deg), math.radians(errors.second_harmonic_phase_deg)
+    f[k.EXS], f[k.PXS] = errors.line_error * 2 * math.pi / lines, math.radians(errors.line_error_phase_deg)
+    f[k.LINES] = lines
+    s[k.UNTRUE] = bool(f[k.EX1] or f[k.EX2] or f[k.EXS])
+
+
+def _set_flux(motor: MotorOptions, s: k.Cells, f: k.Floats) -> None:
+    """Flux of both coils: A's is cos(e) + h cos(3e), B's sin(e + q) - h sin(3e), each with its share of the torque."""
+    kt_a = motor.torque_constant * (1 + motor.phase_unbalance / 2)
+    kt_b = motor.torque_constant * (1 - motor.phase_unbalance / 2)
+    apart, third = math.radians(motor.quadrature_error_deg), math.radians(motor.fourth_harmonic_deg)
+    f[k.FLUX_A], f[k.FLUX_A3] = kt_a * (1 + third), 4 * kt_a * third
+    f[k.FLUX_B], f[k.FLUX_B3] = kt_b * (math.cos(apart) - 3 * third), 4 * kt_b * third
+    f[k.FLUX_BX] = kt_b * math.sin(apart)
+    s[k.UNEVEN] = bool(motor.phase_unbalance or apart or third)
 
 
 def plant_state_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> PlantState:

@@ -16,7 +16,7 @@ from ..drive.documents import (
     Supply,
     TimeScale,
 )
-from ..drive.options import DriveOptions, EncoderOptions, FullSteps, StageSwitches
+from ..drive.options import DriveOptions, EncoderErrors, EncoderOptions, FullSteps, StageSwitches
 from ..motor_documents import LoadChange, MotorDocument
 
 Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "tmc5240"]
@@ -28,6 +28,7 @@ class LineEncoder(Closed):
 
     lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = shown(10_000, "Lines", "of a turn, four counts each")
     reversed: Flag = rest_only(False, "A and B are swapped")
+    errors: EncoderErrors = rest_only(EncoderErrors(), "how far its graduation is off")
 
 
 class Tmc5xxxOptions(MotorDocument):
@@ -65,7 +66,11 @@ class Tmc5xxxOptions(MotorDocument):
             motor=self.physics,
             load=self.load,
             stage=self.stage,
-            encoders=EncoderOptions(external_lines=self.encoder.lines, external_reversed=self.encoder.reversed),
+            encoders=EncoderOptions(
+                external_lines=self.encoder.lines,
+                external_reversed=self.encoder.reversed,
+                external_errors=self.encoder.errors,
+            ),
             clock_hz=self.clock_hz,
             supply_v=self.supply_v,
             full_scale_a=self.full_scale_a or full_scale_a,

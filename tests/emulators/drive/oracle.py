@@ -156,7 +156,12 @@ class PlainMotor:
         gain = (1 - kept) / motor.resistance_ohm
         for _ in range(options.steps_a_tick):
             e = motor.rotor_teeth * self.theta
-            emf = (kt * self.omega * math.cos(e), -kt * self.omega * math.sin(e))
+            third, apart = math.radians(motor.fourth_harmonic_deg), math.radians(motor.quadrature_error_deg)
+            flux = (
+                kt * (1 + motor.phase_unbalance / 2) * (math.cos(e) + third * math.cos(3 * e)),
+                -kt * (1 - motor.phase_unbalance / 2) * (math.sin(e + apart) - third * math.sin(3 * e)),
+            )
+            emf = (self.omega * flux[0], self.omega * flux[1])
             for phase in range(2):
                 i, wanted = self.currents[phase], references[phase]
                 new = i - math.expm1(-dt / options.regulator_s) * (wanted - i)
@@ -167,7 +172,7 @@ class PlainMotor:
                 low = kept * i + gain * (-options.supply_v - emf[phase])
                 high = kept * i + gain * (options.supply_v - emf[phase])
                 self.currents[phase] = min(max(new, low), high)
-            torque = kt * (self.currents[0] * math.cos(e) - self.currents[1] * math.sin(e))
+            torque = self.currents[0] * flux[0] + self.currents[1] * flux[1]
             torque -= motor.detent_torque_nm * math.sin(4 * e) + self.load_nm
             speed = (self.omega + torque * dt / j) / (1 + motor.viscous_nms * dt / j)
             friction = motor.friction_nm * (motor.stiction_ratio if self.omega == 0 else 1)

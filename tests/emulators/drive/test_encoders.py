@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -52,6 +53,32 @@ def test_lines_give_four_counts_each(lines: int, backwards: bool) -> None:
     drive.plant.rotor_fullsteps = 300.0
     assert drive.external.counts == (-1 if backwards else 1) * 6 * lines
     assert drive.external.position == pytest.approx(300 * 256, abs=15)
+
+
+def test_a_graduation_that_is_off_shows_once_and_twice_a_turn() -> None:
+    errors = {"eccentricity_deg": 0.4, "eccentricity_phase_deg": 20.0, "second_harmonic_deg": 0.1}
+    drive = by_hand(0.0, external_lines=1 << 16, external_errors=errors)
+    seen_deg = []
+    for index in range(40):
+        drive.plant.rotor_fullsteps = 5.0 * index
+        seen_deg.append(drive.external.counts * 360 / (1 << 18) - 9.0 * index)
+    turned = 2 * math.pi * np.arange(40) / 40
+    once = 2 * np.mean(seen_deg * np.exp(-1j * turned)) * 1j
+    # what comes twice is seen at the angle that eccentricity has moved already
+    assert abs(once) == pytest.approx(0.4, abs=2e-3)
+    assert math.degrees(np.angle(once)) == pytest.approx(20, abs=0.5)
+    assert abs(2 * np.mean(seen_deg * np.exp(-2j * turned))) == pytest.approx(0.1, abs=5e-3)
+
+
+@pytest.mark.parametrize("phase_deg", [0.0, 90.0])
+def test_unequal_phases_of_an_encoder_move_its_counts_within_a_line(phase_deg: float) -> None:
+    errors = {"line_error": 0.1, "line_error_phase_deg": phase_deg}
+    drive = by_hand(0.0, external_lines=5, external_errors=errors)
+    for index in range(81):
+        place = index / 40 + 0.003  # lines
+        drive.plant.rotor_fullsteps = place * 40
+        seen = place + 0.1 * math.sin(2 * math.pi * place + math.radians(phase_deg))
+        assert drive.external.counts == math.floor(4 * seen + 0.5)
 
 
 def test_positions_are_zero_at_power_on_and_follow_the_rotor() -> None:

@@ -134,6 +134,32 @@ def test_the_detent_bends_the_position_once_a_full_step() -> None:
     assert min(deviations.values()) < -2.5
 
 
+@pytest.mark.parametrize(
+    ("what", "sine", "cosine", "order"),
+    [
+        ({"phase_unbalance": 0.05}, math.degrees(0.025), 0.0, 2),
+        ({"quadrature_error_deg": 3.0}, 0.0, -1.5, 2),
+        ({"fourth_harmonic_deg": 4.0}, 4.0, 0.0, 4),
+        ({"detent_torque_nm": -0.02}, math.degrees(0.02 / (MotorOptions().torque_constant * PEAK_A)), 0.0, 4),
+    ],
+)
+def test_an_uneven_motor_is_off_by_its_harmonic_of_the_electrical_angle(
+    what: dict[str, float], sine: float, cosine: float, order: int
+) -> None:
+    """Rotor less field, over an electrical period."""
+    motor = MotorOptions(**{"detent_torque_nm": 0.0, "friction_nm": 0.0, **what})
+    drive = energised(motor=motor)
+    drive._table[:] = np.sin((np.arange(1024) + 0.5) * math.pi / 512)
+    error = []
+    for microstep in range(0, 1024, 64):
+        drive.write("XTARGET", microstep)
+        wait(drive, 0.3)
+        error.append(-drive.plant_state.load_angle_deg)
+    angle = (np.arange(0, 1024, 64) + 0.5) * math.pi / 512
+    parts = [2 * float(np.mean(error * shape(order * angle))) for shape in (np.sin, np.cos)]
+    assert parts == pytest.approx([sine, cosine], abs=0.1)
+
+
 def test_electrical_power_goes_into_heat_field_and_work() -> None:
     drive = energised()
     motor = drive.options.motor
@@ -213,9 +239,13 @@ def test_a_blocked_shaft_loses_every_step_and_the_load_value_falls_to_nothing() 
     assert drive.plant_state.speed_rad_s == 0.0
 
 
-def test_the_kernel_equals_the_plain_motor_and_resting_changes_nothing() -> None:
+UNEVEN = MotorOptions(phase_unbalance=0.05, quadrature_error_deg=-3.0, fourth_harmonic_deg=4.0)
+
+
+@pytest.mark.parametrize("motor", [MotorOptions(), UNEVEN], ids=["even", "uneven"])
+def test_the_kernel_equals_the_plain_motor_and_resting_changes_nothing(motor: MotorOptions) -> None:
     """Standing, moving and standing again under a load: the oracle works out every tick, the kernel skips rests."""
-    drive = energised()
+    drive = energised(motor=motor)
     drive.plant.load_torque_nm = 0.03
     plain = PlainMotor(drive.options, load_nm=0.03)
     plain.theta, plain.omega = drive.plant_state.rotor_rad, drive.plant_state.speed_rad_s

@@ -39,9 +39,10 @@ SSI_REPEAT_CLOCKS = 21e-6
 @compiled
 def true_place(fb: Floats) -> float:
     """Where the encoder on the shaft really is [counts], not cut and not wrapped."""
-    if fb[k.E1] == 0.0 and fb[k.E2] == 0.0:
+    if fb[k.E1] == 0.0 and fb[k.E2] == 0.0 and fb[k.EXS] == 0.0:
         return (fb[k.THETA] + fb[k.SLIP_I] - fb[k.ZERO]) * fb[k.SCALE_I]
-    return k.internal_angle(fb) * fb[k.SCALE_I]
+    seen = k.internal_angle(fb)
+    return (seen + fb[k.EXS] * math.sin(fb[k.LINES] * seen)) * fb[k.SCALE_I]
 
 
 @compiled

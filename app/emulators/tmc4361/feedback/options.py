@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from ....form_hints import REST_ONLY, rest_only, shown
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
-from ...drive.options import FullSteps, StageSwitches
+from ...drive.options import FullSteps, LineError, StageSwitches
 
 EncoderKind = Literal["abn", "ssi", "spi"]
 
@@ -18,7 +18,7 @@ class _Closed(BaseModel):
 
 
 class ShaftEncoder(_Closed):
-    """The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts."""
+    """The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), an error once a line too, in counts."""
 
     eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = shown(
         0.0, "Eccentricity", "amplitude e1 of the once-a-turn error [deg of the shaft]", unit="°"
@@ -44,6 +44,8 @@ class ShaftEncoder(_Closed):
     eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
         default=0.0, json_schema_extra=REST_ONLY
     )
+
+    line_error: LineError = rest_only(0.0, "once a line, of an absolute one once every four counts [lines]")
 
     @property
     def counts(self) -> int:

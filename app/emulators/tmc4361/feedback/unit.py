@@ -41,7 +41,7 @@ _SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
 _SWAPPED = ("kind", "lines", "single_turn_bits", "multi_turn_bits", "gray")
 """What another encoder on the shaft is told by."""
-_KEPT = (c.NOW, c.COMMANDED, c.DRIVER, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
+_KEPT = (c.NOW, c.COMMANDED, c.DRIVER, k.RNG, k.SUBSTEPS, k.UNEVEN, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
 
 
@@ -374,6 +374,8 @@ class FeedbackUnit:
         fb[k.ZERO] = zero_fullsteps * self.plant.fullstep_rad
         fb[k.P1] = math.radians(phase_deg)
         fb[k.SCALE_I] = encoder.counts / (2 * math.pi) * (-1 if encoder.reversed else 1)
+        fb[k.LINES] = encoder.counts / 4
+        fb[k.EXS] = encoder.line_error * 2 * math.pi / fb[k.LINES]
         n[c.KIND], n[c.PER_TURN] = _KINDS[encoder.kind], encoder.counts
         fb[c.COUNT_TURNS] = 1.0 / encoder.counts
         n[c.SINGLE_BITS], n[c.MULTI_BITS] = encoder.single_turn_bits, encoder.multi_turn_bits

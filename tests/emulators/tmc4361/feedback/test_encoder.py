@@ -326,6 +326,14 @@ def test_a_deviation_is_right_at_once_when_a_position_is_written() -> None:
 # --- misalignment (section 4) ------------------------------------------------------------------------
 
 
+def test_unequal_phases_of_an_encoder_move_its_counts_within_a_line() -> None:
+    bench = loose(encoder={**AT_ZERO, "lines": 50, "line_error": 0.1})
+    for index in range(41):
+        place = index / 20 + 0.003  # lines
+        bench.turn_by_hand(place * TURN / 50)
+        assert bench.unit.encoder_counts == math.floor(4 * (place + 0.1 * math.sin(2 * math.pi * place)) + 0.5)
+
+
 @pytest.mark.sheet("DS-TMC4361", "14.5")
 def test_the_compensating_triangle_leaves_a_seventh_of_an_eccentricity() -> None:
     eccentricity_deg = 0.7
