@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import Any
 
 Json = dict[str, Any]
@@ -51,18 +52,31 @@ def link_form(schema: Json, components: Json) -> Json:
             _put(groups, hints["group"], [field]) if "group" in hints else own.append(field)
             continue
         is_list = _not_null(prop).get("type") == "array"
-        fields = [
-            _field(key if is_list else f"{name}.{key}", value, key in inner.get("required", ()), hints)
-            for key, value in inner["properties"].items()
-            if not value.get("form", {}).get("rest_only")
-        ]
         # Beside a word that may stand for the object, a description is of the word.
         about = "" if "anyOf" in prop else prop.get("description", "")
-        _put(groups, prop.get("title", name), fields, help=about, **({"list": name} if is_list else {}))
+        of_list = {"list": name} if is_list else {}
+        objects = {key: found for key, value in inner["properties"].items() if (found := _object_of(value, components))}
+        prefix = "" if is_list else f"{name}."
+        fields = _fields(prefix, inner, hints, but=objects)
+        _put(groups, prop.get("title", name), fields, help=about, **of_list)
+        for key, within in objects.items():
+            value = inner["properties"][key]
+            if not value.get("form", {}).get("rest_only"):
+                fields = _fields(f"{prefix}{key}.", within, hints)
+                _put(groups, value.get("title", key), fields, help=value.get("description", ""), **of_list)
     # A description beside a form is the first paragraph, in one line.
     first = " ".join(schema.get("description", "").split("\n\n")[0].split())
     fold = schema.get("form", {}).get("fold")
     return {**({"fold": fold} if fold else {}), "groups": [{"title": "", "help": first, "fields": own}, *groups]}
+
+
+def _fields(prefix: str, schema: Json, group: Json, but: Collection[str] = ()) -> list[Json]:
+    """The fields of an object that a form shows."""
+    return [
+        _field(f"{prefix}{key}", value, key in schema.get("required", ()), group)
+        for key, value in schema["properties"].items()
+        if key not in but and not value.get("form", {}).get("rest_only")
+    ]
 
 
 def _put(groups: list[Json], title: str, fields: list[Json], **more: str) -> None:

@@ -33,6 +33,26 @@ class Wider(ModuleSerialLink):
     inner: Inner = Field(default_factory=Inner, title="The inside", json_schema_extra=form(where={"axes": [1]}))
 
 
+class OfAxis(BaseModel):
+    name: str = Field(default="", title="Name")
+    inner: Inner = Field(default_factory=Inner, title="The insides", description="of each")
+    untold: Inner = Field(default_factory=Inner, json_schema_extra=REST_ONLY)
+
+
+class Listed(ModuleSerialLink):
+    each: list[OfAxis] = Field(default_factory=list, title="Each axis")
+
+
+def test_an_object_in_a_list_has_a_group_of_its_own() -> None:
+    _, each, insides = form_of(Listed)["groups"]
+    assert [(group["title"], group["list"]) for group in (each, insides)] == [
+        ("Each axis", "each"),
+        ("The insides", "each"),
+    ]
+    assert insides["help"] == "of each"
+    assert [[field["path"] for field in group["fields"]] for group in (each, insides)] == [["name"], ["inner.depth"]]
+
+
 def test_a_field_that_is_added_to_a_link_is_in_its_form() -> None:
     first, second = form_of(Wider)["groups"]
     assert first["help"] == "A serial link with more to say."

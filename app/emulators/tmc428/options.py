@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...form_hints import REST_ONLY, form, rest_only, shown
+from ...form_hints import form, rest_only, shown
 from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Forced, Supply
 from ..drive.options import LoadOptions, MotorOptions
@@ -73,8 +73,10 @@ class ChainDriverOptions(Closed):
         "its registers by cover datagrams, and a motor with physics that turns as its currents let it",
         words={"tmc236": "TMC236", "tmc2660": "TMC2660"},
     )
-    motor: MotorOptions = Field(default=MotorOptions(), json_schema_extra=REST_ONLY)
-    load: LoadOptions = Field(default=LoadOptions(), json_schema_extra=REST_ONLY)
+    motor: MotorOptions = shown(
+        MotorOptions(), "Motors and loads of the chain", "of a tmc2660; the carriage of a tmc236 follows every step"
+    )
+    load: LoadOptions = shown(LoadOptions(), "Motors and loads of the chain", "of a tmc2660")
     supply_v: Supply = shown(24.0, "Supply", "motor supply, of a tmc2660 [V]")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = shown(
         3.1,

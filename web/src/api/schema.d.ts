@@ -3845,6 +3845,8 @@ export interface components {
              */
             driver?: "tmc236" | "tmc2660";
             /**
+             * Motors and loads of the chain
+             * @description of a tmc2660; the carriage of a tmc236 follows every step
              * @default {
              *       "rotor_teeth": 50,
              *       "resistance_ohm": 2.3,
@@ -3863,6 +3865,8 @@ export interface components {
              */
             motor?: components["schemas"]["MotorOptions"];
             /**
+             * Motors and loads of the chain
+             * @description of a tmc2660
              * @default {
              *       "torque_nm": 0,
              *       "friction_nm": 0,

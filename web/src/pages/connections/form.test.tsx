@@ -114,4 +114,20 @@ describe("a field that the server has and the page does not know", () => {
     });
     expect(written({ kind: "new", guard_us: 3 }, FORM, {})).toEqual({ kind: "new" });
   });
+
+  it("of objects in a list is written beside the others of that axis", () => {
+    const groups = ["guard_us", "deep.mode"].map((path) => ({
+      title: path,
+      help: "",
+      list: "each",
+      fields: [GUARD, MODE].filter((field) => field.path === path),
+    }));
+    const typed = { "each.0.guard_us": "50", "each.1.deep.mode": "fast" };
+    const both = { each: [{ guard_us: 50 }, { deep: { mode: "fast" } }] };
+    expect(written({}, { groups }, typed, 2)).toEqual(both);
+    expect(written(both, { groups }, { "each.1.deep.mode": "fast" }, 2)).toEqual({
+      each: [{}, { deep: { mode: "fast" } }],
+    });
+    expect(written(both, { groups }, {}, 2)).toEqual({});
+  });
 });
