@@ -228,6 +228,90 @@ async def test_the_right_axis_says_within_two_cycles_of_the_chain_what_its_drive
         assert cycles == 2
 
 
+PRESENT, OT, OTPW, UV, OCHS, OLB, OLA, OCB, OCA = 1 << 8, 1 << 7, 1 << 6, 1 << 5, 1 << 4, 1 << 3, 1 << 2, 1 << 1, 1
+UNLOADED = PRESENT | 5 << 9
+
+
+@asynccontextmanager
+async def turning_tmc246(v_pps: float = 2400.0) -> AsyncIterator[Bench]:
+    """Three drivers without registers, whose axes turn at `v_pps` [pps], 16 microsteps each."""
+    async with bench([{"driver": "tmc236"}] * 3, chain=False) as b:
+        start = AxisStart(v_max=2047, a_max=2000, pulse_div=3, ramp_div=5, usrs=4)
+        await start_up(b.controller, [start] * 3, ["tmc246"] * 3)
+        for axis in range(3):
+            b.patch(axis, status=UNLOADED)
+            await b.during(b.controller.motion.rotate(axis, v_pps))
+        await b.clock.advance(1.0)
+        yield b
+
+
+async def looked(b: Bench) -> list[AxisState]:
+    """Behind two cycles of the chain."""
+    for _ in range(2):
+        states = [await b.controller.monitor.axis_state(axis) for axis in range(3)]
+        await b.clock.advance(0.001)
+    return states
+
+
+@pytest.mark.sheet("DS-TMC428", "9.1")
+@pytest.mark.parametrize(
+    ("status", "kind", "cause", "flags"),
+    [
+        (OT | OTPW, "driver_fault", "the driver of axis 1 is too hot and has switched off", "OT OTPW"),
+        (OTPW, "moving", "it moves to 0; the driver of axis 1 warns that it is hot", "OTPW"),
+        (UV, "driver_fault", "the driver of axis 1 has too little supply voltage", "UV"),
+        (OCHS, "driver_fault", "the driver of axis 1 sees too much current on its high side", "OCHS"),
+        (OCA, "driver_fault", "the driver of axis 1 sees too much current in coil A", "OCA"),
+        (OCB, "driver_fault", "the driver of axis 1 sees too much current in coil B", "OCB"),
+        (OLA | OLB, "driver_fault", "the driver of axis 1 finds no load at coils A and B", "OLA OLB"),
+    ],
+)
+async def test_status_bits_of_a_driver_without_registers_are_told_by_name(
+    status: int, kind: str, cause: str, flags: str
+) -> None:
+    async with turning_tmc246() as b:
+        states = await looked(b)
+        assert [judged(b.controller, axis, states[axis])[0] for axis in range(3)] == ["moving"] * 3
+        assert (states[1].flags["driver_LD2"], states[1].flags["driver_LD1"], states[1].flags["driver_LD0"]) == (
+            1,
+            0,
+            1,
+        )
+        b.patch(1, status=UNLOADED | status)
+        states = await looked(b)
+        found = [judged(b.controller, axis, states[axis]) for axis in range(3)]
+        assert [one[0] for one in found] == ["moving", kind, "moving"]
+        assert found[1][1].startswith(cause)
+        log = b.controller.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        told = [{name for entry in log.events(axis).events for name in entry.names} for axis in range(3)]
+        assert told[1] >= {f"driver_{name}" for name in flags.split()}
+        assert not any(name.startswith("driver_") for name in told[0] | told[2])
+
+
+async def test_a_load_value_of_0_is_told_of_a_driver_that_measures_one() -> None:
+    async with turning_tmc246(16_000.0) as b:
+        b.patch(2, status=PRESENT)  # a TMC236: its load bits are always 0
+        await looked(b)
+        b.patch(1, status=PRESENT)
+        states = await looked(b)
+        found = [judged(b.controller, axis, states[axis]) for axis in range(3)]
+        assert [one[0] for one in found] == ["moving", "stalled", "moving"]
+        assert "measures its greatest load (LD 0)" in found[1][1]
+
+
+async def test_covers_that_a_user_sends_by_hand_are_left_alone_and_their_answers_count() -> None:
+    async with turning_tmc246() as b:
+        await b.controller.registers.write("cover_pos_cover_len", fields={"cover_len": 7, "cover_pos": 3})
+        b.patch(0, status=UNLOADED | UV)
+        states = await looked(b)
+        assert not states[0].flags.get("driver_UV")
+        held = await b.controller.registers.read("cover_pos_cover_len")
+        assert (held.fields["cover_len"], held.fields["cover_pos"]) == (7, 3 + 1), "it reads back one more"
+        await b.controller.registers.write("cover_datagram", value=0)
+        await b.clock.advance(0.01)
+        assert (await looked(b))[0].flags["driver_UV"]
+
+
 async def test_without_named_drivers_the_cover_registers_are_left_alone() -> None:
     async with bench() as b:
         await b.controller.registers.write("cover_pos_cover_len", fields={"cover_len": 7, "cover_pos": 3})

@@ -9,6 +9,7 @@ from ...calc.driver_chain.chain import decode_chain
 from ...calc.driver_chain.model import STATUS_BITS
 from ...errors import LinkTimeout, WrongState
 from ...registers.tmc428.status import STATUS_TMC428
+from ...registers.tmc428.tmc428 import RAM_CHAIN, RAM_TABLE
 from ..core.changes import RegisterChanged
 from ..core.cover import CoverCarrier, CoverReply
 from ..core.events import DeviceEvent, StateChanged
@@ -27,11 +28,13 @@ _CDGW = 1 << STATUS_TMC428.index("CDGW")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """The bits of one driver in the datagram: the first, counted from 0, how many, and of how many in all."""
+    """The bits of one driver in the datagram: the first, counted from 0, how many, of how many in all, and which driver
+    they are for, as far as they tell ("custom" where they do not)."""
 
     first: int
     length: int
     total: int
+    driver: str
 
     def reply(self, stored: int) -> CoverReply:
         """Its answer in the last 48 bits that came back. The chain is one shift register: what comes back while a
@@ -47,7 +50,10 @@ def places_of(ram_words: Sequence[int], lsmd: int) -> tuple[Place, ...]:
     if chain.length_bits is None or chain.length_bits > len(chain.bits):
         return ()
     motors = [bit.motor for bit in chain.bits]
-    return tuple(Place(motors.index(motor), motors.count(motor), len(motors)) for motor in range(chain.lsmd + 1))
+    return tuple(
+        Place(motors.index(motor), motors.count(motor), len(motors), chain.drivers[motor].driver)
+        for motor in range(chain.lsmd + 1)
+    )
 
 
 class ChainCover(CoverCarrier):
@@ -63,6 +69,10 @@ class ChainCover(CoverCarrier):
         self._where, self._datagram = table.get("cover_pos_cover_len"), table.get("cover_datagram")
         self._low, self._high = table.get("datagram_low_word"), table.get("datagram_high_word")
         self._length, self._position = field_of(self._where, "cover_len"), field_of(self._where, "cover_pos")
+        self._chain = frozenset(
+            row.name for row in table if RAM_CHAIN <= row.address < RAM_TABLE or row.field_named("LSMD")
+        )
+        """Registers that say what the chain is."""
         self._places: tuple[Place, ...] | None = None
         """As the RAM was read; None where it has to be read again."""
         self._seen_resets = 0
@@ -117,22 +127,27 @@ class ChainCover(CoverCarrier):
                 raise LinkTimeout(self._session.port.name, WAIT_S, "a cover datagram: the chain sends nothing (CDGW)")
             await clock.sleep(POLL_S)
 
-    async def _place(self, axis: int) -> Place:
+    async def learn(self) -> tuple[Place, ...]:
+        """Where the drivers stand, by axis; the RAM is read where that is not known. Raises LinkError."""
         resets = sum(self._resets.count(each.index) for each in self._session.axes)
         if self._places is None or resets != self._seen_resets:
             held = await self._ram.read_driver_chain()
             words = [word & RAM_MASK for word in held.ram_words[:RAM_WORDS]]
             self._places, self._seen_resets = places_of(words, held.lsmd), resets
-        if axis < len(self._places):
-            return self._places[axis]
+        return self._places
+
+    async def _place(self, axis: int) -> Place:
+        places = await self.learn()
+        if axis < len(places):
+            return places[axis]
         raise WrongState(
             f"the chain in the RAM has no driver for axis {axis}"
-            if self._places
+            if places
             else "no chain of drivers is in the RAM: it is not set up since power-on",
             "write a chain with this driver (page Driver chain)",
         )
 
     def _heard(self, event: DeviceEvent) -> None:
         """Whatever may have changed the chain has it read again."""
-        if isinstance(event, RegisterChanged | StateChanged):
+        if isinstance(event, StateChanged) or (isinstance(event, RegisterChanged) and event.register in self._chain):
             self._places = None

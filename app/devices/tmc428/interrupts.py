@@ -10,14 +10,14 @@ bears the time of the first sample that showed it; the flags themselves are then
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import BenchError
 from ...registers.model import Access, Register
-from ...registers.tmcdrivers.tmc2660 import FLAGS as DRIVER_FLAGS
+from ...registers.tmcdrivers import tmc236, tmc2660
 from ..core.background_tasks import BackgroundTasks
 from ..core.capabilities import EventLog
 from ..core.register_io import RegisterIO
@@ -34,11 +34,12 @@ MASK_LSB = 8
 COMPARE_BIT = 8
 """Of the words of a timeline: behind the eight flags of the axis."""
 COMPARE_EVENT = "POS_COMP"
-DRIVER_LSB = 9
 OWN = 0x1FF
-DRIVER = 0x7F << DRIVER_LSB
+DRIVER_LSB = 9
+DRIVER_FLAGS = tuple(dict.fromkeys((*tmc2660.FLAGS[:-1], *tmc236.FLAGS)))
+DRIVER = (1 << len(DRIVER_FLAGS)) - 1 << DRIVER_LSB
 """Of the words of a timeline: flags of the axis and of the compare, and behind them those of its driver on the chain,
-but for the last, which tells that the motor stands."""
+whichever it is; not that the motor stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,9 +98,9 @@ class Interrupts(EventLog):
             self._session.tell(entry)
         return shown | word & 0xFF
 
-    def driver_told(self, axis: int, flags: int, time_s: float) -> None:
+    def driver_told(self, axis: int, flags: Mapping[str, bool], time_s: float) -> None:
         """The driver of an axis on the chain has told these flags of itself: what has come is an event."""
-        word = flags << DRIVER_LSB & DRIVER
+        word = sum(1 << DRIVER_LSB + bit for bit, name in enumerate(DRIVER_FLAGS) if flags.get(name))
         entry = self._timelines[axis].read(word, word, time_s, DRIVER)
         if entry is not None:
             self._session.tell(entry)
@@ -169,7 +170,7 @@ class Interrupts(EventLog):
 def _flag_names(register: Register) -> dict[int, str]:
     """Names of the flags by their bits."""
     flags = {part.lsb: part.name for part in register.fields if part.access is Access.R_W1C}
-    driver = {DRIVER_LSB + bit: f"driver_{name}" for bit, name in enumerate(DRIVER_FLAGS[:-1])}
+    driver = {DRIVER_LSB + bit: f"driver_{name}" for bit, name in enumerate(DRIVER_FLAGS)}
     return {**flags, COMPARE_BIT: COMPARE_EVENT, **driver}
 
 

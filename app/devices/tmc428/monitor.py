@@ -50,6 +50,8 @@ class RampMonitor(AxisMonitor):
         self._session.axis(axis)
         self._session.require_connected()
         rows = self._memory.rows[axis]
+        if self._chain is not None:
+            await self._chain.learn()
         async with self._session.queue.turn(priority) as turn:
             io = self._link.io(turn)
             ramp = await self._memory.read_ramp(io, axis)

@@ -1,4 +1,4 @@
-import { Divider, SegmentedControl, Switch } from "@mantine/core";
+import { Divider, NumberInput, SegmentedControl, Switch } from "@mantine/core";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
 import { EmulatorTime, Faults, Power, SwitchRow } from "../../pages/bench/EmulatorParts";
@@ -20,9 +20,16 @@ const SWITCHES = [
 /** What a TMC236 can be made to report, by the bit of its status (DS-TMC428 9.1). */
 const REPORTS = [
   ["Too hot (OT)", 1 << 7],
+  ["Hot (OTPW)", 1 << 6],
+  ["Too little supply voltage (UV)", 1 << 5],
+  ["Overcurrent, high side (OCHS)", 1 << 4],
+  ["Overcurrent, coil A (OCA)", 1 << 0],
+  ["Overcurrent, coil B (OCB)", 1 << 1],
   ["Coil A open (OLA)", 1 << 2],
   ["Coil B open (OLB)", 1 << 3],
 ] as const;
+/** StallGuard's load value of a TMC246 or TMC249, 0..7: the less, the more load. */
+const LOAD = 9;
 
 const FAULTS = [
   ["silence", "Silent: frames get no answer"],
@@ -92,6 +99,15 @@ function OfDriver({ driver, send }: DriverProps) {
             onChange={(event) => send({ status: event.currentTarget.checked ? status | bit : status & ~bit })}
           />
         ))}
+        <NumberInput
+          size="sm"
+          label="Load value (LD2 LD1 LD0)"
+          min={0}
+          max={7}
+          clampBehavior="strict"
+          value={(status >> LOAD) & 7}
+          onChange={(value) => typeof value === "number" && send({ status: (status & ~(7 << LOAD)) | (value << LOAD) })}
+        />
       </div>
     );
   const sendMotor = (change: MotorChange) => send(change);
