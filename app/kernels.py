@@ -5,6 +5,9 @@ else nowhere: then each process compiles what it needs. What is kept is good as 
 for times of files change where they are copied, and in layers of images.
 
 Numba, 0.5 s of work to import, comes with the first kernel that is called: who has no emulator starts without.
+
+Compiling takes seconds. While a server compiles in the background, kernels of a group with `plain=True` run as what
+they are written in until their machine code is there: slower, and equal in every bit (`plain_meanwhile`).
 """
 
 from __future__ import annotations
@@ -13,11 +16,15 @@ import hashlib
 import platform
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any, Final, TypeVar, cast
+
+import numpy as np
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -30,6 +37,8 @@ _sources: set[Path] = set()
 _kernels: list[Kernel] = []
 _making = threading.RLock()
 """Held while a kernel is made: two threads would make two of it, and compile both."""
+_meanwhile = threading.Event()
+_this_thread = threading.local()
 
 
 @dataclass(slots=True)
@@ -45,24 +54,29 @@ class Kernels:
     """Compiles functions that stand in the files `sources`, or take constants or callees from them.
 
     options : of Numba's njit
+    plain : whether plain Python serves until they are compiled. They take arrays and numbers, and never count on what
+        64 bits cut off
 
     A name that begins with an underscore is called by compiled code only: it has no way in from Python, which saves a
     seventh of the time to compile. Called from Python all the same, it would end the process.
     """
 
-    def __init__(self, *sources: str | Path, options: dict[str, Any] | None = None) -> None:
+    def __init__(self, *sources: str | Path, options: dict[str, Any] | None = None, plain: bool = False) -> None:
         files = sorted(Path(source) for source in sources)
         _sources.update(files)
         self._files = files
         self._options = OPTIONS if options is None else options
+        self._plain = plain
 
     def compiled(self, function: F) -> F:
         """Numba's njit at the first call, with the type of the plain function."""
-        return cast("F", Kernel(function, self._files, {**_how(function), **self._options}))
+        return cast(
+            "F", Kernel(cast("FunctionType", function), self._files, {**_how(function), **self._options}, self._plain)
+        )
 
     def inlined(self, function: Any) -> Any:
         """The same for what a tick calls, which its caller takes in."""
-        return Kernel(function, self._files, {"forceinline": True, **_how(function), **self._options})
+        return Kernel(function, self._files, {"forceinline": True, **_how(function), **self._options}, self._plain)
 
 
 class Kernel:
@@ -71,14 +85,25 @@ class Kernel:
     Whatever else is asked of it, its Numba dispatcher answers.
     """
 
-    def __init__(self, function: Callable[..., object], files: list[Path], options: dict[str, Any]) -> None:
-        self.py_func, self._files, self._options = function, files, options
+    def __init__(self, function: FunctionType, files: list[Path], options: dict[str, Any], plain: bool = False) -> None:
+        self.py_func, self._files, self._options, self._plain = function, files, options, plain
         self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
         self._made: Any = None
+        self._ready: Any = None
+        """What Numba made, once it has answered."""
         _kernels.append(self)
 
     def __call__(self, *arguments: Any) -> Any:
-        return (self._made or self.dispatcher)(*arguments)
+        return (self._ready or self._first)(*arguments)
+
+    def _first(self, *arguments: Any) -> Any:
+        """What is called until there is machine code."""
+        if self._plain and _meanwhile.is_set() and not getattr(_this_thread, "compiles", False):
+            with suppress(ArithmeticError, ValueError):  # where compiled code goes on with inf or nan
+                return _run_plain(self.py_func, arguments)
+        answer = self.dispatcher(*arguments)
+        self._ready = self._made
+        return answer
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):  # of nobody who means Numba's
@@ -130,6 +155,68 @@ def _digest(files: tuple[Path, ...]) -> str:
     for file in files:
         text.update(file.read_bytes())
     return text.hexdigest()
+
+
+# --- plain Python until then ---------------------------------------------------------------------
+
+
+def plain_meanwhile(on: bool) -> None:
+    """Whether kernels that may run as plain Python do so until they are compiled; else whoever calls one waits."""
+    if on:
+        _meanwhile.set()
+    else:
+        _meanwhile.clear()
+
+
+@contextmanager
+def compiles_here() -> Iterator[None]:
+    """What this thread calls is compiled, or taken from disk, whatever others do meanwhile."""
+    _this_thread.compiles = True
+    try:
+        yield
+    finally:
+        _this_thread.compiles = False
+
+
+class _Rows(list[Any]):
+    """A matrix as a list of lists, whose cells and rows are named as an array's."""
+
+    def __getitem__(self, at: Any) -> Any:
+        return list.__getitem__(self, at[0])[at[1]] if type(at) is tuple else list.__getitem__(self, at)
+
+    def __setitem__(self, at: Any, cell: Any) -> None:
+        list.__getitem__(self, at[0])[at[1]] = cell
+
+
+def _run_plain(function: FunctionType, arguments: tuple[Any, ...]) -> Any:
+    """Run it on lists, whose cells cost a third of an array's, and write what they hold then back into the arrays."""
+    arrays = [(at, one) for at, one in enumerate(arguments) if isinstance(one, np.ndarray)]
+    given = list(arguments)
+    for at, array in arrays:
+        given[at] = array.tolist() if array.ndim == 1 else _Rows(array.tolist())
+    answer = _plain_names(function)[function.__name__](*given)
+    for at, array in arrays:
+        if array.flags.writeable:
+            array[:] = given[at]
+    return answer
+
+
+_plain_modules: dict[str, dict[str, Any]] = {}
+
+
+def _plain_names(function: FunctionType) -> dict[str, Any]:
+    """What the names of its module mean to a plain function: other plain functions where they are kernels."""
+    names = _plain_modules.get(function.__module__)
+    if names is None:
+        names = _plain_modules[function.__module__] = dict(function.__globals__)
+        for name, kernel in [(name, one) for name, one in names.items() if isinstance(one, Kernel)]:
+            plain: FunctionType = kernel.py_func
+            inner = names if plain.__globals__ is function.__globals__ else _plain_names(plain)
+            names[name] = FunctionType(plain.__code__, inner, name, plain.__defaults__)
+    return names
+
+
+# --- what is compiled ----------------------------------------------------------------------------
 
 
 def kept_in() -> Path | None:

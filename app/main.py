@@ -6,7 +6,7 @@ import asyncio
 import logging
 import re
 from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
 
@@ -223,8 +223,13 @@ def create_app(
 
     async def open_saved(configs: Sequence[DeviceConfig], with_demo: bool) -> None:
         to_come.extend(configs)
-        compiling = preparation.progress.done < preparation.progress.total
-        for config in sorted(configs, key=lambda config: compiling and is_emulated(config.link)):  # those have to wait
+
+        def waits(config: DeviceConfig) -> bool:
+            with suppress(BenchError):  # a model that there is not is told of where it is added
+                return is_emulated(config.link) and preparation.delays(find_model(config.model).family)
+            return False
+
+        for config in sorted(configs, key=waits):
             try:
                 # Not waited for: hardware that is off must not keep the page from coming up.
                 await manager.add(config, wait=False)

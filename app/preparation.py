@@ -11,7 +11,7 @@ import contextlib
 import logging
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from .calc.ramps import sramp
@@ -19,12 +19,15 @@ from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.drive import DRIVE_JOB
 from .emulators.drive import warm_up as warm_up_drive
 from .emulators.families import FAMILIES
-from .kernels import Progress, all_compiled, kept_in, tell_compiled
+from .kernels import Progress, all_compiled, compiles_here, kept_in, plain_meanwhile, tell_compiled
 
 log = logging.getLogger("stepscope.preparation")
 
 JOB_WITHIN_S = 300.0
 """What takes longer to compile is given up, and compiled by whoever needs it [s]."""
+
+BEHIND = 10
+"""How far behind the server's own those processes stand that compile: a Unix niceness."""
 
 
 def _exact_ramp() -> None:
@@ -40,6 +43,8 @@ JOBS: Mapping[str, Callable[[], None]] = {
 """What compiles, or takes from disk, by what it is for: families of emulators, what they share, then calculators."""
 NEEDS: Mapping[str, tuple[str, ...]] = {family.name: family.needs for family in FAMILIES}
 """Jobs that have to be done before: two processes at the same time would both compile what both need."""
+PLAIN = frozenset(family.name for family in FAMILIES if family.plain)
+"""What nobody has to wait for: plain Python serves until it is compiled."""
 
 
 def compile_kernels() -> None:
@@ -57,10 +62,12 @@ class Preparation:
         processes: int | None = None,
         jobs: Mapping[str, Callable[[], None]] = JOBS,
         needs: Mapping[str, tuple[str, ...]] = NEEDS,
+        plain: Collection[str] = PLAIN,
     ) -> None:
         self.progress = Progress(total=len(jobs))
         self._jobs = jobs
         self._needs = {name: tuple(need for need in needs.get(name, ()) if need in jobs) for name in jobs}
+        self._plain = plain
         self._processes = processes or os.cpu_count() or 1
         self._compiling = False
         self._pending = list(jobs)
@@ -71,26 +78,36 @@ class Preparation:
         """Begin to take everything from disk where it is there, else to compile, and return at once."""
         self._compiling = not all_compiled()
         if self._compiling:
-            log.warning("the first start compiles the emulators, for a minute; what needs none of them works already")
+            plain_meanwhile(on=True)
+            log.warning("the first start compiles emulators in the background, for a minute; the rest works already")
         else:
             self.progress.done = self.progress.total  # taking one from disk is 0.2 s at most: nobody needs to be told
         count = self._processes if self._compiling else 1
         self._workers = [asyncio.create_task(self._work()) for _ in range(count)]
 
     async def ready(self, name: str) -> None:
-        """Wait until the job of that name is done; it is the next that begins. Names of no job are ready."""
+        """Wait until what the job of that name compiles can be used; it is the next that begins.
+
+        Names of no job are ready, and so is what plain Python serves meanwhile.
+        """
         for one in (name, *self._needs.get(name, ())):
             if one in self._pending:
                 self._pending.remove(one)
                 self._pending.insert(0, one)
-        if name in self._done:
+        if self.delays(name):
             await self._done[name].wait()
+
+    def delays(self, name: str) -> bool:
+        """Whether whoever needs what the job of that name compiles has to wait."""
+        served = self._compiling and name in self._plain
+        return name in self._done and not self._done[name].is_set() and not served
 
     async def close(self) -> None:
         """End what is under way."""
         for worker in self._workers:
             worker.cancel()
         await asyncio.gather(*self._workers, return_exceptions=True)
+        plain_meanwhile(on=False)
 
     async def _work(self) -> None:
         while self._pending:
@@ -104,7 +121,7 @@ class Preparation:
                     self.progress.doing.append(name)
                     if kept_in() is not None:
                         await _compiled_by_a_child(name)
-                await asyncio.to_thread(self._jobs[name])  # from disk, or here where nothing can be kept
+                await asyncio.to_thread(_now, self._jobs[name])  # from disk, or here where nothing can be kept
             except Exception:  # whoever needs it compiles it, and is told why it fails
                 log.exception("%s could not be %s beforehand", name, "compiled" if self._compiling else "loaded")
             finally:
@@ -113,11 +130,17 @@ class Preparation:
                     self.progress.done += 1
                 self._done[name].set()
         if self._compiling and self.progress.done == self.progress.total:
+            plain_meanwhile(on=False)
             tell_compiled()
 
     def _missing(self, name: str) -> list[str]:
         """Jobs that have to be done before this one and are not."""
         return [need for need in self._needs[name] if not self._done[need].is_set()]
+
+
+def _now(job: Callable[[], None]) -> None:
+    with compiles_here():
+        job()
 
 
 async def _compiled_by_a_child(name: str) -> None:
@@ -131,6 +154,9 @@ async def _compiled_by_a_child(name: str) -> None:
         env=environment,
         start_new_session=True,  # Ctrl-C in the terminal is the server's
     )
+    if hasattr(os, "setpriority"):
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, process.pid, BEHIND)
     try:
         async with asyncio.timeout(JOB_WITHIN_S):
             await process.wait()

@@ -172,10 +172,12 @@ async def test_the_server_answers_and_saved_connections_stay_saved_until_their_e
         return {"name": name, "model": model, "link": link}
 
     path = tmp_path / "connections.json"
-    emulated = entry("emulated", "tmc428", {"kind": "emulator"})
+    emulated = entry("emulated", "tmc5160", {"kind": "emulator"})
+    at_once = entry("at once", "tmc428", {"kind": "emulator"})
     far = entry("far", "tmc4210", {"kind": "tcp", "host": "127.0.0.1", "port": 9})
     path.write_text(
-        json.dumps({"format": "stepscope-connections", "version": 1, "connections": [emulated, far]}), encoding="utf-8"
+        json.dumps({"format": "stepscope-connections", "version": 1, "connections": [emulated, at_once, far]}),
+        encoding="utf-8",
     )
     app = create_app(Settings(data_dir=tmp_path), WallClock(), list)
     transport = httpx.ASGITransport(app)
@@ -188,17 +190,22 @@ async def test_the_server_answers_and_saved_connections_stay_saved_until_their_e
             return {device["name"] for device in (await client.get("devices")).json()}
 
         async with asyncio.timeout(20):
-            while await names() != {"far"}:  # noqa: ASYNC110 - nothing tells
+            while await names() != {"far", "at once"}:  # noqa: ASYNC110 - nothing tells
                 await asyncio.sleep(0.01)
             compiling = (await client.get("health/details")).json()["compiling"]
             assert compiling["done"] == 0
             assert compiling["total"] == len(preparation.JOBS)
             assert "tmc428" in compiling["doing"]
+            await client.post("devices/at-once/start-up", json={"axes": [0]})
+            moved = await client.post("devices/at-once/axes/0/move", json={"target": 50})
+            assert moved.status_code < 300, moved.text
+            while (await client.get("devices/at-once/registers/X_ACTUAL?axis=0")).json()["value"] != 50:  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
             await client.patch("devices/far", json={"name": "farther"})
             saved = {one["name"] for one in json.loads(path.read_text(encoding="utf-8"))["connections"]}
-            assert saved == {"emulated", "farther"}
+            assert saved == {"emulated", "at once", "farther"}
             children.may_end.set()
-            while await names() != {"farther", "emulated"}:  # noqa: ASYNC110
+            while await names() != {"farther", "at once", "emulated"}:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)
             while (await client.get("health/details")).json()["compiling"] is not None:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)

@@ -51,7 +51,7 @@ NEAR: Final = 2e-15
 """Relative: a moment of braking with which the motion ends so near to the target cannot be bettered."""
 MOST_HALVINGS: Final = 200
 
-compiled = Kernels(__file__).compiled
+compiled = Kernels(__file__, plain=True).compiled
 
 
 @compiled
@@ -532,7 +532,7 @@ def many(
     phases: FloatArray,
 ) -> None:
     """`position` for each row of `parameters`: durations, highest velocities, and time in each of the seven phases."""
-    for i in range(distances.shape[0]):
+    for i in range(len(distances)):
         n, _ = position(parameters[i], rows, distances[i], velocities[i], accelerations[i])
         durations[i] = 0.0
         peaks[i] = rows[PEAKS, 0]

@@ -67,7 +67,7 @@ MAX_PHASES: Final = 32
 NEVER: Final = 1 << 61
 
 
-compiled = Kernels(__file__, options={}).compiled
+compiled = Kernels(__file__, options={}, plain=True).compiled
 
 
 @compiled
@@ -331,7 +331,7 @@ def sample(settings: IntArray, state: IntArray, phases: IntArray, clocks: IntArr
 
     Columns: distance to go, velocity in 1/256 units, velocity slewed so far, ramp ticks so far.
     """
-    for row in range(clocks.size):
+    for row in range(len(clocks)):
         advance(settings, state, phases, clocks[row])
         samples[row, 0] = state[TO_GO]
         samples[row, 1] = state[VELOCITY_256]

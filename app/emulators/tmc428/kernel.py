@@ -103,7 +103,7 @@ LEFT_ONLY, TWO_ONE_NULL, MULTIPLEXED = range(3)
 _XEQ, _WRONG, _MISS, _COMP = 1, 2, 4, 8
 
 
-_KERNELS = Kernels(__file__)
+_KERNELS = Kernels(__file__, plain=True)
 # Not all is inlined: that would double the time to compile. Nothing here allocates, so reference counts are left
 # alone: with them every row view costs two atomic operations, and all runs at a fifth of the speed.
 compiled, inlined = _KERNELS.compiled, _KERNELS.inlined

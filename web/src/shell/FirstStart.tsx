@@ -24,8 +24,8 @@ export function FirstStart() {
       data-testid="first-start"
     >
       <Text size="sm" mb="xs">
-        {done} of {total} are there; emulated devices come by themselves, most within a minute. Hardware works already.
-        The next start takes seconds.
+        {done} of {total} are there. Hardware and the demo bench work already; other emulated devices come by
+        themselves, most within a minute. The next start takes seconds.
       </Text>
       <Progress value={(done / total) * 100} animated aria-label={`${done} of ${total} made ready`} />
     </Alert>
