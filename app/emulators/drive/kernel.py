@@ -171,7 +171,9 @@ FLUX_A, FLUX_A3, FLUX_B, FLUX_B3, FLUX_BX = range(64, 69)
 (FLUX_A - FLUX_A3 s^2) c, that of B -(FLUX_B + FLUX_B3 s^2) s - FLUX_BX c."""
 EX1, PX1, EX2, PX2, EXS, PXS, LINES = range(69, 76)
 """Errors of the external encoder and their phases [rad]: once and twice a turn, and once a line of so many."""
-REALS = 76
+NOISE_V, POLES = range(76, 78)
+"""StallGuard2: noise for each full step a second, and what the poles do to a value."""
+REALS = 78
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -1034,7 +1036,9 @@ def stall_guard(s: Cells, f: Floats) -> None:
         value = f[S0] * speed / (speed + f[V_HALF]) * followed
         value *= min(current / wanted, 1.0) * (1.0 - min(torque / (f[KT] * current), 1.0))
         value -= WITHOUT_EMF * f[S0] * (1.0 - followed)
-    value += f[NOISE] * (s[RNG] / float(1 << 47) - 1.0)
+    value += (f[NOISE] + f[NOISE_V] * speed) * (s[RNG] / float(1 << 47) - 1.0)
+    if f[POLES] != 0.0:  # of four full steps one is high, one low
+        value += f[POLES] * math.sin((s[LOOK] >> 8) * 0.5 * math.pi)
     if s[STEALTH]:
         _stall_guard_4(s, value)
         return

@@ -31,8 +31,9 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
     f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)
     f[k.FULL_SCALE] = options.full_scale_a
-    f[k.S0], f[k.V_HALF] = options.stall_full_scale, options.stall_half_speed_fullsteps_per_s
-    f[k.NOISE] = options.stall_noise
+    told = motor.load_value
+    f[k.S0], f[k.V_HALF] = told.full_scale, told.half_speed_fullsteps_per_s
+    f[k.NOISE], f[k.NOISE_V], f[k.POLES] = told.noise, told.noise_with_speed / 1000.0, told.pole_tolerance
     left, right, step = (
         options.stage.left_end_fullsteps,
         options.stage.right_end_fullsteps,

@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from app.emulators.drive import Drive, EventKind
+from app.emulators.drive.options import LoadValueOptions, MotorOptions
 from tests.emulators.drive.rig import ONE_TURN_A_SECOND, bit, energised, load_value, until, wait, write
 
 SG_STOP = 1 << 10
@@ -14,7 +15,11 @@ ALL_SPEEDS = 0xFFFFF
 
 
 def turning(turns: float = 2.0, **registers: int) -> Drive:
-    drive = energised()
+    return turning_one(LoadValueOptions(), turns, **registers)
+
+
+def turning_one(told: LoadValueOptions, turns: float, **registers: int) -> Drive:
+    drive = energised(motor=MotorOptions(load_value=told))
     write(drive, {"VMAX": round(turns * ONE_TURN_A_SECOND), "RAMPMODE": 1} | registers)
     wait(drive, 1.0)
     return drive
@@ -78,6 +83,28 @@ def test_the_filter_makes_a_new_value_every_four_full_steps_and_halves_the_noise
     assert 330 < steps[0] <= 400
     assert 60 < steps[1] <= 100
     assert spread[1] < 0.85 * spread[0]
+
+
+def scatter(drive: Drive, values: int = 200) -> float:
+    """How far values are apart, of one every full step at a turn a second or more."""
+    seen = []
+    for _ in range(values):
+        wait(drive, 0.005)
+        seen.append(load_value(drive))
+    return max(seen) - min(seen)
+
+
+def test_the_noise_of_a_motor_grows_with_its_speed() -> None:
+    told = LoadValueOptions(noise=5.0, noise_with_speed=100.0)
+    slow, fast = (scatter(turning_one(told, turns)) for turns in (0.5, 3.0))
+    assert slow == pytest.approx(2 * (5 + 10), rel=0.25)
+    assert fast == pytest.approx(2 * (5 + 60), rel=0.25)
+
+
+def test_poles_that_are_unlike_move_single_values_and_not_the_mean_of_four() -> None:
+    uneven = LoadValueOptions(noise=1.0, pole_tolerance=60.0)
+    assert scatter(turning_one(uneven, 1.0)) > 100
+    assert scatter(turning_one(uneven, 1.0, COOLCONF=1 << 24)) < 15
 
 
 def test_no_value_and_no_stall_at_standstill_or_in_stealthchop() -> None:

@@ -190,6 +190,6 @@ def test_a_rigid_motor_tells_a_load_value_without_load() -> None:
     write(drive, {"RAMPMODE": 1})
     drive.advance(2 * SECOND)
     speed = 400.0
-    options = drive.options
-    expected = options.stall_full_scale * speed / (speed + options.stall_half_speed_fullsteps_per_s)
+    told = drive.options.motor.load_value
+    expected = told.full_scale * speed / (speed + told.half_speed_fullsteps_per_s)
     assert drive.read("DRV_STATUS") & 0x3FF == pytest.approx(expected, abs=1)

@@ -3860,7 +3860,14 @@ export interface components {
              *       "stiction_ratio": 1.2,
              *       "phase_unbalance": 0,
              *       "quadrature_error_deg": 0,
-             *       "fourth_harmonic_deg": 0
+             *       "fourth_harmonic_deg": 0,
+             *       "load_value": {
+             *         "full_scale": 500,
+             *         "half_speed_fullsteps_per_s": 100,
+             *         "noise": 10,
+             *         "noise_with_speed": 0,
+             *         "pole_tolerance": 0
+             *       }
              *     }
              */
             motor?: components["schemas"]["MotorOptions"];
@@ -8241,6 +8248,46 @@ export interface components {
             inertia_kgm2?: number;
         };
         /**
+         * LoadValueOptions
+         * @description What StallGuard2 makes of a motor, in counts of its value; StallGuard4 of the same.
+         *
+         *     That it hangs on motor and speed, and that the tolerances of poles are gone in a mean of four, is of DS-TMC5160 14
+         *     and its COOLCONF.sfilt; that one motor tells 14 to 74 at a constant speed is of FLUIDNC-470. Figures and the growth
+         *     of the noise with speed are INFERRED.
+         */
+        LoadValueOptions: {
+            /**
+             * Full Scale
+             * @description without load, at high speed and SGT 0
+             * @default 500
+             */
+            full_scale?: number;
+            /**
+             * Half Speed Fullsteps Per S
+             * @description speed at which the unloaded value is half of that
+             * @default 100
+             */
+            half_speed_fullsteps_per_s?: number;
+            /**
+             * Noise
+             * @description of each value, +-
+             * @default 10
+             */
+            noise?: number;
+            /**
+             * Noise With Speed
+             * @description what each 1000 full steps a second add to the noise, +-
+             * @default 0
+             */
+            noise_with_speed?: number;
+            /**
+             * Pole Tolerance
+             * @description how far the poles, unlike each other, move the values of four full steps, +-: a mean of four has nothing of it
+             * @default 0
+             */
+            pole_tolerance?: number;
+        };
+        /**
          * LoopHealth
          * @description How much later than wanted the event loop wakes a sleeper.
          */
@@ -8917,6 +8964,16 @@ export interface components {
              * @default 0
              */
             fourth_harmonic_deg?: number;
+            /**
+             * @default {
+             *       "full_scale": 500,
+             *       "half_speed_fullsteps_per_s": 100,
+             *       "noise": 10,
+             *       "noise_with_speed": 0,
+             *       "pole_tolerance": 0
+             *     }
+             */
+            load_value?: components["schemas"]["LoadValueOptions"];
         };
         /** MotorState */
         MotorState: {
