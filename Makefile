@@ -31,7 +31,7 @@ unexport PYTHONDONTWRITEBYTECODE
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-run: install  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
+run: $(STAMPS)/app web  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
 	@exec $(BIN)/stepscope serve --host $(HOST) --port $(PORT) $(ARGS)
 
 dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both

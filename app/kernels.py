@@ -1,8 +1,9 @@
 """Compiles the inner loops of emulators and calculators with Numba, and keeps their machine code on disk.
 
 It is kept beside the sources where they may be written, else in the user's cache directory (or in NUMBA_CACHE_DIR),
-else nowhere: then each process compiles what it needs. What is kept is good as long as its sources hold the same text,
-for times of files change where they are copied, and in layers of images.
+else nowhere: then each process compiles what it needs, but for a server, which has a temporary folder. What is kept is
+good as long as its sources hold the same text, for times of files change where they are copied, and in layers of
+images.
 
 Numba, 0.5 s of work to import, comes with the first kernel that is called: who has no emulator starts without.
 
@@ -13,6 +14,7 @@ they are written in until their machine code is there: slower, and equal in ever
 from __future__ import annotations
 
 import hashlib
+import os
 import platform
 import sys
 import threading
@@ -137,6 +139,11 @@ class Kernel:
         setattr(cache._cache_file, _STAMP, _digest(tuple(self._files)))  # noqa: SLF001
         return dispatcher
 
+    def make_anew(self) -> None:
+        """Forget a dispatcher that has not compiled anything yet."""
+        if self._ready is None:
+            self._made = None
+
     @property
     def folder(self) -> Path | None:
         """Where its machine code is kept; None where nothing may be written."""
@@ -223,6 +230,16 @@ def kept_in() -> Path | None:
     """A folder in which machine code outlives the process; None where nothing may be written."""
     # Numba decides by the folder that a function's file is in: one function tells of all of them.
     return min(_kernels, key=lambda kernel: kernel.py_func.__code__.co_filename).folder if _kernels else None
+
+
+def keep_in(folder: Path) -> None:
+    """Keep machine code there from now on, in this process and those that it starts."""
+    import numba
+
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]  # it has read the variable already
+    for kernel in _kernels:
+        kernel.make_anew()
 
 
 def all_compiled() -> bool:

@@ -11,6 +11,7 @@ import contextlib
 import logging
 import os
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
@@ -19,14 +20,14 @@ from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.drive import DRIVE_JOB
 from .emulators.drive import warm_up as warm_up_drive
 from .emulators.families import FAMILIES
-from .kernels import Progress, all_compiled, compiles_here, kept_in, plain_meanwhile, tell_compiled
+from .kernels import Progress, all_compiled, compiles_here, keep_in, kept_in, plain_meanwhile, tell_compiled
 
 log = logging.getLogger("stepscope.preparation")
 
 JOB_WITHIN_S = 300.0
 """What takes longer to compile is given up, and compiled by whoever needs it [s]."""
 
-BEHIND = 10
+BEHIND = 5
 """How far behind the server's own those processes stand that compile: a Unix niceness."""
 
 
@@ -73,9 +74,12 @@ class Preparation:
         self._pending = list(jobs)
         self._done = {name: asyncio.Event() for name in jobs}
         self._workers: list[asyncio.Task[None]] = []
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     async def start(self) -> None:
         """Begin to take everything from disk where it is there, else to compile, and return at once."""
+        if kept_in() is None:
+            self._keep_for_now()
         self._compiling = not all_compiled()
         if self._compiling:
             plain_meanwhile(on=True)
@@ -108,6 +112,15 @@ class Preparation:
             worker.cancel()
         await asyncio.gather(*self._workers, return_exceptions=True)
         plain_meanwhile(on=False)
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def _keep_for_now(self) -> None:
+        """Where nothing can be kept, as in a container with a read-only root: at least from the processes that compile
+        to this one, which would not answer while it compiles itself."""
+        with contextlib.suppress(OSError):  # nor may temporary files be written
+            self._folder = tempfile.TemporaryDirectory(prefix="stepscope-", ignore_cleanup_errors=True)
+            keep_in(Path(self._folder.name))
 
     async def _work(self) -> None:
         while self._pending:

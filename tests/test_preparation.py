@@ -211,9 +211,40 @@ async def test_the_server_answers_and_saved_connections_stay_saved_until_their_e
                 await asyncio.sleep(0.01)
 
 
+NOWHERE = """
+import asyncio, os
+from pathlib import Path
+from app import kernels, preparation
+from app.calc.ramps import ticked_kernel
+
+preparation.kept_in = lambda: kernels.kept_in() if "NUMBA_CACHE_DIR" in os.environ else None
+preparation.BEHIND = 0
+
+async def main():
+    preparing = preparation.Preparation(processes=1, jobs={"ramps": preparation.JOBS["ramps"]})
+    await preparing.start()
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    await preparing.ready("ramps")
+    print(oct(folder.stat().st_mode & 0o777), sum(ticked_kernel.advance.stats.cache_hits.values()))
+    await preparing.close()
+    print(folder.exists())
+
+asyncio.run(main())
+"""
+
+
 @pytest.mark.slow
-def test_a_child_compiles_into_the_cache(tmp_path: Path) -> None:
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-P", "-m", "app.preparation", "ramps"]
-    subprocess.run(command, env=environment, cwd=tmp_path, check=True, timeout=100)
-    assert list(tmp_path.rglob("ticked_kernel*.nbc"))
+def test_where_nothing_can_be_kept_a_child_hands_it_on_in_a_folder_that_ends_with_the_server(tmp_path: Path) -> None:
+    """A read-only root, and a user without a home."""
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", NOWHERE],
+        env=environment | {"PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.stdout.split() == ["0o700", "1", "False"], done.stderr
+    assert list(tmp_path.iterdir()) == []
