@@ -291,6 +291,10 @@ class AsyncBench:
         """How the present straight line goes, or how the latest one went."""
         return await self._send(calls.line_state("GET"))
 
+    async def line_path(self) -> Json:
+        """Where the axes of that line were seen, on each leg, and how far from the line."""
+        return await self._send(calls.line_path())
+
     async def stop_line(self) -> Json:
         """End it and stop its motors."""
         return await self._send(calls.line_state("DELETE"))

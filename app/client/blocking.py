@@ -289,6 +289,10 @@ class Bench:
         """How the present straight line goes, or how the latest one went."""
         return self._send(calls.line_state("GET"))
 
+    def line_path(self) -> Json:
+        """Where the axes of that line were seen, on each leg, and how far from the line."""
+        return self._send(calls.line_path())
+
     def stop_line(self) -> Json:
         """End it and stop its motors."""
         return self._send(calls.line_state("DELETE"))

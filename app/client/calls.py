@@ -178,6 +178,10 @@ def line(what: str, axes: Sequence[Json], points: Sequence[Sequence[int]], more:
     return Call("POST", f"{BASE}/straight-line{what}", _as_it_is, body)
 
 
+def line_path() -> Call[Json]:
+    return Call("GET", f"{BASE}/straight-line/path", _as_it_is)
+
+
 def line_state(method: str) -> Call[Json]:
     return Call(method, f"{BASE}/straight-line", _as_it_is)
 

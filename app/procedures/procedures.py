@@ -24,7 +24,7 @@ from .shuttle import Shuttle, ShuttleState
 from .stall_search import StallSearch, StallWanted
 from .start_together import StartNet, TogetherMove, TogetherStart, start_together
 from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
-from .straight_line import LineAxis, LineRun, LineState, plan_line
+from .straight_line import LineAxis, LinePath, LineRun, LineState, plan_line
 from .velocity_profile import ProfilePlay, ProfileState
 
 P = TypeVar("P", bound=Procedure)
@@ -182,6 +182,11 @@ class Procedures:
     def line_state(self) -> LineState:
         """The present straight line, or the latest."""
         return straight_line.IDLE if self._line is None else self._line.state
+
+    @property
+    def line_path(self) -> LinePath | None:
+        """Where its axes were seen, beside its plan; None before the first."""
+        return None if self._line is None else self._line.path
 
     async def stop_line(self, why: str = "stopped on request") -> LineState:
         """End it and stop its motors; the state afterwards."""

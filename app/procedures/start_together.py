@@ -66,11 +66,12 @@ class AxisStart:
 
 @dataclass(frozen=True, slots=True)
 class TogetherStart:
-    """How all of them started. `spread_s` is between the first and the last."""
+    """How all of them started. `spread_s` is between the first and the last, `at_s` the first on the server's clock."""
 
     axes: tuple[AxisStart, ...]
     spread_s: float
     uncertainty_s: float
+    at_s: float
 
 
 class NotReady(WrongState):
@@ -78,11 +79,24 @@ class NotReady(WrongState):
 
 
 @dataclass(frozen=True, slots=True)
-class _Moment:
+class Moment:
     """When something happened, on the server's clock [s], and how much more or less it may be."""
 
     at_s: float
     uncertainty_s: float
+
+
+def moment_of(device: Device, at_s: float, earliest_s: float, clock: Clock) -> Moment:
+    """Device time `at_s` [s], by which something was answered that went out after `earliest_s` of the server's clock.
+
+    Of an emulated device the time is exact, and runs with the server's.
+    """
+    if device.session.sampling_port is None:  # its time is the server's, and ends with the answer
+        return Moment((earliest_s + at_s) / 2, (at_s - earliest_s) / 2)
+    before_s = clock.now()
+    device_s = device.device_time_s()
+    after_read_s = clock.now()
+    return Moment((before_s + after_read_s) / 2 - (device_s - at_s), (after_read_s - before_s) / 2)
 
 
 @dataclass
@@ -98,16 +112,10 @@ class _Party:
             await self.gate.wait()
             self.opened_s = self.gate.now()
 
-    def moment(self, after_s: float | None, at_s: float, clock: Clock) -> _Moment:
+    def moment(self, after_s: float | None, at_s: float, clock: Clock) -> Moment:
         """Device time `at_s` [s], by which something was answered that went out after `after_s`, None: by the gate."""
-        if self.device.session.sampling_port is None:  # its time is the server's, and ends with the answer
-            earliest_s = after_s if after_s is not None else self.opened_s if self.opened_s is not None else at_s
-            return _Moment((earliest_s + at_s) / 2, (at_s - earliest_s) / 2)
-        before_s = clock.now()
-        device_s = self.device.device_time_s()
-        after_read_s = clock.now()
-        ago_s = device_s - at_s  # its time runs with ours: that was required
-        return _Moment((before_s + after_read_s) / 2 - ago_s, (after_read_s - before_s) / 2)
+        earliest_s = after_s if after_s is not None else self.opened_s if self.opened_s is not None else at_s
+        return moment_of(self.device, at_s, earliest_s, clock)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +124,7 @@ class _Seen:
 
     device: Device
     move: MoveStarted
-    moment: _Moment
+    moment: Moment
     net: _Net | None
 
 
@@ -372,7 +380,8 @@ class _Start:
         order = {device: number for number, device in enumerate(self._moves)}
         seen.sort(key=lambda each: (order[each.device], each.move.axis))
         axes = tuple(_axis_start(each, first) for each in seen)
-        return TogetherStart(axes, max(axis.skew_s for axis in axes), max(axis.uncertainty_s for axis in axes))
+        spread_s, uncertainty_s = max(axis.skew_s for axis in axes), max(axis.uncertainty_s for axis in axes)
+        return TogetherStart(axes, spread_s, uncertainty_s, first.moment.at_s)
 
 
 def _axis_start(seen: _Seen, first: _Seen) -> AxisStart:

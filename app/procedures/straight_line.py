@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,9 +22,10 @@ from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, MotionCommanded
 from ..devices.core.pace import PacedLeg, PaceLimits
 from ..devices.core.results import AxisMove
-from ..errors import BenchError, OutOfRange, UsageError
+from ..errors import BenchError, LinkTimeout, OutOfRange, UsageError
+from .line_path import AxisPath, LegMotion, LegPath
 from .procedure import Failed, State
-from .start_together import StartNet, TogetherMove, TogetherStart, start_together
+from .start_together import StartNet, TogetherMove, TogetherStart, moment_of, start_together
 
 log = logging.getLogger("stepscope.tuning")
 
@@ -32,7 +33,11 @@ FloatArray = NDArray[np.float64]
 POINTS_MAX = 64
 SAMPLES = 201
 POLL_S = 0.01
-"""How often it is looked whether all are there [s]."""
+"""How often it is looked where they are [s]."""
+LOST_MAX = 3
+"""Readings of an axis that may be lost one after another: a gap in its path."""
+PATH_SAMPLES_MAX = 48_000
+"""Samples kept of a line, of all axes on all legs."""
 GRACE_S = 2.0
 """How much longer than expected a leg may take [s], and half as long again."""
 
@@ -83,6 +88,14 @@ class LinePlan:
 
 
 @dataclass(frozen=True, slots=True)
+class LinePath:
+    """A line that is gone or was: its plan, and where the axes were seen on each leg that has begun."""
+
+    plan: LinePlan
+    legs: tuple[tuple[AxisPath, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Arrival:
     """When an axis was seen to be there, after the start of its leg, and how much sooner it may have been [s]."""
 
@@ -103,6 +116,9 @@ class LineState:
     started: TogetherStart | None
     arrivals: tuple[Arrival, ...]
     message: str
+    off_line: float | None = None
+    """How far one of them was seen off the line at the most, on any leg [microsteps]."""
+    off_line_uncertainty: float | None = None
 
 
 IDLE = LineState("idle", 0, 0, None, (), "")
@@ -114,6 +130,28 @@ class _Leg:
     paced: tuple[PacedLeg | None, ...]
     """None for an axis that stands."""
     targets: tuple[int, ...]
+
+    @property
+    def motions(self) -> list[LegMotion]:
+        return [
+            LegMotion(
+                each.device,
+                each.axis,
+                each.from_position,
+                each.to_position - each.from_position,
+                each.velocity_pps,
+                _no_way if paced is None else _expected(paced),
+            )
+            for each, paced in zip(self.told.axes, self.paced, strict=True)
+        ]
+
+
+def _expected(paced: PacedLeg) -> Callable[[FloatArray], FloatArray]:
+    return lambda times: np.asarray(paced.plan.at(np.minimum(times, paced.plan.duration_s)).position)
+
+
+def _no_way(times: FloatArray) -> FloatArray:
+    return np.zeros_like(times)
 
 
 async def plan_line(
@@ -136,8 +174,12 @@ async def plan_line(
     for point in points:
         legs.append(_leg(axes, limits, here, point, pace, duration_s))
         here = list(point)
+    return _plan_of(legs), tuple(legs)
+
+
+def _plan_of(legs: Sequence[_Leg]) -> LinePlan:
     told = tuple(leg.told for leg in legs)
-    return LinePlan(told, sum(leg.duration_s for leg in told)), tuple(legs)
+    return LinePlan(told, sum(leg.duration_s for leg in told))
 
 
 def _check(axes: Sequence[LineAxis], points: Sequence[Sequence[int]], pace: float) -> None:
@@ -176,10 +218,7 @@ def _leg(
     durations = [0.0 if leg is None else leg.plan.duration_s for leg in paced]
     longest_s = max(durations)
     times = np.linspace(0.0, longest_s, SAMPLES)
-    shares = [
-        None if leg is None else np.asarray(leg.plan.at(np.minimum(times, leg.plan.duration_s)).position) / way
-        for leg, way in zip(paced, ways, strict=True)
-    ]
+    shares = [None if leg is None else _expected(leg)(times) / way for leg, way in zip(paced, ways, strict=True)]
     widest = max(range(len(ways)), key=lambda number: abs(ways[number]))
     line = shares[widest]
     told = [
@@ -225,6 +264,8 @@ class LineRun:
         """All are told to stop, or it is over."""
         self._ours = 0
         """Commands of our own that are under way."""
+        self._paths: list[LegPath] = []
+        """Of each leg that has begun."""
 
     @property
     def state(self) -> LineState:
@@ -237,6 +278,11 @@ class LineRun:
     @property
     def axes(self) -> Sequence[LineAxis]:
         return self._axes
+
+    @property
+    def path(self) -> LinePath:
+        """Where the axes were seen, beside the plan."""
+        return LinePath(_plan_of(self._legs), tuple(leg.paths() for leg in self._paths))
 
     def start(self) -> None:
         """Begin. Once only."""
@@ -312,28 +358,51 @@ class LineRun:
         finally:
             self._ours -= 1
         self._state = replace(self._state, started=started)
-        await self._arrive(leg, [LineAxis(move.device, move.move.axis) for move in moves])
+        path = LegPath(leg.motions, max(50, PATH_SAMPLES_MAX // (len(self._axes) * len(self._legs))))
+        self._paths.append(path)
+        try:
+            await self._arrive(leg, started.at_s, path)
+        finally:
+            self._judge(path)
 
-    async def _arrive(self, leg: _Leg, waiting: list[LineAxis]) -> None:
+    async def _arrive(self, leg: _Leg, start_s: float, path: LegPath) -> None:
+        waiting = [number for number, paced in enumerate(leg.paced) if paced is not None]
         began_s = looked_s = self._clock.now()
-        targets = {(one.device.id, one.axis): target for one, target in zip(self._axes, leg.targets, strict=True)}
         end_s = began_s + 1.5 * leg.told.duration_s + GRACE_S
+        lost = [0] * len(self._axes)
         while waiting:
             if self._clock.now() > end_s:
-                raise Failed(f"{waiting[0].device.name} is not there after {end_s - began_s:.3g} s")
+                raise Failed(f"{self._axes[waiting[0]].device.name} is not there after {end_s - began_s:.3g} s")
             await self._clock.sleep(POLL_S)
-            for one in list(waiting):
-                state = await one.device.monitor.axis_state(one.axis)
+            for number in list(waiting):
+                one, target, asked_s = self._axes[number], leg.targets[number], self._clock.now()
+                try:
+                    state = await one.device.monitor.axis_state(one.axis)
+                except LinkTimeout:
+                    lost[number] += 1
+                    path.add(number, self._clock.now() - start_s, 0.0, None)
+                    if lost[number] > LOST_MAX:
+                        raise
+                    continue
+                lost[number] = 0
+                seen = moment_of(one.device, state.time_s, asked_s, self._clock)
+                path.add(number, seen.at_s - start_s, seen.uncertainty_s, state.position)
                 if state.moving:
                     continue
-                target = targets[one.device.id, one.axis]
                 if state.position != target:
                     raise Failed(f"{one.device.name} stands at {state.position} and not at {target}")
                 now_s = self._clock.now()
                 arrival = Arrival(one.device.id, one.axis, now_s - began_s, now_s - looked_s)
                 self._state = replace(self._state, arrivals=(*self._state.arrivals, arrival))
-                waiting.remove(one)
+                waiting.remove(number)
             looked_s = self._clock.now()
+
+    def _judge(self, path: LegPath) -> None:
+        """Tell how far they were off the line, where that is more than on the legs before."""
+        seen = [axis for axis in path.paths() if axis.off_line is not None]
+        worst = max(seen, key=lambda axis: axis.off_line or 0.0, default=None)
+        if worst is not None and (worst.off_line or 0.0) >= (self._state.off_line or 0.0):
+            self._state = replace(self._state, off_line=worst.off_line, off_line_uncertainty=worst.uncertainty)
 
     async def _stop(self, why: str = "") -> None:
         self._ending = True

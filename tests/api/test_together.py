@@ -153,6 +153,7 @@ async def test_a_straight_line_is_planned_gone_and_stopped(client: httpx.AsyncCl
     assert plan["duration_s"] == plan["legs"][0]["duration_s"]
     assert [axis["position"][-1] for axis in plan["legs"][0]["axes"]] == pytest.approx([3000, 1000], abs=2)
     assert (await client.get("straight-line")).json()["state"] == "idle"
+    assert (await client.get("straight-line/path")).json() == {"plan": None, "legs": []}
     answer = await client.post("straight-line", json=body)
     assert answer.status_code == 200, answer.text
     await clock.advance(plan["duration_s"] + 0.5)
@@ -160,6 +161,10 @@ async def test_a_straight_line_is_planned_gone_and_stopped(client: httpx.AsyncCl
     assert state["state"] == "done", state
     assert [axis["how"] for axis in state["started"]["axes"]] == ["START wire"] * 2
     assert [(await client.get(f"{device}/axes/0")).json()["position"] for device in (one, two)] == [3000, 1000]
+    assert state["off_line"] <= 1 + state["off_line_uncertainty"]
+    path = (await client.get("straight-line/path")).json()
+    assert path["plan"] == plan
+    assert [axis["position"][-1] for axis in path["legs"][0]["axes"]] == [3000, 1000]
     await client.post("straight-line", json={"axes": axes, "points": [[300_000, 100_000]]})
     await clock.advance(0.5)
     stop = await client.delete("straight-line")

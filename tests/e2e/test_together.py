@@ -80,7 +80,11 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
         page.set_viewport_size(size)
         check_axe(page)
     page.get_by_role("button", name="Go there").press("Enter")
-    expect(page.get_by_test_id("line-state")).to_contain_text("done: there after", timeout=PATIENCE_MS)
+    state = page.get_by_test_id("line-state")
+    expect(state).to_contain_text("done: there after", timeout=PATIENCE_MS)
+    expect(state).to_contain_text("µsteps at the most")
+    expect(plan.get_by_text("left 0 measured")).to_be_visible(timeout=PATIENCE_MS)
+    expect(plan).to_contain_text("Seen off it")
     assert [chip.axis()["position"] for chip in pair] == [500, 400]
     nets.get_by_role("button", name="Take left START off go").press("Enter")
     expect(nets).to_have_count(0, timeout=PATIENCE_MS)

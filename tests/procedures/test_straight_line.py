@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from app.errors import BenchError, OutOfRange, UsageError, WrongState
-from app.procedures.straight_line import LineAxis, LineState, plan_line
+from app.errors import BenchError, LinkTimeout, OutOfRange, UsageError, WrongState
+from app.procedures.straight_line import LOST_MAX, LineAxis, LineState, plan_line
 from app.registers.catalog import MODELS
 from tests.procedures.test_start_together import Bench, bench
 
@@ -82,6 +82,52 @@ async def test_predicted_and_measured_path_agree() -> None:
                 worst = max(worst, abs(measured - expected))
         assert worst < 0.002 * 8000
         assert (await gone(b)).state == "done"
+
+
+async def test_the_measured_path_is_told_beside_the_plan() -> None:
+    async with bench("tmc4361", "tmc5160") as b:
+        axes = axes_of(b, "ab")
+        plan, _ = await plan_line(axes, [[4000, -2500], [0, 0]])
+        await b.procedures.start_line(axes, [[4000, -2500], [0, 0]], [])
+        state = await gone(b)
+        assert state.state == "done"
+        path = b.procedures.line_path
+        assert path is not None
+        assert path.plan == plan
+        paths = path.legs
+        assert [len(leg) for leg in paths] == [2, 2]
+        for leg, planned in zip(paths, plan.legs, strict=True):
+            for axis, expected in zip(leg, planned.axes, strict=True):
+                assert len(axis.time_s) > planned.duration_s / 0.012
+                wanted = np.interp(axis.time_s, planned.time_s, expected.position)
+                assert np.abs(np.array(axis.position, float) - wanted).max() < 0.002 * 4000
+        planned_off = max(axis.off_line for leg in plan.legs for axis in leg.axes)
+        assert state.off_line is not None
+        assert state.off_line_uncertainty is not None
+        assert state.off_line <= planned_off + state.off_line_uncertainty + 1, "positions are whole microsteps"
+        assert state.off_line_uncertainty < 20
+
+
+@pytest.mark.parametrize(("lost", "how"), [(3, "done"), (20, "failed")])
+async def test_a_reading_that_is_lost_is_a_gap_and_more_of_them_end_it(lost: int, how: str) -> None:
+    async with bench("tmc4361", "tmc5160") as b:
+        await b.procedures.start_line(axes_of(b, "ab"), [[8000, 4000]], [])
+        await b.clock.advance(0.4)
+        left = [lost]
+
+        def silent(_: bytes) -> None:
+            if left[0]:
+                left[0] -= 1
+                raise LinkTimeout("wire", 0.0, "a position")
+
+        b.port("b").before_frame = silent
+        state = await gone(b)
+        assert state.state == how, state
+        path = b.procedures.line_path
+        assert path is not None
+        _, second = path.legs[0]
+        assert 1 <= second.position.count(None) <= LOST_MAX + 1
+        assert not (await b.device("a").monitor.axis_state(0)).moving
 
 
 async def test_further_points_follow_and_ramps_are_given_back() -> None:

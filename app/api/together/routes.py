@@ -18,6 +18,9 @@ from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from ..server_state import ServerState
 from .schemas import (
+    AxisPath,
+    LegPath,
+    LinePath,
     LinePlan,
     LineState,
     Net,
@@ -107,6 +110,16 @@ async def plan_straight_line(bench: CurrentBench, body: StraightLine) -> LinePla
 async def get_straight_line(bench: CurrentBench) -> LineState:
     """How the present line goes, or how the latest one went."""
     return LineState.model_validate(bench.procedures.line_state)
+
+
+@router.get("/straight-line/path")
+async def get_line_path(bench: CurrentBench) -> LinePath:
+    """Where the axes of the present line were seen, or of the latest one, beside its plan: each sample has its time."""
+    path = bench.procedures.line_path
+    if path is None:
+        return LinePath(plan=None, legs=[])
+    legs = [LegPath(axes=[AxisPath.model_validate(axis) for axis in leg]) for leg in path.legs]
+    return LinePath(plan=LinePlan.model_validate(path.plan), legs=legs)
 
 
 @router.post("/straight-line", responses=problems(*DEVICE_PROBLEMS, SoftLimit, UsageError))

@@ -160,6 +160,38 @@ class LineState(Answer):
     started: StartedTogether | None
     arrivals: list[Arrival]
     message: str
+    off_line: float | None = Field(
+        description="how far one of them was seen off the line at the most, on any leg [microsteps]; null: nothing seen"
+    )
+    off_line_uncertainty: float | None = Field(description="how much more or less that may be [microsteps]")
+
+
+class AxisPath(Answer):
+    """Where one axis was seen on a leg."""
+
+    device: str
+    axis: int
+    time_s: list[float] = Field(description="after the first start of that leg, of each sample [s]")
+    position: list[int | None] = Field(description="[microsteps]; null where a reading was lost")
+    off_line: float | None = Field(
+        description="how far it was from the line at the most, by the way that the axis of the longest way had gone "
+        "[microsteps]; null where nothing was seen"
+    )
+    uncertainty: float | None = Field(
+        description="how much more or less that may be, by when the samples were taken and what lies between them "
+        "[microsteps]"
+    )
+
+
+class LegPath(Answer):
+    axes: list[AxisPath]
+
+
+class LinePath(Answer):
+    """Where the axes were seen, on each leg that has begun, and how that was planned."""
+
+    plan: LinePlan | None = Field(description="null before the first line")
+    legs: list[LegPath]
 
 
 class Wiring(Answer):

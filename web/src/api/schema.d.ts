@@ -2589,6 +2589,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/straight-line/path": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Line Path
+         * @description Where the axes of the present line were seen, or of the latest one, beside its plan: each sample has its time.
+         */
+        get: operations["get_line_path"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/audit": {
         parameters: {
             query?: never;
@@ -3322,6 +3342,36 @@ export interface components {
             travel_mm_per_rev: number | null;
             /** @description null where the profile does not speak of them */
             limits: components["schemas"]["Limits-Output"] | null;
+        };
+        /**
+         * AxisPath
+         * @description Where one axis was seen on a leg.
+         */
+        AxisPath: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * Time S
+             * @description after the first start of that leg, of each sample [s]
+             */
+            time_s: number[];
+            /**
+             * Position
+             * @description [microsteps]; null where a reading was lost
+             */
+            position: (number | null)[];
+            /**
+             * Off Line
+             * @description how far it was from the line at the most, by the way that the axis of the longest way had gone [microsteps]; null where nothing was seen
+             */
+            off_line: number | null;
+            /**
+             * Uncertainty
+             * @description how much more or less that may be, by when the samples were taken and what lies between them [microsteps]
+             */
+            uncertainty: number | null;
         };
         /**
          * AxisStart
@@ -7746,6 +7796,11 @@ export interface components {
              */
             position: number[];
         };
+        /** LegPath */
+        LegPath: {
+            /** Axes */
+            axes: components["schemas"]["AxisPath"][];
+        };
         /** LevelState */
         LevelState: {
             /**
@@ -7884,6 +7939,16 @@ export interface components {
             errors?: components["schemas"]["EncoderErrors"];
         };
         /**
+         * LinePath
+         * @description Where the axes were seen, on each leg that has begun, and how that was planned.
+         */
+        LinePath: {
+            /** @description null before the first line */
+            plan: components["schemas"]["LinePlan"] | null;
+            /** Legs */
+            legs: components["schemas"]["LegPath"][];
+        };
+        /**
          * LinePlan
          * @description What the planners expect of a line.
          */
@@ -7915,6 +7980,16 @@ export interface components {
             arrivals: components["schemas"]["Arrival"][];
             /** Message */
             message: string;
+            /**
+             * Off Line
+             * @description how far one of them was seen off the line at the most, on any leg [microsteps]; null: nothing seen
+             */
+            off_line: number | null;
+            /**
+             * Off Line Uncertainty
+             * @description how much more or less that may be [microsteps]
+             */
+            off_line_uncertainty: number | null;
         };
         /**
          * LinkCounts
@@ -28205,6 +28280,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LineState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_line_path: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinePath"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */

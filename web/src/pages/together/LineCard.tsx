@@ -1,6 +1,7 @@
 import { ActionIcon, Button, Group, Table, Text } from "@mantine/core";
 import { IconLine, IconMapPinPlus, IconPlayerStop, IconX } from "@tabler/icons-react";
-import { useMemo } from "react";
+import { useQueryClient } from "@tanstack/react-query";
+import { useMemo, useState } from "react";
 import { Card } from "../../lib/Card";
 import { compact, duration, fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
@@ -10,17 +11,19 @@ import { useScheme } from "../../lib/useScheme";
 import { useWork } from "../../lib/useWork";
 import { Plot } from "../../plots/Plot";
 import {
+  beside,
+  type LinePath,
   type LinePlan,
   type LineWish,
   lineText,
-  pathOf,
   type StraightLine,
+  seenText,
   viaOf,
   withoutVia,
   withVia,
 } from "./starts";
 import classes from "./together.module.css";
-import { planLine, startLine, stopLine, useLine } from "./useTogether";
+import { LINE_KEY, planLine, startLine, stopLine, useLine, useLinePath } from "./useTogether";
 
 interface Props {
   /** null while the chosen axes and targets make none */
@@ -32,10 +35,20 @@ interface Props {
 
 /** The chosen axes go to their targets on a straight line and arrive together: planned first, then gone. */
 export function LineCard({ line, names, wish, onWish }: Props) {
-  const plan = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : planLine(line)));
-  const start = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : startLine(line)));
+  const queries = useQueryClient();
+  const [shown, show] = useState<"plan" | "gone">("gone");
+  const plan = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : planLine(line)), {
+    onSuccess: () => show("plan"),
+  });
+  const start = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : startLine(line)), {
+    onSuccess: () => {
+      show("gone");
+      return queries.invalidateQueries({ queryKey: LINE_KEY });
+    },
+  });
   const stop = useWork(stopLine);
   const state = useLine();
+  const path = useLinePath(state.data);
   const running = state.data?.state === "running";
   return (
     <Card title="Straight line" note="all arrive together, at positions">
@@ -100,7 +113,8 @@ export function LineCard({ line, names, wish, onWish }: Props) {
         <ProblemAlert error={start.error} doing="Going on the line" onClose={() => start.reset()} />
         <ProblemAlert error={stop.error} doing="Stopping" onClose={() => stop.reset()} />
       </div>
-      {plan.data !== undefined && <Plan plan={plan.data} names={names} />}
+      {shown === "plan" && plan.data !== undefined && <Plan plan={plan.data} names={names} />}
+      {shown === "gone" && path.data?.plan && <Plan plan={path.data.plan} path={path.data} names={names} />}
     </Card>
   );
 }
@@ -154,26 +168,42 @@ function Via({ line, names, wish, onWish }: Props & { line: StraightLine }) {
 
 const HUES = ["position", "velocity", "acceleration", "encoder_position", "load_value", "residual"];
 
-function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
+interface PlanProps {
+  plan: LinePlan;
+  /** where the axes were seen when it was gone */
+  path?: LinePath;
+  names: Props["names"];
+}
+
+/** Expected positions as lines, those seen as dots at their own times, and each axis of each leg in figures. */
+function Plan({ plan, path, names }: PlanProps) {
   const scheme = useScheme();
   const last = plan.legs.at(-1);
   const several = plan.legs.length > 1;
   const title = ({ device, axis }: { device: string; axis: number }) => `${names[device] ?? device} ${axis}`;
   const data = useMemo(() => {
-    const { timeS, positions } = pathOf(plan);
-    return [timeS, ...positions] as const;
-  }, [plan]);
+    const { timeS, expected, measured } = beside(plan, path);
+    return [timeS, ...expected, ...(path === undefined ? [] : measured)] as const;
+  }, [plan, path]);
+  const seen = (leg: number, device: string, axis: number) =>
+    path?.legs[leg]?.axes.find((one) => one.device === device && one.axis === axis);
+  const hue = (index: number) => colorOf(HUES[index % HUES.length] ?? "position", scheme);
   if (last === undefined) return null;
   return (
     <div data-testid="line-plan">
       <Plot
-        label="Expected positions over time"
+        label={path === undefined ? "Expected positions over time" : "Expected and measured positions over time"}
         summary={`All are there after ${duration(plan.duration_s)}, ${duration(last.arrival_spread_s)} apart`}
-        series={last.axes.map((axis, index) => ({
-          label: title(axis),
-          color: colorOf(HUES[index % HUES.length] ?? "position", scheme),
-          unit: "µsteps",
-        }))}
+        series={[
+          ...last.axes.map((axis, index) => ({ label: title(axis), color: hue(index), unit: "µsteps" })),
+          ...(path === undefined ? [] : last.axes).map((axis, index) => ({
+            label: `${title(axis)} measured`,
+            color: hue(index),
+            unit: "µsteps",
+            dots: 4,
+            line: false,
+          })),
+        ]}
         data={data}
         height={200}
         x={{ label: "time", unit: "s" }}
@@ -187,6 +217,7 @@ function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
             <Table.Th className="right">Speed</Table.Th>
             <Table.Th className="right">There after</Table.Th>
             <Table.Th className="right">Off the line</Table.Th>
+            {path !== undefined && <Table.Th className="right">Seen off it</Table.Th>}
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
@@ -199,6 +230,9 @@ function Plan({ plan, names }: { plan: LinePlan; names: Props["names"] }) {
                 <Table.Td className="right">{fixed(axis.velocity_pps)} pps</Table.Td>
                 <Table.Td className="right">{duration(axis.duration_s)}</Table.Td>
                 <Table.Td className="right">{compact(axis.off_line, 2)} µsteps</Table.Td>
+                {path !== undefined && (
+                  <Table.Td className="right">{seenText(seen(number, axis.device, axis.axis))}</Table.Td>
+                )}
               </Table.Tr>
             )),
           )}

@@ -1,6 +1,20 @@
 import { describe, expect, it } from "vitest";
 import { about } from "../../../test/catalog";
-import { lineOf, lineText, movesOf, NO_WISH, netText, pathOf, rowsOf, skewText, withoutVia, withVia } from "./starts";
+import {
+  beside,
+  type LinePath,
+  type LinePlan,
+  lineOf,
+  lineText,
+  movesOf,
+  NO_WISH,
+  netText,
+  pathOf,
+  rowsOf,
+  skewText,
+  withoutVia,
+  withVia,
+} from "./starts";
 
 const axes = (...names: string[]) => names.map((name, index) => ({ index, name }));
 const device = (id: string, model: string, names: string[], state = "connected") =>
@@ -53,12 +67,55 @@ describe("moves that start together", () => {
     expect(pathOf(plan)).toEqual({ timeS: [0, 2, 2, 4], positions: [[0, 10, 10, 5]] });
   });
 
+  it("puts what was seen beside the plan, each sample at its own time, each leg where it was planned to begin", () => {
+    const axis = (device: string, position: number[]) => ({ device, axis: 0, position });
+    const leg = (a: number[], b: number[]) => ({ duration_s: 2, time_s: [0, 2], axes: [axis("a", a), axis("b", b)] });
+    const plan = { duration_s: 4, legs: [leg([0, 10], [0, 4]), leg([10, 0], [4, 4])] } as unknown as LinePlan;
+    const path = {
+      plan,
+      legs: [
+        {
+          axes: [
+            { ...axis("a", []), time_s: [1, 2.5], position: [5, null] },
+            { ...axis("b", [1]), time_s: [0.5] },
+          ],
+        },
+        { axes: [{ ...axis("a", [4]), time_s: [1.25] }] },
+      ],
+    } as unknown as LinePath;
+    const nothing = Number.NaN;
+    expect(beside(plan, path)).toEqual({
+      timeS: [0, 0.5, 1, 2, 2.5, 3.25, 4],
+      expected: [
+        [0, 2.5, 5, 10, 7.5, 3.75, 0],
+        [0, 1, 2, 4, 4, 4, 4],
+      ],
+      measured: [
+        [nothing, nothing, 5, nothing, nothing, 4, nothing],
+        [nothing, 1, nothing, nothing, nothing, nothing, nothing],
+      ],
+    });
+    expect(beside(plan, undefined).measured).toEqual([Array(3).fill(nothing), Array(3).fill(nothing)]);
+  });
+
   it("says how a line went", () => {
-    const state = { state: "done", leg: 0, legs: 1, started: null, message: "", arrivals: [] } as const;
+    const state = {
+      state: "done",
+      leg: 0,
+      legs: 1,
+      started: null,
+      message: "",
+      arrivals: [],
+      off_line: null,
+      off_line_uncertainty: null,
+    } as const;
     const arrivals = [0.5, 0.51].map((after_s, axis) => ({ device: "a", axis, after_s, uncertainty_s: 0.01 }));
     expect(lineText({ ...state, arrivals })).toMatch(/^done: there after .*51/);
     expect(lineText({ ...state, state: "aborted", arrivals, message: "a stop" })).toBe("aborted: a stop");
+    expect(lineText({ ...state, arrivals: [] })).toBe("done: all were there already");
     expect(lineText(undefined)).toBe("");
+    const off = { ...state, arrivals, off_line: 12, off_line_uncertainty: 1.5 };
+    expect(lineText(off)).toMatch(/; off the line by 12 ± 1.5 µsteps at the most$/);
   });
 
   it("tells the skew with how sure it is", () => {

@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { duration } from "../../lib/format";
+import { compact, duration } from "../../lib/format";
 import type { Net } from "./wires";
 
 export type TogetherMove = Schemas["TogetherMove"];
@@ -8,6 +8,8 @@ export type StartedTogether = Schemas["StartedTogether"];
 export type AxisStart = Schemas["AxisStart"];
 export type StraightLine = Pick<Schemas["StraightLine"], "axes" | "points" | "pace" | "duration_s">;
 export type LinePlan = Schemas["LinePlan"];
+export type AxisPath = Schemas["AxisPath"];
+export type LinePath = Schemas["LinePath"];
 export type LineState = Schemas["LineState"];
 
 /** One axis that may take part, and what stands in its row. */
@@ -107,13 +109,64 @@ export function pathOf({ legs }: LinePlan): { timeS: number[]; positions: number
   return { timeS, positions };
 }
 
+/**
+ * A plan and what was seen of it, on the times of both: of each axis of the plan the expected positions and those
+ * measured, each at its own time, NaN where there is none. Each leg begins where it is planned to.
+ */
+export function beside(plan: LinePlan, path: LinePath | undefined) {
+  const expected = pathOf(plan);
+  const axes = plan.legs[0]?.axes ?? [];
+  const begins = plan.legs.map((_, leg) =>
+    plan.legs.slice(0, leg).reduce((sum, { duration_s }) => sum + duration_s, 0),
+  );
+  const seen = axes.map(({ device, axis }) =>
+    (path?.legs ?? []).slice(0, plan.legs.length).flatMap((leg, number) => {
+      const own = leg.axes.find((one) => one.device === device && one.axis === axis);
+      return (own?.time_s ?? []).map(
+        (time, row) => [(begins[number] ?? 0) + time, own?.position[row] ?? null] as const,
+      );
+    }),
+  );
+  const timeS = [...new Set([...expected.timeS, ...seen.flatMap((samples) => samples.map(([time]) => time))])];
+  timeS.sort((a, b) => a - b);
+  return {
+    timeS,
+    expected: expected.positions.map((positions) => interpolated(timeS, expected.timeS, positions)),
+    measured: seen.map((samples) => {
+      const at = new Map(samples);
+      return timeS.map((time) => at.get(time) ?? Number.NaN);
+    }),
+  };
+}
+
+/** Values at other times, on straight lines between those that are known; the last one beyond their end. */
+function interpolated(times: readonly number[], known: readonly number[], values: readonly number[]): number[] {
+  let row = 0;
+  return times.map((time) => {
+    while (row < known.length - 1 && (known[row + 1] as number) < time) row++;
+    const [from, to] = [known[row] as number, known[row + 1] ?? Number.POSITIVE_INFINITY];
+    const [before, after] = [values[row] as number, values[row + 1] ?? (values[row] as number)];
+    return to > from && Number.isFinite(to) ? before + ((after - before) * (time - from)) / (to - from) : before;
+  });
+}
+
+/** How far off the line an axis was seen; nothing where nobody knows. */
+export function seenText(path: Pick<AxisPath, "off_line" | "uncertainty"> | undefined): string {
+  if (path === undefined || path.off_line === null) return "";
+  const unsure = path.uncertainty ? ` ± ${compact(path.uncertainty, 2)}` : "";
+  return `${compact(path.off_line, 2)}${unsure} µsteps`;
+}
+
 /** How the latest line is, in words. */
 export function lineText(state: LineState | undefined): string {
   if (state === undefined || state.state === "idle") return "";
   const said = state.message === "" ? "" : `: ${state.message}`;
-  if (state.state !== "done") return `${state.state}${said}`;
+  const seen = seenText({ off_line: state.off_line, uncertainty: state.off_line_uncertainty });
+  const off = seen && `; off the line by ${seen} at the most`;
+  if (state.state !== "done") return `${state.state}${said}${off}`;
   const after = state.arrivals.map(({ after_s }) => after_s);
-  return `done: there after ${duration(Math.max(...after))}, seen within ${duration(Math.max(...after) - Math.min(...after))}`;
+  if (after.length === 0) return "done: all were there already";
+  return `done: there after ${duration(Math.max(...after))}, seen within ${duration(Math.max(...after) - Math.min(...after))}${off}`;
 }
 
 /** A time with how much more or less it may be. */

@@ -1,9 +1,11 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api } from "../../api/client";
-import type { StraightLine, TogetherMove } from "./starts";
+import type { LineState, StraightLine, TogetherMove } from "./starts";
 import type { Pin } from "./wires";
 
 const WIRING_KEY = ["wiring"];
+/** Of all that is known of the latest straight line. */
+export const LINE_KEY = ["straight-line"];
 
 /** The nets of the emulated devices, looked at while the page is open. */
 export function useWiring() {
@@ -36,9 +38,20 @@ export function startTogether(moves: TogetherMove[], useWires: boolean) {
 /** How the present straight line goes, or the latest one went. */
 export function useLine() {
   return useQuery({
-    queryKey: ["straight-line"],
+    queryKey: LINE_KEY,
     queryFn: () => api.GET("/api/v1/straight-line"),
     refetchInterval: 500,
+  });
+}
+
+/** Where the axes of a line were seen; looked at again while it goes, and once after its end. */
+export function useLinePath(state: LineState | undefined) {
+  return useQuery({
+    queryKey: [...LINE_KEY, "path", state?.state, state?.leg],
+    queryFn: () => api.GET("/api/v1/straight-line/path"),
+    enabled: state !== undefined && state.state !== "idle",
+    refetchInterval: state?.state === "running" ? 1000 : false,
+    placeholderData: (before) => before,
   });
 }
 
