@@ -29,13 +29,8 @@ RESET = "RST_EV"
 DRIVER_LSB = 32
 """Of the words of a timeline: behind the events the flags of the motor driver, STATUS 31:24."""
 DRIVER = 0xFF << DRIVER_LSB
-STATUS_LSB, SELECTION_LSB = 24, 16
-"""Where the driver's flags are in STATUS, and in STEP_CONF those that make a MOTOR_EV."""
-DRIVER_NAMES = {
-    part.lsb - STATUS_LSB: f"driver_{part.name}"
-    for part in roles.STATUS.fields
-    if part.lsb >= STATUS_LSB and "TMC23x" not in part.when
-}
+SELECTION_LSB = 16
+"""Where STEP_CONF has those that make a MOTOR_EV."""
 
 
 class Events(EventLog, LatchedFlags):
@@ -49,7 +44,7 @@ class Events(EventLog, LatchedFlags):
         self._link = link
         self._session = link.session
         self._memory = memory
-        self._timeline = Timeline(roles.AXIS, EVENT_MASK | DRIVER, _names)
+        self._timeline = Timeline(roles.AXIS, EVENT_MASK | DRIVER, self._names)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
         self._owed: tuple[int, int] | None = None
@@ -165,7 +160,7 @@ class Events(EventLog, LatchedFlags):
         mask, driver = EVENT_MASK, 0
         if status is not None:
             mask |= DRIVER
-            driver = (status >> STATUS_LSB & self._selected()) << DRIVER_LSB
+            driver = (status >> roles.DRIVER_LSB & self._selected()) << DRIVER_LSB
         told = driver if word >> EVENT_BITS["MOTOR_EV"] & 1 else 0
         entry = self._timeline.read(word | told, left | driver, time_s, mask)
         if entry is not None:
@@ -176,6 +171,12 @@ class Events(EventLog, LatchedFlags):
         """Flags of the driver that make a MOTOR_EV; all where nobody knows."""
         steps = self._memory.known(roles.STEP_CONF)
         return 0xFF if steps is None else steps >> SELECTION_LSB & 0xFF
+
+    def _names(self, word: int) -> tuple[str, ...]:
+        """Names of the events, and behind MOTOR_EV those of the driver's flags."""
+        flags = roles.driver_flags(self._memory.known(roles.SPI_OUT_CONF) or 0)
+        driver = (f"driver_{name}" for bit, name in flags.items() if word >> DRIVER_LSB + bit & 1)
+        return (*event_names(word & EVENT_MASK), *driver)
 
     def _tell(self, entry: ChipEvents) -> None:
         """Tell of events once, however they were seen first; of a reset the memory hears before anybody else."""
@@ -193,9 +194,3 @@ class Events(EventLog, LatchedFlags):
             self.present = 0
             self._acquainted = False
             self._timeline.forget()
-
-
-def _names(word: int) -> tuple[str, ...]:
-    """Names of the events, and behind MOTOR_EV those of the driver's flags."""
-    driver = tuple(name for bit, name in DRIVER_NAMES.items() if word >> DRIVER_LSB + bit & 1)
-    return (*event_names(word & EVENT_MASK), *driver)

@@ -46,10 +46,6 @@ STATE = (
 )
 
 
-OTHER_DRIVERS = frozenset(part.name for part in roles.STATUS.fields if "TMC23x" in part.when)
-"""Flags of motor drivers that the chip is seldom used with, at bits that others have too."""
-
-
 class Encoder(TypedDict, total=False):
     """What `AxisState` has of an encoder."""
 
@@ -189,10 +185,9 @@ class Monitor(AxisMonitor):
 
     def _flags(self, status: dict[str, int]) -> dict[str, bool]:
         """Flags of STATUS, and the events that are set."""
+        others = roles.other_drivers(self._memory.known(roles.SPI_OUT_CONF) or 0)
         told = {
-            name: bool(value)
-            for name, value in status.items()
-            if not name.endswith("_STATE_F") and name not in OTHER_DRIVERS
+            name: bool(value) for name, value in status.items() if not name.endswith("_STATE_F") and name not in others
         }
         told |= {part.name: bool(part.unpack(self._events.present)) for part in roles.EVENTS.fields}
         return told

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...registers.model import Field, Register
 from ...registers.tmc4361.bits import EVENT_BITS
+from ...registers.tmc4361.events import TMC24X, TMC26X
 from ...registers.tmc4361.table import TMC4361
 
 AXIS = 0
@@ -92,6 +93,7 @@ REMEMBERED = (
     CURRENT_CONF,
     ENC_IN_CONF,
     STEP_CONF,
+    SPI_OUT_CONF,
     SPI_STATUS_SELECTION,
     INTR_CONF,
     HOME_SAFETY_MARGIN,
@@ -119,10 +121,31 @@ MICROSTEPS = part(STEP_CONF, "mstep_per_fs")
 REGULATION = part(ENC_IN_CONF, "regulation_modus")
 HOME_EVENT = part(REFERENCE_CONF, "home_event")
 OUTPUT_FORMAT = part(SPI_OUT_CONF, "spi_output_format")
+STALL_FOR_UNDERVOLTAGE = part(SPI_OUT_CONF, "stall_flag_instead_of_uv_en")
 COVER_LENGTH = part(SPI_OUT_CONF, "cover_data_length")
 SDIN_MODE = part(GENERAL_CONF, "sdin_mode")
 REVERSED = part(GENERAL_CONF, "reverse_motor_dir")
 GATE_XTARGET, GATE_VMAX, GATE_RAMPMODE = (part(START_CONF, f"start_en[{index}]") for index in range(3))
+
+
+TMC24X_FORMS = (8, 9)
+"""spi_output_format of the TMC23x and TMC24x."""
+DRIVER_LSB = 24
+"""Of the flags that STATUS has of the motor driver."""
+_TMC24X = frozenset(part.name for part in STATUS.fields if part.when == TMC24X)
+_TMC26X = frozenset(part.name for part in STATUS.fields if part.when == TMC26X)
+
+
+def other_drivers(spi_out_conf: int) -> frozenset[str]:
+    """Flags of STATUS that are those of other motor drivers than what SPI_OUT_CONF names."""
+    return _TMC26X if OUTPUT_FORMAT.unpack(spi_out_conf) in TMC24X_FORMS else _TMC24X
+
+
+def driver_flags(spi_out_conf: int) -> dict[int, str]:
+    """Names of the driver's flags, by their bits from `DRIVER_LSB` on."""
+    others = other_drivers(spi_out_conf)
+    told = (part for part in STATUS.fields if part.lsb >= DRIVER_LSB and part.name not in others)
+    return {part.lsb - DRIVER_LSB: part.name for part in told}
 
 
 def event(*names: str) -> int:

@@ -14,13 +14,19 @@ from .switches import stopped_by
 VELOCITY_PPS = 51_200
 """What a remedy writes to VMAX: a turn a second at 256 microsteps."""
 UNNAMED = "the motor driver"
+TMC24X = roles.TMC24X_FORMS[-1]
+"""spi_output_format of the one that measures a load."""
 DRIVER_FAULTS = {
     "OT": "is too hot and has switched off",
     "S2GA": "has switched off: a short in phase A",
     "S2GB": "has switched off: a short in phase B",
+    "OCA": "sees too much current in coil A: is it shorted?",
+    "OCB": "sees too much current in coil B: is it shorted?",
+    "OCHS": "sees too much current on its high side: is a coil shorted to ground?",
+    "UV_SF": "has too little supply voltage",
 }
 """What a flag of STATUS says of a driver that is off, the worst first."""
-OPEN, STALL = ("OLA", "OLB"), "SG"
+OPEN, STALL, UNDERVOLTAGE = ("OLA", "OLB"), "SG", "UV_SF"
 SLOW_FULLSTEPS_PER_S = 400.0
 """Faster than that flags of open loads tell nothing (DS-TMC2660 6.10, "slow motion"; the figure INFERRED)."""
 
@@ -41,7 +47,7 @@ def signs(
         warnings=hot(state.flags, "OTPW", "OT", _told("OTPW", state), driver or UNNAMED),
         blocks=tuple(_blocks(memory, cruise, axis, state)),
         stall=_stall(memory, axis, state, driver or UNNAMED, stalled=stalled),
-        stalling=_stalling(driver, state),
+        stalling=_stalling(memory, driver, state),
         holds=tuple(_holds(memory, state)),
         takes_encoder=True,
         resets=events.resets,
@@ -52,7 +58,9 @@ def signs(
 def _driver_faults(memory: ChipMemory, who: str, state: AxisState) -> tuple[Sign, ...]:
     """What the driver has switched off for, and coils that are not connected."""
     found = [
-        Sign(f"{who} {cause}", (_told(name, state),)) for name, cause in DRIVER_FAULTS.items() if state.flags.get(name)
+        Sign(f"{who} {cause}", (_told(name, state),))
+        for name, cause in DRIVER_FAULTS.items()
+        if state.flags.get(name) and not (name == UNDERVOLTAGE and _tells_stalls(memory))
     ]
     coils = [name for name in OPEN if state.flags.get(name)]
     slow = abs(state.velocity_pps) / memory.microsteps <= SLOW_FULLSTEPS_PER_S
@@ -63,11 +71,24 @@ def _driver_faults(memory: ChipMemory, who: str, state: AxisState) -> tuple[Sign
     return tuple(found)
 
 
-def _stalling(driver: str | None, state: AxisState) -> Sign | None:
-    """That the motor does not follow, while it is stepped. What bit 24 of one without a name is nobody knows."""
-    if driver is None or not state.moving or not state.flags.get(STALL):
+def _tells_stalls(memory: ChipMemory) -> bool:
+    """Whether bit 24 of a TMC24x is set up to be a stall, not undervoltage."""
+    conf = memory.known(roles.SPI_OUT_CONF) or 0
+    return roles.OUTPUT_FORMAT.unpack(conf) == TMC24X and bool(roles.STALL_FOR_UNDERVOLTAGE.unpack(conf))
+
+
+def _stalling(memory: ChipMemory, driver: str | None, state: AxisState) -> Sign | None:
+    """That the motor does not follow, while it is stepped. What bit 24 of one without a name is nobody knows, unless
+    the chip works it out itself."""
+    if _tells_stalls(memory):
+        name, who = UNDERVOLTAGE, driver or UNNAMED
+    elif driver is not None:
+        name, who = STALL, driver
+    else:
         return None
-    return Sign(f"{driver} tells of a stall: the motor does not follow", (_told(STALL, state),))
+    if not state.moving or not state.flags.get(name):
+        return None
+    return Sign(f"{who} tells of a stall: the motor does not follow", (_told(name, state),))
 
 
 def _told(name: str, state: AxisState) -> Evidence:

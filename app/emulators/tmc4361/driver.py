@@ -5,7 +5,23 @@ from __future__ import annotations
 BITS = 20
 STATUS_FLAGS = ("SG", "OT", "OTPW", "S2GA", "S2GB", "OLA", "OLB", "STST")
 """STATUS 31:24 with a TMC26x behind, the lowest first."""
+TMC24X_FORMS = (8, 9)
+"""spi_output_format of the TMC23x and TMC24x."""
+TMC24X_PLACES = (5, 7, 6, 0, 1, 2, 3, 4)
+"""Where UV, OT, OTPW, OCA, OCB, OLA, OLB and OCHS, in the order of STATUS 31:24, are in their answer."""
 NAMES = {0b00: "DRVCTRL", 0b100: "CHOPCONF", 0b101: "SMARTEN", 0b110: "SGCSCONF", 0b111: "DRVCONF"}
+
+
+def bits_of(spi_out_conf: int) -> int:
+    """How long a datagram to the driver is, as the kind of driver has it where no length is told."""
+    form = spi_out_conf & 15
+    return min(spi_out_conf >> 13 & 0x7F, 64) or (12 if form in TMC24X_FORMS else 40 if form in (12, 13) else BITS)
+
+
+def tmc24x_answer(flags: int, load: int) -> int:
+    """What a TMC23x or TMC24x answers: `flags` as STATUS 31:24 has them without a stall, `load` 0..7."""
+    told = sum((flags >> bit & 1) << place for bit, place in enumerate(TMC24X_PLACES))
+    return load << 9 | 1 << 8 | told
 
 
 class KeptWords:

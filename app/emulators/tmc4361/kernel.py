@@ -84,7 +84,7 @@ def flags(r: Cells, s: Cells, f: Floats, fb: Floats, pins: int, virtual: int) ->
     positioning = s[c.ACT_RAMPMODE] & 4 != 0
     if (abs(v) if positioning else v) == f[c.VMAX]:
         status |= 4
-    stalled = word & c.FB_STALL != 0 and abs(v) > (r[c.VSTALL_LIMIT] & 0xFFFFFF)
+    stalled = word & c.FB_STALLED != 0 and abs(v) > (r[c.VSTALL_LIMIT] & 0xFFFFFF)
     if stalled:
         status |= 1 << 11
     if home_error(r, s):

@@ -79,7 +79,9 @@ FB_FS_ACTIVE, FB_ENC_FAIL, FB_N_ACTIVE, FB_ENC_LATCH, FB_MULTI_FAIL, FB_CL_FIT =
 FB_STATUS_MASK = 0xFFFB_E000
 """The bits of that word that go into STATUS as they are."""
 FB_STALL = 1 << 24
-"""Level: the driver's stall flag, STATUS 24."""
+"""Level: the driver's stall flag, STATUS 24; of a TMC23x or TMC24x that is its undervoltage."""
+FB_STALLED = 1 << 10
+"""Level: the driver tells of a stall, whatever STATUS 24 shows."""
 
 # --- cells of `s` ----------------------------------------------------------------------------------------------
 TICK, CLOCK, IDLE, WAKE = range(4)

@@ -15,10 +15,11 @@ from ...registers.tmc4361.table import TMC4361
 from ..drive import kernel as motor
 from . import kernel, recording
 from . import layout as c
-from .driver import BITS, NAMES, KeptWords
+from .driver import BITS, NAMES, TMC24X_FORMS, KeptWords, bits_of, tmc24x_answer
 from .feedback import FeedbackOptions, FeedbackUnit
 from .feedback import layout as fl
 from .pins import levels
+from .spi_output import Sent
 
 MASK = 0xFFFF_FFFF
 VERSION_NO = 2
@@ -259,7 +260,19 @@ class Chip:
         driver = self.feedback.driver
         if driver is not None:
             return driver.answer & ~0xFF | int(self.s[c.STATUS]) >> 24 & 0xFF
+        if self._tmc24x:
+            return self._tmc24x_answer
         return self._driver_load << 10 | int(self.s[c.STATUS]) >> 24 & 0xFF
+
+    @property
+    def _tmc24x(self) -> bool:
+        """Whether the bridges that the chip drives are to be those of a TMC23x or TMC24x."""
+        return int(self.r[SPI_OUT_CONF]) & 15 in TMC24X_FORMS
+
+    @property
+    def _tmc24x_answer(self) -> int:
+        measures = int(self.r[SPI_OUT_CONF]) & 15 == TMC24X_FORMAT
+        return tmc24x_answer(self.feedback.flags_from_outside, self._driver_load >> 7 if measures else 0)
 
     def catch_up_driver(self) -> None:
         """Bring a driver behind that rests to the chip's time."""
@@ -282,14 +295,16 @@ class Chip:
 
     def _cover(self, datagram: int) -> None:
         """Send a cover datagram. It is through, and COVER_DONE there, when its bits have been clocked out."""
-        conf = int(self.r[0x04])
-        bits = min(conf >> 13 & 0x7F, 64) or BITS
+        conf = int(self.r[SPI_OUT_CONF])
+        bits = bits_of(conf)
         clocks = bits * max((conf >> 20 & 15) + (conf >> 24 & 15), 2)
         mscnt = self.feedback.read(0x79) or 0
         flags = int(self.s[c.STATUS]) >> 24
         datagram &= (1 << bits) - 1
         driver = self.feedback.driver
-        if driver is None:
+        if driver is None and self._tmc24x:
+            self._cover_answer = self._tmc24x_answer
+        elif driver is None:
             self._cover_answer = self._kept_words.exchange(datagram, flags, mscnt, self._driver_load)
         else:
             self.catch_up_driver()
@@ -312,14 +327,32 @@ class Chip:
         return active != bool(self.r[c.GENERAL_CONF] >> 16 & 1)
 
     @property
+    def spi_sent(self) -> Sent | None:
+        """What the SPI output sends by itself."""
+        rate, velocity = float(self.f[c.A]), float(self.f[c.V])
+        return self.feedback.sent_by_itself(moving=velocity != 0.0, falling=rate * velocity < 0.0)
+
+    @property
+    def _phase_levels(self) -> tuple[bool, bool] | None:
+        sent = self.spi_sent
+        return None if sent is None else sent.phases
+
+    @property
     def direction_level(self) -> bool:
-        """Level at DIROUT: pol_dir_out is that of the negative direction."""
+        """Level at DIROUT: pol_dir_out is that of the negative direction; the phase of B where a DAC needs one."""
+        levels = self._phase_levels
+        if levels is not None:
+            return levels[1]
         negative = bool(self.r[c.GENERAL_CONF] >> 5 & 1)
         return negative if self.s[c.DIR] < 0 else not negative
 
     @property
     def step_level(self) -> bool:
-        """Level at STPOUT between pulses; with toggle_step it tells whether an odd number of steps was made."""
+        """Level at STPOUT between pulses; with toggle_step it tells whether an odd number of steps was made. The phase
+        of A where a DAC needs one."""
+        levels = self._phase_levels
+        if levels is not None:
+            return levels[0]
         general = int(self.r[c.GENERAL_CONF])
         return bool(general >> 3 & 1) != bool(general >> 4 & 1 and int(self.s[c.STEPS]) & 1)
 

@@ -70,6 +70,13 @@ class RampState(BaseModel):
     clocks_gated: bool
 
 
+class SpiOutputState(BaseModel):
+    """What the SPI output sends for the currents of now. The phases of absolute values are at STPOUT and DIROUT."""
+
+    form: str = Field(description="the kind of driver or DAC that spi_output_format names")
+    datagrams: list[str] = Field(description="as bits, the first sent first: of two those of A and of B")
+
+
 class DriverBehindState(BaseModel):
     """A driver with registers of its own behind the chip, as it is now."""
 
@@ -101,6 +108,7 @@ class Tmc4361State(EmulatedState):
     ramp: RampState
     dcstep: DcStepState
     step_output: StepOutputState
+    spi_output: SpiOutputState | None = Field(default=None, description="null: nothing is sent by itself")
     driver: DriverBehindState | None = Field(
         default=None, description="null: the chip's currents are wired to the motor"
     )

@@ -17,13 +17,18 @@ _driver = Rows("driver", HEADERS)
 _microsteps = Rows("microsteps", STEPPYR)
 
 SCALE_UNIT = "1/256, plus 1/256"
-NO_DAC = "the emulated chip drives a TMC driver, not a DAC"
 NO_CHOPSYNC = "the emulated motor driver chops by itself"
 NO_POLLING = "the emulated chip sends a cover datagram once, and COVER_DONE tells of those alone"
 ONE_DRIVER = "the emulated motor driver is reached whatever these bits say"
 
 _FORMATS = {
     0: "off",
+    1: "SPI DAC, values of full amplitude",
+    2: "SPI DAC, absolute values, phase 0 is positive",
+    3: "SPI DAC, absolute values, phase 0 is negative",
+    4: "current scale",
+    5: "both currents",
+    6: "SPI DAC, current scale",
     8: "TMC23x",
     9: "TMC24x",
     10: "TMC26x and TMC389, SPI",
@@ -45,7 +50,7 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         lsb=4,
         when="serial encoder output",
     ),
-    Field("mixed_decay", 2, "phases with mixed decay", lsb=4, when=TMC24X, behaviour=ONE_DRIVER),
+    Field("mixed_decay", 2, "phases with mixed decay", lsb=4, when=TMC24X),
     Field("stdby_on_stall_for_24x", 1, "a stall switches to standby", lsb=6, when=TMC24X, behaviour=ONE_DRIVER),
     Field(
         "stall_flag_instead_of_uv_en",
@@ -53,9 +58,8 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         "STATUS bit 24 shows a stall, not undervoltage",
         lsb=7,
         when=TMC24X,
-        behaviour=ONE_DRIVER,
     ),
-    Field("stall_load_limit", 3, "load at which a stall is seen", lsb=8, when=TMC24X, behaviour=ONE_DRIVER),
+    Field("stall_load_limit", 3, "a load value below it is a stall", lsb=8, when=TMC24X),
     Field("pwm_phase_shft_en", 1, "phases are chopped in turn", lsb=11, when=TMC24X, behaviour=NO_CHOPSYNC),
     Field(
         "auto_double_chopsync",
@@ -87,7 +91,7 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
     ),
     Field("sck_low_before_csn", 1, "clock before chip select", lsb=4, when=_NO_TMC, behaviour=ONE_DRIVER),
     Field("new_out_bit_at_rise", 1, "clock edge of new bits", lsb=5, when=_NO_TMC, behaviour=ONE_DRIVER),
-    Field("dac_cmd_length", 5, "bits of a DAC command", lsb=7, when="SPI DAC", behaviour=NO_DAC),
+    Field("dac_cmd_length", 5, "bits of a DAC command", lsb=7, when="SPI DAC"),
     Field("cover_data_length", 7, "bits of a cover datagram, up to 64; 0 for those of TMC drivers", lsb=13),
     Field("spi_out_low_time", 4, "low time of the clock", unit=CLOCKS, lsb=20),
     Field("spi_out_high_time", 4, "high time of the clock", unit=CLOCKS, lsb=24),
@@ -170,7 +174,6 @@ _DRIVER_ROWS = (
         Field("DAC_ADDR_A", 16, "before CURRENTA_SPI", lsb=0),
         Field("DAC_ADDR_B", 16, "before CURRENTB_SPI", lsb=16),
         when="SPI DAC",
-        behaviour=NO_DAC,
     ),
     _pwm(0x1F, "PWM_FREQ", 16, RW, "period of the PWM", source=f"DS-TMC4361 1.3.4; {TOM}; OLDC (reset)").having(
         unit=CLOCKS, reset=0x280
@@ -236,7 +239,7 @@ _MICROSTEP_ROWS = (
     ).having(
         Field("START_SIN", 8, "value at place 0", lsb=0),
         Field("START_SIN90_120", 8, "value of phase B at place 0", lsb=16),
-        Field("DAC_OFFSET", 8, "added for a DAC", lsb=24, behaviour=NO_DAC),
+        Field("DAC_OFFSET", 8, "added for a DAC", lsb=24),
         reset=0xF70000,
     ),
 )

@@ -246,3 +246,38 @@ async def test_a_device_of_its_own_sets_the_driver_up_and_sees_its_load(output: 
         await b.device.registers.write("SPI_OUT_CONF", 0, 0)
         with pytest.raises(LinkDown, match="SPI output is off"):
             await driver.registers.read("DRVSTATUS_SG", 0)
+
+
+TMC23X, TMC24X = 8, 9
+STALL_FLAG, LIMIT_1 = 1 << 7, 1 << 8
+
+
+@pytest.mark.parametrize(
+    ("conf", "change", "kind", "cause", "flag"),
+    [
+        (TMC23X, {"motor": {"temperature_c": 160.0}}, "driver_fault", "the motor driver is too hot", "OT"),
+        (TMC23X, {"motor": {"temperature_c": 125.0}}, "moving", "it moves; the motor driver warns", "OTPW"),
+        (TMC24X, {"motor": {"short_to_ground": "a"}}, "driver_fault", "the motor driver sees too much", "OCHS"),
+        (TMC24X, {"supply_v": 2.0}, "driver_fault", "the motor driver has too little supply voltage", "UV_SF"),
+        (TMC24X | STALL_FLAG | LIMIT_1, {"blocked": True}, "stalled", "the motor driver tells of a stall", "UV_SF"),
+    ],
+)
+async def test_flags_of_a_tmc23x_and_tmc24x_have_their_own_names(
+    conf: int, change: dict[str, object], kind: str, cause: str, flag: str
+) -> None:
+    async with bench() as b:
+        await b.device.registers.write("SPI_OUT_CONF", 0, conf)
+        await b.device.registers.write("STEP_CONF", 0, fields={"OTPW": 1})
+        await b.device.motion.rotate(0, 20_000.0)
+        await b.clock.advance(1.5)
+        state = await b.state()
+        assert {"UV_SF", "OCA", "OCB", "OCHS"} <= state.flags.keys()
+        assert not {"SG", "S2GA", "S2GB", "STST"} & state.flags.keys()
+        log = b.device.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        seen = log.events(0).next
+        b.patch(Tmc4361Patch.model_validate(change))
+        await b.clock.advance(0.5)
+        state = await b.state()
+        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
+        assert any(f"driver_{flag}" in entry.names for entry in log.events(0, seen).events)

@@ -12971,6 +12971,22 @@ export interface components {
             answer: "next" | "same";
         };
         /**
+         * SpiOutputState
+         * @description What the SPI output sends for the currents of now. The phases of absolute values are at STPOUT and DIROUT.
+         */
+        SpiOutputState: {
+            /**
+             * Form
+             * @description the kind of driver or DAC that spi_output_format names
+             */
+            form: string;
+            /**
+             * Datagrams
+             * @description as bits, the first sent first: of two those of A and of B
+             */
+            datagrams: string[];
+        };
+        /**
          * SpidevLink
          * @description A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev").
          */
@@ -14282,6 +14298,8 @@ export interface components {
             ramp: components["schemas"]["RampState"];
             dcstep: components["schemas"]["DcStepState"];
             step_output: components["schemas"]["StepOutputState"];
+            /** @description null: nothing is sent by itself */
+            spi_output?: components["schemas"]["SpiOutputState"] | null;
             /** @description null: the chip's currents are wired to the motor */
             driver?: components["schemas"]["DriverBehindState"] | null;
             /**

@@ -9,7 +9,7 @@ open is read like this:
 - a closed loop's scale climbs on the line from CL_START_UP to CL_BETA and falls on that from CL_START_UP to
   CL_START_DN; between the two lines it stays;
 - CURRENTx_SPI = CURRENTx * (scale + 1) / 256, floored; DAC_OFFSET (signed) is added where an SPI DAC is the driver
-  (spi_output_format 1..7);
+  (spi_output_format 1..3);
 - full steps (fs_en above FS_VEL, or dcStep above DC_VEL, the same register) are the middle of each full step of the
   wave;
 - a PWM's scale without pwm_scale_en is the 1/2 of full voltage. Its duty has the resolution of PWM_FREQ clocks.
@@ -196,7 +196,7 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     else:
         ref_a = fb[k.FULL_SCALE] * (a_spi + 0.5) / PEAK
         ref_b = fb[k.FULL_SCALE] * (b_spi + 0.5) / PEAK
-    if 1 <= n[c.SPI_OUT_CONF] & 15 <= 7:
+    if 1 <= n[c.SPI_OUT_CONF] & 15 <= 3:
         offset = ((n[c.START_SIN] >> 24) + 128 & 0xFF) - 128
         a_spi += offset
         b_spi += offset

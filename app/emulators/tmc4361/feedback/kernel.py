@@ -27,6 +27,7 @@ from ..layout import (
     FB_QUIET,
     FB_SET_X,
     FB_STALL,
+    FB_STALLED,
     FB_TARGET_OK,
     FEEDBACK_CLOCKS,
 )
@@ -42,6 +43,10 @@ CALIBRATION_EN = 24
 STANDSTILL_CLOCKS = 1 << 20
 """Without a step for so long, a TMC26x tells standstill (STST)."""
 STST = 1 << 31
+STALL_FLAG_INSTEAD_OF_UV = 7
+"""Bit of SPI_OUT_CONF."""
+LOAD_SHIFT = 7
+"""A TMC24x tells of eight loads where StallGuard2 tells of 1024 (a reading: the emulated load is the same)."""
 
 
 @compiled
@@ -122,11 +127,30 @@ def _levels(fb: Floats, n: Cells) -> int:
     if n[c.VEL0]:
         word |= FB_ENC_VEL0
     if n[c.DRIVER]:
-        return word & 0xFFFFFF | n[c.POLLED] << 24
+        word = word & 0xFFFFFF | n[c.POLLED] << 24
+        return word | FB_STALLED if word & FB_STALL else word
+    form = n[c.SPI_OUT_CONF] & 15
+    if form == c.TMC23X or form == c.TMC24X:
+        return _tmc24x(n, word, form)
     if k.stalled(n):
-        word |= FB_STALL
+        word |= FB_STALL | FB_STALLED
     if n[c.STILL] >= STANDSTILL_CLOCKS:
         word |= STST
+    return word
+
+
+@inlined
+def _tmc24x(n: Cells, word: int, form: int) -> int:
+    """The word of a TMC23x or TMC24x: a stall is a load value below STALL_LOAD_LIMIT, and shows where UV does."""
+    if form == c.TMC23X:
+        return word
+    conf = n[c.SPI_OUT_CONF]
+    if bit(conf, STALL_FLAG_INSTEAD_OF_UV):
+        word &= ~FB_STALL
+    if n[k.SG_VALID] and n[k.V] and n[k.SG] >> LOAD_SHIFT < conf >> 8 & 7:
+        word |= FB_STALLED
+        if bit(conf, STALL_FLAG_INSTEAD_OF_UV):
+            word |= FB_STALL
     return word
 
 

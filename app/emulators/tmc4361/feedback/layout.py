@@ -97,6 +97,10 @@ VMIN_EMF, VADD_EMF, ENC_VEL_ZERO, ENC_VMEAN = WORD + 0x60, WORD + 0x61, WORD + 0
 MS_OFFSET, ENC_COMP, START_SIN = WORD + 0x79, WORD + 0x7D, WORD + 0x7E
 
 
+TMC23X, TMC24X = 8, 9
+"""spi_output_format."""
+
+
 @inlined
 def bit(word: int, at: int) -> bool:
     """Whether a bit of a register word is set."""

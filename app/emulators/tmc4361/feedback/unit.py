@@ -14,6 +14,7 @@ from ...drive.documents import motor_state, truth_state
 from ...drive.physics import plant_state_of, set_physics
 from ...drive.plant import OT_C, OTPW_C, UNDERVOLTAGE_V, PlantState
 from ...drive.tmc26x import DRVCTRL, SGCSCONF, Tmc26x
+from ..spi_output import Sent, sent
 from . import layout as c
 from .driver import CURRENTS
 from .encoder import position_at, true_place
@@ -37,6 +38,8 @@ _SCALES: Final = (0x00, 0x01, 0x07, 0x0A, 0x36, 0x54, 0x7C)
 """Registers that say what a count is worth."""
 _SG, _STST = 1 << 0, 1 << 7
 _OT, _OTPW, _OLA, _OLB = 1 << 1, 1 << 2, 1 << 5, 1 << 6
+_UV, _OCHS = 1 << 0, 1 << 7
+"""Of a TMC23x and TMC24x, whose high side sees a short to ground."""
 _SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
 _SWAPPED = ("kind", "lines", "single_turn_bits", "multi_turn_bits", "gray")
@@ -99,6 +102,8 @@ class FeedbackUnit:
         match address:
             case 0x00:
                 self._general(before, word)
+            case 0x04:
+                self._plant_changed()
             case 0x07:
                 if (before ^ word) >> 22 & 3:
                     n[c.PID_FRESH], n[c.CL_ISUM], n[c.CL_DUE] = 1, 0, 0
@@ -301,6 +306,17 @@ class FeedbackUnit:
         if scale != driver.words[SGCSCONF] & 31:
             driver.write(SGCSCONF << 17 | driver.words[SGCSCONF] & ~31 | scale)
 
+    @property
+    def flags_from_outside(self) -> int:
+        """Flags of the driver that follow from temperature, supply, shorts and coils, as STATUS 31:24 has them."""
+        return int(self._n[c.HOT])
+
+    def sent_by_itself(self, *, moving: bool, falling: bool) -> Sent | None:
+        """What the SPI output sends for the currents of now."""
+        n = self._n
+        a, b = (0, 0) if n[c.FREE] else (int(n[c.CURRENT_A_SPI]), int(n[c.CURRENT_B_SPI]))
+        return sent(self._word, a, b, int(n[c.SCALE]), moving=moving, falling=falling)
+
     # --- plant -------------------------------------------------------------------------------------
 
     @property
@@ -439,7 +455,12 @@ class FeedbackUnit:
         plant = self.plant
         self._hot = plant.temperature_c >= (OTPW_C if self._hot else OT_C)
         warm = plant.temperature_c >= OTPW_C
-        open_load = 0 if plant.motor_connected else _OLA | _OLB
-        self._n[c.HOT] = (_OT if self._hot else 0) | (_OTPW if warm else 0) | open_load | _SHORT[plant.short_to_ground]
+        flags = (0 if plant.motor_connected else _OLA | _OLB) | (_OT if self._hot else 0) | (_OTPW if warm else 0)
+        if self._word(0x04) & 15 in (c.TMC23X, c.TMC24X):
+            flags |= _UV if plant.supply_v < UNDERVOLTAGE_V else 0
+            flags |= _OCHS if plant.short_to_ground != "none" else 0
+        else:
+            flags |= _SHORT[plant.short_to_ground]
+        self._n[c.HOT] = flags
         self._bridges_changed()
         self._changed()

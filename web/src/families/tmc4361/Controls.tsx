@@ -37,6 +37,18 @@ function DriverBehind({ driver }: { driver: Schemas["DriverBehindState"] }) {
   );
 }
 
+/** What the SPI output sends by itself, as bits: a TMC23x, a TMC24x or a DAC takes its currents from there. */
+function SpiOutput({ output }: { output: Schemas["SpiOutputState"] }) {
+  return (
+    <>
+      <Divider label="SPI output" labelPosition="left" />
+      <Text size="xs" data-testid="spi-output">
+        {output.form}: <span className="num anywhere">{output.datagrams.join(", ")}</span>
+      </Text>
+    </>
+  );
+}
+
 /** The plant of an emulated TMC4361: what pulls at its shaft, its encoder, stage and pins; and how the rotor is. */
 export function Controls({ ...emulator }: ControlsProps) {
   const state = emulator.state as Tmc4361State;
@@ -78,6 +90,7 @@ export function Controls({ ...emulator }: ControlsProps) {
         ))}
       </div>
       {state.driver && <DriverBehind driver={state.driver} />}
+      {state.spi_output && <SpiOutput output={state.spi_output} />}
       <EmulatorTime state={state} send={send} />
       <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>
         <BridgesAt celsius={state.motor.temperature_c} send={send} />
