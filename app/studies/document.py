@@ -113,9 +113,36 @@ class FirstLook(Part):
     )
 
 
-What: TypeAlias = Annotated[FastestMove | FirstLook, Field(discriminator="kind")]
-Kind = Literal["fastest_move", "first_look"]
-TITLES: dict[Kind, str] = {"fastest_move": "Fastest move", "first_look": "First look"}
+class MicrostepCalibration(Part):
+    """A microstep table that makes up for the motor's angle error, as far as the chip's table can: by the encoder."""
+
+    kind: Literal["microstep_calibration"] = "microstep_calibration"
+    turns: Annotated[int, Field(strict=True, ge=1, le=10)] = Field(
+        default=1, description="of each run, there or back, to positions above [turns of the motor]"
+    )
+    velocity_rps: Annotated[float, Field(strict=True, ge=0.002, le=0.25, allow_inf_nan=False)] = Field(
+        default=0.05,
+        description="so slow that the load follows: four errors a full step have to stay far below its resonance "
+        "[turns of the motor a second]",
+    )
+    pairs: Annotated[int, Field(strict=True, ge=6, le=50)] = Field(
+        default=6, description="of the proof: there and back with the old table and with the new one, in turn"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.1, description="what makes the error less than this share smaller is no improvement"
+    )
+    keep: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="leave the new table set where it is shown to be better"
+    )
+
+
+What: TypeAlias = Annotated[FastestMove | FirstLook | MicrostepCalibration, Field(discriminator="kind")]
+Kind = Literal["fastest_move", "first_look", "microstep_calibration"]
+TITLES: dict[Kind, str] = {
+    "fastest_move": "Fastest move",
+    "first_look": "First look",
+    "microstep_calibration": "Microstep calibration",
+}
 Wanted = TypeVar("Wanted", bound=Part)
 
 

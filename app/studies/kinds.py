@@ -12,6 +12,8 @@ from .fastest_move import ranges as fastest_move
 from .fastest_move.study import FastestMoveStudy
 from .first_look import plan as first_look
 from .first_look.study import FirstLookStudy
+from .microstep_calibration import plan as microstep_calibration
+from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
 from .record import StudyRecord
 from .run import Keeper, StudyRun
@@ -46,5 +48,13 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         FastestMoveStudy,
         fastest_move.plan,
+    ),
+    "microstep_calibration": StudyKind(
+        "microstep_calibration",
+        "Microstep calibration",
+        "more exact: a microstep table that makes up for the motor's angle error, by the encoder",
+        POSITIONS,
+        MicrostepCalibrationStudy,
+        microstep_calibration.plan,
     ),
 }

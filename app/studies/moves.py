@@ -39,6 +39,17 @@ class MoveFigures:
     lost_fullsteps: float
 
 
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """A move as it was sampled [microsteps]; `time_s` from its command on. deviation : at rest, at its end."""
+
+    time_s: FloatArray
+    position: FloatArray
+    encoder: FloatArray
+    start: int
+    deviation: float
+
+
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
@@ -67,11 +78,25 @@ class MeasuredMoves:
     async def measured(self, target: int) -> MoveFigures:
         """Move to `target` and measure. Raises Failed where it does not arrive, BenchError."""
         before = await self.deviation()
+        found = await self.sampled(target, RATE_HZ)
+        off = (found.deviation - before) / self._microsteps
+        lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
+        scored = score(
+            found.time_s, float(target), found.position, found.encoder - before, self._band, float(target - found.start)
+        )
+        return MoveFigures(
+            time_s=None if lost else scored.settling_s,
+            deviation_fullsteps=scored.peak / self._microsteps,
+            lost_fullsteps=abs(lost),
+        )
+
+    async def sampled(self, target: int, rate_hz: float) -> Sampled:
+        """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""
         names = [f"position.{self._axis}", f"encoder_position.{self._axis}"]
         times: list[FloatArray] = []
         rows: list[FloatArray] = []
         self._failure = None
-        sampling = Sampling(self._device, names, RATE_HZ, self._clock, self._failed)
+        sampling = Sampling(self._device, names, rate_hz, self._clock, self._failed)
 
         def take() -> None:
             port = self._device.session.sampling_port
@@ -97,14 +122,7 @@ class MeasuredMoves:
             raise Failed("not one sample came")
         time_s = np.concatenate(times) - started.started_at_s
         commanded, encoder = np.concatenate(rows).T
-        off = (after - before) / self._microsteps
-        lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
-        found = score(time_s, float(target), commanded, encoder - before, self._band, float(target - start))
-        return MoveFigures(
-            time_s=None if lost else found.settling_s,
-            deviation_fullsteps=found.peak / self._microsteps,
-            lost_fullsteps=abs(lost),
-        )
+        return Sampled(time_s, commanded, encoder, start, after)
 
     async def deviation(self) -> float:
         """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""

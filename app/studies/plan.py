@@ -11,6 +11,7 @@ from pydantic import Field
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import BenchError, WrongState
+from ..profiles.capture import CapturedConfiguration
 from .families import ramp_of
 from .parts import Part
 from .ramp_settings import RampSpace, held_of
@@ -56,9 +57,10 @@ class Looked(Generic[Ground]):
 
 @dataclass(frozen=True, slots=True)
 class AxisNow:
-    """An axis as every study finds it. full_step, turn : [microsteps]."""
+    """An axis as every study finds it. held : what the device is set to; full_step, turn : [microsteps]."""
 
     space: RampSpace
+    held: CapturedConfiguration
     state: AxisState
     full_step: int
     turn: int
@@ -71,7 +73,8 @@ async def axis_now(device: Device, axis: int, missing: list[str]) -> AxisNow | N
     """
     device.session.require_connected()
     try:
-        space = RampSpace(device, axis, ramp_of(device), await held_of(device))
+        held = await held_of(device)
+        space = RampSpace(device, axis, ramp_of(device), held)
     except WrongState as error:
         missing.append(str(error))
         return None
@@ -82,7 +85,7 @@ async def axis_now(device: Device, axis: int, missing: list[str]) -> AxisNow | N
         return None
     if state.moving:
         missing.append("the axis moves: stop it first")
-    return AxisNow(space, state, *microsteps)
+    return AxisNow(space, held, state, *microsteps)
 
 
 async def planned(

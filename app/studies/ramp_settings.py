@@ -10,11 +10,12 @@ from dataclasses import dataclass, field
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration, axis_part, read_held
-from ..profiles.document import ProfileDocument, RegisterPart
+from ..profiles.document import ProfileDocument, Tables
 from ..profiles.items import Key, items_by_key, key_of
 from ..profiles.physical import UnitContext
 from ..registers.model import Register
 from .record import Held
+from .table_settings import parts_of
 
 SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
 UNITS = {SPEED: "pps", ACCELERATION: "pps^2", JERK: "pps^3"}
@@ -111,12 +112,14 @@ class RampSpace:
 
 def document_of(device: Device, registers: Sequence[Held], name: str) -> ProfileDocument:
     """A profile of these registers alone."""
+    plain, tables = parts_of(device.model, registers)
     return ProfileDocument(
         name=name,
         model=device.model,
         clock_hz=device.clock_hz,
         axes=[axis_part(axis.settings) for axis in device.axes],
-        registers=[RegisterPart(name=each.name, axis=each.axis, value=each.value) for each in registers],
+        registers=plain,
+        tables=Tables(mslut=tables or None),
     )
 
 

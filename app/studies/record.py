@@ -99,6 +99,69 @@ class TwinSetting(Part):
     time_s: float
 
 
+class AngleHarmonic(Part):
+    """The part sine * sin(order * angle) + cosine * cos(order * angle) of an error [deg]."""
+
+    order: int
+    sine_deg: float
+    cosine_deg: float
+    amplitude_deg: float
+    half_deg: float = Field(description="half the 95 % interval of sine and of cosine")
+
+
+class AngleFigures(Part):
+    """How far a motor stands from where it was told, over the electrical angle [deg electrical]."""
+
+    rms_deg: float
+    harmonics: list[AngleHarmonic]
+    shaft: list[AngleHarmonic] = Field(
+        description="once and twice a turn, of encoder or coupling [deg of the shaft]; not corrected"
+    )
+    friction_deg: float = Field(description="half of what is between both ways: friction, hysteresis")
+    friction_half_deg: float
+    residual_deg: float = Field(description="root mean square of what none of this explains")
+    periods: int = Field(description="electrical periods, of both ways")
+    curve_deg: list[float] = Field(description="mean of both ways, in equal steps over the electrical period")
+    both_ways_deg: list[float] = Field(description="half their difference there")
+
+
+class AnglePair(Part):
+    """The error with the old table and with the new one, root mean square [deg electrical]."""
+
+    baseline_deg: float
+    winner_deg: float
+    order: Literal["AB", "BA"]
+
+
+class AngleEffect(Part):
+    """The new table against the old one, by pairs. Differences are new less old [deg electrical]."""
+
+    pairs: int
+    baseline_deg: float
+    winner_deg: float
+    difference_deg: float
+    interval_deg: Interval
+    p: float = Field(description="of the paired test (Wilcoxon), two-sided")
+    significant: bool
+
+
+class MicrostepFigures(Part):
+    """What came of a microstep calibration."""
+
+    microsteps_per_deg: float = Field(description="of the axis, in a degree electrical")
+    before: AngleFigures
+    wave_before: list[int] = Field(description="quarter wave of the table, 256 values")
+    wave: list[int] | None = Field(default=None, description="of the new one; null: none could be better")
+    predicted_rms_deg: float | None = Field(default=None, description="what the new table was expected to leave")
+    predicted_deg: list[float] = Field(default_factory=list, description="the same over the electrical period")
+    beyond_rms_deg: float | None = Field(
+        default=None, description="what no table of a quarter wave can take away: what is between the phases"
+    )
+    after: AngleFigures | None = None
+    pairs: list[AnglePair] = Field(default_factory=list)
+    effect: AngleEffect | None = None
+
+
 class StudyRecord(Part):
     """A study and all that came of it."""
 
@@ -126,6 +189,7 @@ class StudyRecord(Part):
     improved: bool | None = Field(default=None, description="null: it did not come to a proof")
     verdict: str = ""
     findings: list[Finding] = Field(default_factory=list)
+    microsteps: MicrostepFigures | None = Field(default=None, description="of a microstep calibration")
     runs: int = 0
     way_fullsteps: float = 0.0
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")

@@ -77,3 +77,17 @@ def mark(x: float, y: float, state: str, title: str) -> str:
         return f"{shape}<title>{text(title)}</title></circle>"
     cross = f"M{x - 4:.1f} {y - 4:.1f}l8 8M{x + 4:.1f} {y - 4:.1f}l-8 8"
     return f'<path d="{cross}" stroke="{colour}" stroke-width="2"><title>{text(title)}</title></path>'
+
+
+def differences_plot(differences: Sequence[float], unit: str) -> str:
+    """New less old, pair by pair; nothing for a single pair."""
+    if len(differences) < 2:
+        return ""
+    x = PlotAxis(list(range(1, len(differences) + 1)), EDGE, WIDTH - 10)
+    y = PlotAxis([*differences, 0.0], HEIGHT - EDGE, 10)
+    zero = f'<path d="M{EDGE} {y.at(0):.1f}H{WIDTH - 10}" stroke="#868e96"/>'
+    marks = zero + "".join(
+        mark(x.at(index), y.at(value), "feasible", f"pair {index}: {plain(value, 4)} {unit}")
+        for index, value in enumerate(differences, 1)
+    )
+    return frame(x, y, "pair", f"difference [{unit}]", marks)

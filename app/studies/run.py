@@ -67,6 +67,12 @@ class StudyRun(Procedure):
         """How long it runs [s]."""
         return self.clock.now() - self._began_s
 
+    def spent(self, share: float = 1.0) -> bool:
+        """Whether a share of the time or the way that it may cost is used up."""
+        budget, record = self.record.document.budget, self.record
+        far = budget.distance_fullsteps is not None and record.way_fullsteps > share * budget.distance_fullsteps
+        return far or self.since_s > share * budget.time_s
+
     def tell(self, phase: Phase, progress: float, message: str, left_s: float | None = None) -> None:
         """How far it is, for whoever looks."""
         record = self.record

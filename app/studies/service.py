@@ -14,7 +14,6 @@ from ..devices.core.device import Device
 from ..errors import BenchError, WrongState
 from ..procedures.procedures import Procedures
 from ..profiles.capture import capture
-from ..profiles.document import ProfileDocument, RegisterPart
 from ..profiles.service import ProfileService
 from ..recording.service import RecordingService, axes_of, configuration_of
 from ..store.profiles import ProfileStore, SavedProfile
@@ -27,6 +26,7 @@ from .ramp_settings import document_of, held_of, value_now
 from .record import Held, StudyRecord
 from .run import StudyRun
 from .store import StudyStore
+from .table_settings import with_registers
 
 log = logging.getLogger("stepscope.studies")
 
@@ -268,21 +268,8 @@ class StudyService:
             except WrongState:
                 continue
             name = f"{device.name}: {'before' if which == 'baseline' else 'best of'} {record.document.title}"[:100]
-            document = _with(now, registers)
+            document = with_registers(now, registers)
             kept.append(await self._profile_store.add(name, f"study {study}", document.model_dump(mode="json")))
         if not kept:
             raise WrongState(f"study {study} has no setting to be kept", "its record tells what came of it")
         return kept
-
-
-def _with(document: ProfileDocument, registers: Sequence[Held]) -> ProfileDocument:
-    """A profile with these registers instead of its own."""
-    other = {(each.name, each.axis): each.value for each in registers}
-    parts = [
-        RegisterPart(name=part.name, axis=part.axis, value=other.pop((part.name, part.axis)), unit=part.unit)
-        if (part.name, part.axis) in other
-        else part
-        for part in document.registers
-    ]
-    parts += [RegisterPart(name=name, axis=axis, value=value) for (name, axis), value in other.items()]
-    return document.model_copy(update={"registers": parts})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...number_text import plain
 from ..record import Evidence, Figures, StudyRecord, Trial
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
+from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
 
 WORDS = {"feasible": "held", "infeasible": "lost steps", "pruned": "not tried", "failed": "failed"}
 
@@ -13,7 +13,8 @@ def sections(record: StudyRecord) -> list[str]:
     """Each with its heading."""
     parts = []
     if record.evidence is not None:
-        parts.append("<h2>How sure</h2>" + _evidence(record.evidence) + _pairs_plot(record))
+        differences = [(pair.winner_s - pair.baseline_s) * 1e3 for pair in record.pairs]
+        parts.append("<h2>How sure</h2>" + _evidence(record.evidence) + differences_plot(differences, "ms"))
     if record.baseline_setting and record.baseline_figures is not None:
         parts.append("<h2>Before and best</h2>" + _settings(record, record.trial(record.best)))
     if record.trials:
@@ -106,17 +107,3 @@ def _scatter(record: StudyRecord) -> str:
         for trial in tried
     )
     return frame(x, y, f"{first} [{record.units[first]}]", f"{second} [{record.units[second]}]", marks)
-
-
-def _pairs_plot(record: StudyRecord) -> str:
-    if len(record.pairs) < 2:
-        return ""
-    differences = [(pair.winner_s - pair.baseline_s) * 1e3 for pair in record.pairs]
-    x = PlotAxis(list(range(1, len(differences) + 1)), EDGE, WIDTH - 10)
-    y = PlotAxis([*differences, 0.0], HEIGHT - EDGE, 10)
-    zero = f'<path d="M{EDGE} {y.at(0):.1f}H{WIDTH - 10}" stroke="#868e96"/>'
-    marks = zero + "".join(
-        mark(x.at(index), y.at(value), "feasible", f"pair {index}: {plain(value, 4)} ms")
-        for index, value in enumerate(differences, 1)
-    )
-    return frame(x, y, "pair", "difference [ms]", marks)

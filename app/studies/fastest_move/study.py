@@ -178,7 +178,7 @@ class FastestMoveStudy(StudyRun):
             if not await searcher.open():
                 await searcher.first(self._ladder())
             passed = 0
-            while self._moved() < budget.trials and not self._spent(share=0.75) and passed < ASKED_FOR_ONE:
+            while self._moved() < budget.trials and not self.spent(share=0.75) and passed < ASKED_FOR_ONE:
                 tried = self._moved()
                 left = budget.trials - tried
                 each_s = self.since_s / max(1, tried) if tried else 0.0
@@ -198,11 +198,6 @@ class FastestMoveStudy(StudyRun):
 
     def _moved(self) -> int:
         return sum(trial.state != "pruned" for trial in self.record.trials)
-
-    def _spent(self, share: float = 1.0) -> bool:
-        budget = self.record.document.budget
-        far = budget.distance_fullsteps is not None and self.record.way_fullsteps > share * budget.distance_fullsteps
-        return far or self.since_s > share * budget.time_s
 
     def _ladder(self) -> list[dict[str, float]]:
         now, dimensions = self.record.baseline_setting, self._ranges.dimensions
@@ -357,7 +352,7 @@ class FastestMoveStudy(StudyRun):
         record.pairs, lost, runs = [], 0, 0
         self.keeper.mark(f"proof of trial {best.number}: {self._words(best.setting)}")
         for index in range(wanted.pairs):
-            if self._spent():
+            if self.spent():
                 break
             self.tell("proof", 0.75 + 0.25 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
             jitter = self._random.randrange(self._ranges.period)

@@ -2802,6 +2802,89 @@ export interface components {
              */
             phase_deg?: number;
         };
+        /**
+         * AngleEffect
+         * @description The new table against the old one, by pairs. Differences are new less old [deg electrical].
+         */
+        AngleEffect: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline Deg */
+            baseline_deg: number;
+            /** Winner Deg */
+            winner_deg: number;
+            /** Difference Deg */
+            difference_deg: number;
+            interval_deg: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Significant */
+            significant: boolean;
+        };
+        /**
+         * AngleFigures
+         * @description How far a motor stands from where it was told, over the electrical angle [deg electrical].
+         */
+        AngleFigures: {
+            /** Rms Deg */
+            rms_deg: number;
+            /** Harmonics */
+            harmonics: components["schemas"]["AngleHarmonic"][];
+            /**
+             * Shaft
+             * @description once and twice a turn, of encoder or coupling [deg of the shaft]; not corrected
+             */
+            shaft: components["schemas"]["AngleHarmonic"][];
+            /**
+             * Friction Deg
+             * @description half of what is between both ways: friction, hysteresis
+             */
+            friction_deg: number;
+            /** Friction Half Deg */
+            friction_half_deg: number;
+            /**
+             * Residual Deg
+             * @description root mean square of what none of this explains
+             */
+            residual_deg: number;
+            /**
+             * Periods
+             * @description electrical periods, of both ways
+             */
+            periods: number;
+            /**
+             * Curve Deg
+             * @description mean of both ways, in equal steps over the electrical period
+             */
+            curve_deg: number[];
+            /**
+             * Both Ways Deg
+             * @description half their difference there
+             */
+            both_ways_deg: number[];
+        };
+        /**
+         * AngleHarmonic
+         * @description The part sine * sin(order * angle) + cosine * cos(order * angle) of an error [deg].
+         */
+        AngleHarmonic: {
+            /** Order */
+            order: number;
+            /** Sine Deg */
+            sine_deg: number;
+            /** Cosine Deg */
+            cosine_deg: number;
+            /** Amplitude Deg */
+            amplitude_deg: number;
+            /**
+             * Half Deg
+             * @description half the 95 % interval of sine and of cosine
+             */
+            half_deg: number;
+        };
         /** AngleOrderOut */
         AngleOrderOut: {
             /** Order */
@@ -2810,6 +2893,21 @@ export interface components {
             amplitude_deg: number;
             /** Amplitude Microsteps */
             amplitude_microsteps: number;
+        };
+        /**
+         * AnglePair
+         * @description The error with the old table and with the new one, root mean square [deg electrical].
+         */
+        AnglePair: {
+            /** Baseline Deg */
+            baseline_deg: number;
+            /** Winner Deg */
+            winner_deg: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
         };
         /**
          * ApplicationState
@@ -8467,6 +8565,88 @@ export interface components {
              */
             moves: boolean;
         };
+        /**
+         * MicrostepCalibration
+         * @description A microstep table that makes up for the motor's angle error, as far as the chip's table can: by the encoder.
+         */
+        "MicrostepCalibration-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "microstep_calibration";
+            /**
+             * Turns
+             * @description of each run, there or back, to positions above [turns of the motor]
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Velocity Rps
+             * @description so slow that the load follows: four errors a full step have to stay far below its resonance [turns of the motor a second]
+             * @default 0.05
+             */
+            velocity_rps?: number;
+            /**
+             * Pairs
+             * @description of the proof: there and back with the old table and with the new one, in turn
+             * @default 6
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what makes the error less than this share smaller is no improvement
+             * @default 0.1
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new table set where it is shown to be better
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * MicrostepCalibration
+         * @description A microstep table that makes up for the motor's angle error, as far as the chip's table can: by the encoder.
+         */
+        "MicrostepCalibration-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "microstep_calibration";
+            /**
+             * Turns
+             * @description of each run, there or back, to positions above [turns of the motor]
+             * @default 1
+             */
+            turns: number;
+            /**
+             * Velocity Rps
+             * @description so slow that the load follows: four errors a full step have to stay far below its resonance [turns of the motor a second]
+             * @default 0.05
+             */
+            velocity_rps: number;
+            /**
+             * Pairs
+             * @description of the proof: there and back with the old table and with the new one, in turn
+             * @default 6
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what makes the error less than this share smaller is no improvement
+             * @default 0.1
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new table set where it is shown to be better
+             * @default false
+             */
+            keep: boolean;
+        };
         /** MicrostepDesign */
         MicrostepDesign: {
             /**
@@ -8510,6 +8690,47 @@ export interface components {
              * @default 6
              */
             usrs?: number;
+        };
+        /**
+         * MicrostepFigures
+         * @description What came of a microstep calibration.
+         */
+        MicrostepFigures: {
+            /**
+             * Microsteps Per Deg
+             * @description of the axis, in a degree electrical
+             */
+            microsteps_per_deg: number;
+            before: components["schemas"]["AngleFigures"];
+            /**
+             * Wave Before
+             * @description quarter wave of the table, 256 values
+             */
+            wave_before: number[];
+            /**
+             * Wave
+             * @description of the new one; null: none could be better
+             */
+            wave: number[] | null;
+            /**
+             * Predicted Rms Deg
+             * @description what the new table was expected to leave
+             */
+            predicted_rms_deg: number | null;
+            /**
+             * Predicted Deg
+             * @description the same over the electrical period
+             */
+            predicted_deg: number[];
+            /**
+             * Beyond Rms Deg
+             * @description what no table of a quarter wave can take away: what is between the phases
+             */
+            beyond_rms_deg: number | null;
+            after: components["schemas"]["AngleFigures"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["AnglePair"][];
+            effect: components["schemas"]["AngleEffect"] | null;
         };
         /** MicrostepMetrics */
         MicrostepMetrics: {
@@ -13613,7 +13834,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"];
+            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["MicrostepCalibration-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -13655,7 +13876,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"];
+            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["MicrostepCalibration-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -13675,7 +13896,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look";
+            kind: "fastest_move" | "first_look" | "microstep_calibration";
             /** Title */
             title: string;
             /** Device */
@@ -13714,7 +13935,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look";
+            kind: "fastest_move" | "first_look" | "microstep_calibration";
             /** Title */
             title: string;
             /** Purpose */
@@ -13905,6 +14126,8 @@ export interface components {
             verdict: string;
             /** Findings */
             findings: components["schemas"]["Finding"][];
+            /** @description of a microstep calibration */
+            microsteps: components["schemas"]["MicrostepFigures"] | null;
             /**
              * Runs
              * @default 0

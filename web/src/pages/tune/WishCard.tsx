@@ -6,7 +6,7 @@ import { Choice } from "../../lib/Choice";
 import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type AxisScale, scaleOf } from "../../lib/units";
-import { documentOf, type Forms, firstForms, KINDS, WISHES } from "./kinds";
+import { documentOf, type Forms, firstForms, KINDS, kindAsked, WISHES } from "./kinds";
 import type { Kind, Plan } from "./study";
 import { type Changes, usePlan } from "./useStudies";
 import { VIEWS } from "./views";
@@ -23,7 +23,7 @@ interface Props {
 export function WishCard({ device, axis, changes, busy }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const perTurn = scale.microstepsPerFullStep === null ? null : scale.microstepsPerFullStep * scale.fullStepsPerRev;
-  const [kind, setKind] = useState<Kind>("first_look");
+  const [kind, setKind] = useState<Kind>(() => kindAsked(window.location.search));
   const [forms, setForms] = useState<Forms>(() => firstForms(perTurn));
   const change = <K extends Kind>(of: K, part: Partial<Forms[K]>) =>
     setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));

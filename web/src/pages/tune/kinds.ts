@@ -1,18 +1,21 @@
 import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
 import type { KindForm } from "./kind";
+import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
 import type { Kind, Wish } from "./study";
 
 /** The form of each kind: what was typed stays when another one is looked at. */
 export interface Forms {
   first_look: FirstLookForm;
   fastest_move: FastestMoveForm;
+  microstep_calibration: MicrostepForm;
 }
 
 /** The studies, in the order of the choice. */
 export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   first_look: FIRST_LOOK,
   fastest_move: FASTEST_MOVE,
+  microstep_calibration: MICROSTEP_CALIBRATION,
 };
 
 export const WISHES = Object.entries(KINDS).map(([value, { label }]) => ({ value, label }));
@@ -22,12 +25,19 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
   return {
     first_look: FIRST_LOOK.first(microstepsPerTurn),
     fastest_move: FASTEST_MOVE.first(microstepsPerTurn),
+    microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
   };
 }
 
 /** The document of a study as the server wants it. */
 export function documentOf<K extends Kind>(kind: K, forms: Forms, device: string, axis: number): Wish {
   return { device, axis, ...KINDS[kind].wish(forms[kind]) };
+}
+
+/** The kind that a link asks for (`?kind=`); the first look where it asks for none. */
+export function kindAsked(search: string): Kind {
+  const asked = new URLSearchParams(search).get("kind") ?? "";
+  return Object.hasOwn(KINDS, asked) ? (asked as Kind) : "first_look";
 }
 
 /** Its name, or what it is. */

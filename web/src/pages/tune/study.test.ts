@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
-import { documentOf, firstForms } from "./kinds";
+import { documentOf, firstForms, kindAsked } from "./kinds";
+import { errorOf, harmonicsOf, type Microsteps, wavesOf } from "./microstepCalibration/curves";
 import { remedyOf, type Study } from "./study";
 
 type Trial = Study["trials"][number];
@@ -49,6 +50,57 @@ describe("a study on the page", () => {
       axis: 0,
       study: { kind: "first_look", turns: 1, travel_turns: 0 },
     });
+  });
+
+  it("asks for a calibration, whose form a link may open", () => {
+    const forms = firstForms(null);
+    expect(documentOf("microstep_calibration", forms, "slide", 0)).toEqual({
+      device: "slide",
+      axis: 0,
+      budget: { time_s: 3600 },
+      study: { kind: "microstep_calibration", turns: 1, velocity_rps: 0.05, pairs: 6, keep: false },
+    });
+    expect(kindAsked("?kind=microstep_calibration")).toBe("microstep_calibration");
+    expect(kindAsked("?kind=toString")).toBe("first_look");
+    expect(kindAsked("")).toBe("first_look");
+  });
+
+  it("draws the error of each measurement over the electrical angle, and harmonics that are more than noise", () => {
+    const harmonic = (order: number, amplitude: number) => ({
+      order,
+      sine_deg: amplitude,
+      cosine_deg: 0,
+      amplitude_deg: amplitude,
+      half_deg: 0.1,
+    });
+    const figures = (curve: number[], ...amplitudes: number[]) => ({
+      curve_deg: curve,
+      harmonics: amplitudes.map((amplitude, index) => harmonic(index + 1, amplitude)),
+    });
+    const found = {
+      before: figures([1, -1], 0.05, 2, 0.05),
+      predicted_deg: [0.1, -0.1],
+      after: null,
+      wave_before: [0, 1],
+      wave: null,
+    } as unknown as Microsteps;
+    expect(errorOf(found)).toEqual([
+      [90, 270],
+      [1, -1],
+      [0.1, -0.1],
+      [null, null],
+    ]);
+    expect(wavesOf(found)).toEqual([
+      [0, 1],
+      [0, 1],
+      [null, null],
+    ]);
+    expect(harmonicsOf(found)).toEqual([{ order: 2, before: 2, beforeHalf: 0.1, after: null, afterHalf: null }]);
+    const after = { ...found, after: figures([0, 0], 0.05, 0.05, 0.3) } as unknown as Microsteps;
+    expect(harmonicsOf(after).map(({ order, after: now }) => [order, now])).toEqual([
+      [2, 0.05],
+      [3, 0.3],
+    ]);
   });
 
   it("shows what held, what lost steps, and the best so far; what was not tried is left out", () => {

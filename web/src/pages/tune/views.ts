@@ -3,10 +3,13 @@ import { Results as FastestMoveResults } from "./fastestMove/Results";
 import { Fields as FirstLookFields } from "./firstLook/Fields";
 import type { KindView } from "./kind";
 import type { Forms } from "./kinds";
+import { Fields as MicrostepFields } from "./microstepCalibration/Fields";
+import { Results as MicrostepResults } from "./microstepCalibration/Results";
 import type { Kind } from "./study";
 
 /** What each kind of study shows on the page. */
 export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   first_look: { Fields: FirstLookFields, Results: null },
   fastest_move: { Fields: FastestMoveFields, Results: FastestMoveResults },
+  microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
 };

@@ -1,8 +1,9 @@
-import { Button, Center, SegmentedControl, Select } from "@mantine/core";
+import { Anchor, Button, Center, SegmentedControl, Select } from "@mantine/core";
 import { IconArrowsMoveVertical } from "@tabler/icons-react";
 import { type ReactNode, useCallback, useMemo, useState } from "react";
+import { Link } from "wouter";
 import type { Schemas } from "../../../api/client";
-import { type Device, useCatalog } from "../../../api/queries";
+import { can, type Device, useCatalog } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { optionsOf } from "../../../lib/choices";
 import { fixed } from "../../../lib/format";
@@ -155,6 +156,11 @@ export function MslutEditor({
                 data={optionsOf({ bend: "bend", point: "one entry", draw: "draw" })}
               />
               <UndoRedo drafting={drafting} />
+              {device && can(device, "encoder") && (
+                <Anchor size="sm" component={Link} href="/tune?kind=microstep_calibration">
+                  By the encoder
+                </Anchor>
+              )}
             </>
           }
         >

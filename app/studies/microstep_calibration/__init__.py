@@ -1,0 +1,1 @@
+"""The study that fits the microstep table to its motor."""
