@@ -36,6 +36,8 @@ POLL_S = 0.01
 """How often it is looked where they are [s]."""
 LOST_MAX = 3
 """Readings of an axis that may be lost one after another: a gap in its path."""
+OFF_LINE_STEPS, OFF_LINE_PART = 8, 0.002
+"""What an axis may be off the line without a word [microsteps], or of the longest way [-], whichever is more."""
 PATH_SAMPLES_MAX = 48_000
 """Samples kept of a line, of all axes on all legs."""
 GRACE_S = 2.0
@@ -66,6 +68,8 @@ class LegAxis:
     """How far it is from the line at the most [microsteps]."""
     position: list[float]
     """At the times of the leg."""
+    warnings: list[str]
+    """Why it cannot keep to the line any better, where that is far off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,6 +225,10 @@ def _leg(
     shares = [None if leg is None else _expected(leg)(times) / way for leg, way in zip(paced, ways, strict=True)]
     widest = max(range(len(ways)), key=lambda number: abs(ways[number]))
     line = shares[widest]
+    off = [
+        0.0 if share is None or line is None else float(np.abs((share - line) * way).max())
+        for share, way in zip(shares, ways, strict=True)
+    ]
     told = [
         LegAxis(
             device=one.device.id,
@@ -230,14 +238,23 @@ def _leg(
             velocity_pps=0.0 if leg is None else leg.velocity_pps,
             acceleration_pps2=0.0 if leg is None else leg.acceleration_pps2,
             duration_s=seconds,
-            off_line=0.0 if share is None or line is None else float(np.abs((share - line) * way).max()),
+            off_line=far,
             position=(np.full(SAMPLES, float(at)) if share is None else at + share * way).tolist(),
+            warnings=_warnings(leg, far, abs(ways[widest])),
         )
-        for one, at, way, leg, seconds, share in zip(axes, here, ways, paced, durations, shares, strict=True)
+        for one, at, way, leg, seconds, share, far in zip(axes, here, ways, paced, durations, shares, off, strict=True)
     ]
     gone = [seconds for seconds in durations if seconds]
     spread_s = max(gone) - min(gone) if gone else 0.0
     return _Leg(Leg(longest_s, spread_s, times.tolist(), tuple(told)), tuple(paced), tuple(there))
+
+
+def _warnings(leg: PacedLeg | None, off_line: float, longest: int) -> list[str]:
+    """What there is to say of an axis so far off the line [microsteps], where the longest way is so long."""
+    if leg is None or off_line <= max(OFF_LINE_STEPS, OFF_LINE_PART * longest):
+        return []
+    why = "; ".join(leg.shortcomings) or "its ramp has another shape than that of the longest way"
+    return [f"{off_line:.3g} microsteps off the line at the most: {why}"]
 
 
 def _speed_for(duration_s: float, slope: float) -> float:

@@ -8,12 +8,19 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from app.errors import BenchError, LinkTimeout, OutOfRange, UsageError, WrongState
+from app.devices.core.capabilities import LinePace
+from app.devices.core.config import DeviceConfig
+from app.errors import BenchError, CannotMove, LinkTimeout, OutOfRange, UsageError, WrongState
 from app.procedures.straight_line import LOST_MAX, LineAxis, LineState, plan_line
 from app.registers.catalog import MODELS
 from tests.procedures.test_start_together import Bench, bench
 
-CHIPS = [("tmc4361", "tmc4361", "tmc4361"), ("tmc5160", "tmc5072", "tmc4361")]
+CHIPS = [
+    ("tmc4361", "tmc4361", "tmc4361"),
+    ("tmc5160", "tmc5072", "tmc4361"),
+    ("tmc429", "tmc4361", "tmc4210"),
+    ("tmc428", "tmc428", "tmc5160"),
+]
 
 
 def axes_of(b: Bench, names: str) -> list[LineAxis]:
@@ -177,7 +184,8 @@ async def test_a_stop_of_one_stops_all(stopped: str) -> None:
 
 
 async def test_what_makes_no_line_is_refused_before_anything_is_written() -> None:
-    async with bench("tmc4361", "tmc5160", "tmc428") as b:
+    async with bench("tmc4361", "tmc5160") as b:
+        await b.manager.add(DeviceConfig("c", "tmc2209", {"kind": "emulator"}))
         two, sent = axes_of(b, "ab"), len(b.port("a").frames)
         for axes, points, error in (
             ([], [[1]], UsageError),
@@ -204,3 +212,68 @@ async def test_a_plan_alone_keeps_nothing_in_mind() -> None:
         await b.procedures.start_line(axes, [[500]], [])
         assert (await gone(b)).state == "done"
         assert await ramp_of(b, "a") == before
+
+
+TICKED = ("pulse_div_ramp_div_usrs", "v_min", "v_max", "a_max", "pmul_pdiv", "lp_ref_conf_rm")
+
+
+async def ticked_ramp(b: Bench, name: str, axis: int = 0) -> dict[str, int]:
+    registers = b.device(name).registers
+    return {register: (await registers.read(register, axis)).value for register in TICKED}
+
+
+@pytest.mark.parametrize("soft", [False, True])
+async def test_a_ramp_of_pmul_and_pdiv_is_borrowed_and_given_back(soft: bool) -> None:
+    async with bench("tmc428", "tmc4361") as b:
+        axes = [LineAxis(b.device("a"), 1), *axes_of(b, "b")]
+        if soft:
+            await b.device("a").registers.write("lp_ref_conf_rm", 1, None, {"rm": 1})
+        before = await ticked_ramp(b, "a", 1)
+        plan, _ = await plan_line(axes, [[5000, 3000], [400, -200]], 0.3)
+        assert max(axis.off_line for leg in plan.legs for axis in leg.axes) < 8
+        await b.procedures.start_line(axes, [[5000, 3000], [400, -200]], [], pace=0.3)
+        await b.clock.advance(0.1)
+        assert await ticked_ramp(b, "a", 1) != before
+        state = await gone(b)
+        assert state.state == "done", state
+        assert state.off_line is not None
+        assert state.off_line < 8 + (state.off_line_uncertainty or 0)
+        assert await ticked_ramp(b, "a", 1) == before
+
+
+async def test_a_stop_gives_back_a_ramp_of_pmul_and_pdiv_and_moves_nothing() -> None:
+    async with bench("tmc429", "tmc4361") as b:
+        before = await ticked_ramp(b, "a")
+        await b.procedures.start_line(axes_of(b, "ab"), [[40_000, 20_000]], [])
+        for _ in range(10):
+            await b.clock.advance(0.05)
+        stop = asyncio.create_task(b.manager.stop_axis(b.device("a"), 0))
+        assert (await gone(b)).state == "aborted"
+        assert stop.result().ok
+        at = (await b.device("a").monitor.axis_state(0)).position
+        assert 0 < at < 40_000
+        await b.clock.advance(2.0)
+        assert (await b.device("a").monitor.axis_state(0)).position == at
+        held = await ticked_ramp(b, "a")
+        assert {name: held[name] for name in TICKED[:-1]} == {name: before[name] for name in TICKED[:-1]}
+        await b.procedures.start_line(
+            axes_of(b, "ab"), [[at + 3000, 0]], []
+        )  # from velocity mode, where the stop left it
+        assert (await gone(b)).state == "done"
+
+
+async def test_what_keeps_a_chip_from_the_line_is_told_with_its_figure() -> None:
+    async with bench("tmc4361", "tmc428") as b:
+        await b.device("b").registers.write("v_min", 0, 600)
+        plan, _ = await plan_line(axes_of(b, "ab"), [[4000, 4000]], 0.5)
+        first, second = plan.legs[0].axes
+        assert not first.warnings
+        (said,) = second.warnings
+        assert "microsteps off the line at the most: " in said
+        assert "it starts and stops at v_min" in said
+        assert second.off_line > 8
+        with pytest.raises(UsageError, match=r"0\.001 pps is below 0\.0298023 pps, v_max 1 with pulse_div 13"):
+            b.device("b").need(LinePace).paced(0, 100, 1e-3, 1.0)
+        await b.device("b").registers.write("v_max", 0, 0)
+        with pytest.raises(CannotMove, match="v_max is 0"):
+            await plan_line(axes_of(b, "ab"), [[4000, 4000]])

@@ -126,6 +126,7 @@ class LegAxis(Answer):
     duration_s: float
     off_line: float = Field(description="how far it is from the line at the most [microsteps]")
     position: list[float] = Field(description="at the times of the leg [microsteps]")
+    warnings: list[str] = Field(description="why it cannot keep to the line any better, where that is far off")
 
 
 class Leg(Answer):

@@ -18,9 +18,8 @@ from .pmul_pdiv_table import default_reduction, design_many
 
 FloatArray = NDArray[np.float64]
 
-# Rounding errors of this much are not worth dividers further apart, which brake less exactly.
-_GOOD_VELOCITY_ERROR = 0.005
-_GOOD_ACCELERATION_ERROR = 0.03
+# Rounding errors of this much of speed and acceleration are not worth dividers further apart, which brake less exactly.
+_GOOD_ERRORS = 0.005, 0.03
 # More than this is said as a warning.
 _LARGE_ERROR = 0.02
 
@@ -74,6 +73,7 @@ def inverse(
     velocity_unit: str = "pps",
     acceleration_unit: str = "pps^2",
     reduction: float | None = None,
+    good_errors: tuple[float, float] = _GOOD_ERRORS,
 ) -> RegisterSuggestion:
     """Registers for a wanted highest speed and acceleration.
 
@@ -85,11 +85,12 @@ def inverse(
         speed; else, and for a TMC4210, the microsteps are those of `mechanics`.
     clock_hz : above 0 [Hz]
     reduction : as in `design`
+    good_errors : of speed and acceleration, which are small [-]
 
-    All results lie within the limits of a_max (DS-TMC428 8.7.1). Among those with small rounding errors (0.5 % of the
-    speed, 3 % of the acceleration) the dividers that differ by one at most, where any a_max is safe, come first,
-    then those that differ least; among these the largest v_max and a_max, which is the finest resolution. Where no
-    error is small, the smallest.
+    All results lie within the limits of a_max (DS-TMC428 8.7.1). Among those with small rounding errors (by default
+    0.5 % of the speed, 3 % of the acceleration) the dividers that differ by one at most, where any a_max is safe, come
+    first, then those that differ least; among these the largest v_max and a_max, which is the finest resolution. Where
+    no error is small, the smallest.
 
     Raises ValueError for values or units out of range, and, naming the limit, where the registers cannot do it.
     """
@@ -115,7 +116,7 @@ def inverse(
         if not search.fits_limits.any():
             refusals.append(_refusal(rate, slope, clock_hz, search, usrs))
             continue
-        error, found = _best(search, moved, usrs, rate, slope, part)
+        error, found = _best(search, moved, usrs, rate, slope, part, good_errors)
         if error <= 1:
             return found
         if fallback is None or error < fallback[0]:
@@ -164,13 +165,18 @@ def _search(rate: float, slope: float, clock_hz: float, reduction: float) -> _Se
 
 
 def _best(
-    search: _Search, mechanics: Mechanics, usrs: int | None, rate: float, slope: float, reduction: float
+    search: _Search,
+    mechanics: Mechanics,
+    usrs: int | None,
+    rate: float,
+    slope: float,
+    reduction: float,
+    good_errors: tuple[float, float],
 ) -> tuple[float, RegisterSuggestion]:
     """The best dividers of `search`, which has some, and the larger of their two errors; 1 is just small enough."""
     pulse_div, ramp_div = np.nonzero(search.fits_limits)
     errors = np.maximum(
-        np.abs(search.velocity_error) / _GOOD_VELOCITY_ERROR,
-        np.abs(search.acceleration_error) / _GOOD_ACCELERATION_ERROR,
+        np.abs(search.velocity_error) / good_errors[0], np.abs(search.acceleration_error) / good_errors[1]
     )
     error = errors[pulse_div, ramp_div]
     apart = np.maximum(np.abs(ramp_div - pulse_div), 1)

@@ -463,7 +463,7 @@ class LinePace(Protocol):
     def paced(self, axis: int, way: int, velocity_pps: float, acceleration_pps2: float, /) -> PacedLeg:
         """A move by `way` [microsteps], not 0, with these; after `pace_limits`. Asks nothing of the chip.
 
-        Raises OutOfRange for what its registers cannot hold.
+        Raises UsageError for what its registers cannot hold.
         """
         ...
 

@@ -26,3 +26,5 @@ class PacedLeg:
     velocity_pps: float
     acceleration_pps2: float
     plan: Plan
+    shortcomings: tuple[str, ...] = ()
+    """What keeps the registers from that speed and acceleration, with figures: said where it leaves the line."""

@@ -30,6 +30,7 @@ from .limits import RampRules
 from .memory import RampMemory
 from .monitor import RampMonitor
 from .moves import RampMotion
+from .pace import Pace
 from .prediction import TickedBook
 from .ram import Ram
 from .raw import RawDatagrams32
@@ -118,6 +119,7 @@ def compose(
             switching,
             interrupts,
             RampStream(link, memory, books),
+            Pace(link, memory, registers),
             *(part for part in (ram, cover) if part is not None),
         ),
     )

@@ -7893,6 +7893,11 @@ export interface components {
              * @description at the times of the leg [microsteps]
              */
             position: number[];
+            /**
+             * Warnings
+             * @description why it cannot keep to the line any better, where that is far off
+             */
+            warnings: string[];
         };
         /** LegPath */
         LegPath: {

@@ -226,7 +226,14 @@ function Plan({ plan, path, names }: PlanProps) {
               // biome-ignore lint/suspicious/noArrayIndexKey: a leg is its place on the way
               <Table.Tr key={`${number} ${axis.device}/${axis.axis}`}>
                 {several && <Table.Td>{number + 1}</Table.Td>}
-                <Table.Td>{title(axis)}</Table.Td>
+                <Table.Td>
+                  {title(axis)}
+                  {axis.warnings.map((warning) => (
+                    <Text key={warning} size="xs" className="caution">
+                      {warning}
+                    </Text>
+                  ))}
+                </Table.Td>
                 <Table.Td className="right">{fixed(axis.velocity_pps)} pps</Table.Td>
                 <Table.Td className="right">{duration(axis.duration_s)}</Table.Td>
                 <Table.Td className="right">{compact(axis.off_line, 2)} µsteps</Table.Td>
