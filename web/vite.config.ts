@@ -97,7 +97,7 @@ export default defineConfig({
   },
   // The server answers pages of its own host only: so Host stays what the page's Origin says.
   server: {
-    proxy: { "/api": { target: api, ws: true, changeOrigin: false } },
+    proxy: { "/api": { target: api, ws: true, changeOrigin: false }, "/help": { target: api } },
     fs: { allow: [".", "../tests/telemetry"] }, // the frame that the tests of both sides read
   },
   // One page for all files, as in a browser: a page and all modules anew for each file was nine tenths of the work.

@@ -121,7 +121,7 @@ def make_app(bench: ServerState, lifespan: Lifespan, urgent: Callable[[], Abstra
     app.state.allowed_methods = openapi.allowed_methods(app)
     app.router.routes.extend(ROUTES)
     # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
-    app.router.default = TwinProxy(bench.twin, otherwise=WebUi(bench.settings.web_dir))
+    app.router.default = TwinProxy(bench.twin, otherwise=WebUi(bench.settings.web_dir, bench.settings.help_dir))
     problems.install(app)
     policies = Policies(app, BASE)
     openapi.customise(app, policies)

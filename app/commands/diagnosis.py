@@ -92,13 +92,16 @@ def _version_of(extra: str, module: str) -> str:
 
 
 def page(settings: Settings) -> Iterator[Finding]:
-    """Whether the browser UI is there."""
+    """Whether the browser UI and the help are there."""
     if (settings.web_dir / "index.html").is_file():
         yield Finding("page", "well", str(settings.web_dir))
     else:
         yield Finding(
             "page", "wrong", f"{settings.web_dir} has no page", "install the wheel, or `make web` in a checkout"
         )
+    if not (settings.help_dir / "index.html").is_file():
+        cure = "install the wheel, or `make help-site` in a checkout"
+        yield Finding("help", "wrong", f"{settings.help_dir} has no help", cure)
 
 
 def directory(settings: Settings) -> Iterator[Finding]:

@@ -37,7 +37,11 @@ def settings(tmp_path: Path) -> Settings:
     (web / "index.html").write_text("<!doctype html><title>the page</title>")
     (web / "assets" / "index-abc123.js").write_text("// script")
     (web / "favicon.svg").write_text("<svg/>")
-    return Settings(data_dir=tmp_path / "data", web_dir=web, body_limit_bytes=100_000)
+    help_site = tmp_path / "help"
+    (help_site / "how").mkdir(parents=True)
+    (help_site / "index.html").write_text("<!doctype html><title>the help</title>")
+    (help_site / "how" / "ramp.html").write_text("<!doctype html><title>ramps</title>")
+    return Settings(data_dir=tmp_path / "data", web_dir=web, help_dir=help_site, body_limit_bytes=100_000)
 
 
 @pytest.fixture

@@ -121,3 +121,34 @@ async def test_without_a_built_page_it_says_how_to_build_it(tmp_path: Path) -> N
         assert answer.status_code == 503
         assert "make run" in answer.text
         assert (await client.get("/api/v1/health")).json()["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    ("path", "title"), [("/help/", "the help"), ("/help/index.html", "the help"), ("/help/how/ramp.html", "ramps")]
+)
+async def test_the_help_stands_beside_the_page(pages: httpx.AsyncClient, path: str, title: str) -> None:
+    answer = await pages.get(path)
+    assert (answer.status_code, title in answer.text) == (200, True)
+    assert answer.headers["cache-control"] == "no-cache"
+    assert "script-src 'self';" in answer.headers["content-security-policy"]
+
+
+async def test_the_help_is_a_folder(pages: httpx.AsyncClient) -> None:
+    answer = await pages.get("/help", follow_redirects=False)
+    assert (answer.status_code, answer.headers["location"]) == (307, "/help/")
+
+
+@pytest.mark.parametrize(
+    "path", ["/help/none.html", "/help/how", "/help/../web/index.html", "/help/%2e%2e/web/favicon.svg"]
+)
+async def test_no_page_of_the_help_is_told(pages: httpx.AsyncClient, path: str) -> None:
+    answer = await pages.get(path)
+    assert answer.status_code == 404 or "the page" in answer.text  # clients take .. out of a path themselves
+
+
+async def test_help_that_was_not_built_says_how_it_is(tmp_path: Path) -> None:
+    app = create_app(Settings(data_dir=tmp_path, web_dir=tmp_path, help_dir=tmp_path / "nothing", demo=False))
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1:8000") as client:
+        answer = await client.get("/help/")
+    assert answer.status_code == 503
+    assert "make run" in answer.text

@@ -1,4 +1,4 @@
-"""The built browser UI: files, the page for every route of the client, and what to do where it is missing."""
+"""What was built for the browser: the files of the UI, its page for every route of the client, and the help."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from starlette.exceptions import HTTPException
-from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocketClose
@@ -40,6 +40,12 @@ REVALIDATED = "no-cache"
 GZIP = ".gz"
 """What the build has packed lies beside its file, under its name and this (`scripts/web.py`)."""
 
+HELP = "/help"
+
+MISSING_HELP = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepscope help</title>
+<body><h1>The help was not built</h1>
+<p>Nothing was found in <code>{directory}</code>. <code>make run</code> builds it; an installed wheel always has it.</p>
+"""
 MISSING = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepscope</title>
 <body><h1>stepscope runs, its web page was not built</h1>
 <p>Nothing was found in <code>{directory}</code>. <code>make run</code> builds it; with hot reload:
@@ -48,11 +54,48 @@ MISSING = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepsco
 """
 
 
+class BuiltFiles:
+    """The files of a folder, packed where the reader takes that, and sent once while they stay the same."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory.resolve()
+
+    def find(self, path: str) -> Path | None:
+        """The file under the directory that `path` names, or None; `..` and links never lead out."""
+        if "\0" in path:
+            return None
+        try:
+            found = (self.directory / path.lstrip("/")).resolve()
+            inside = found.is_relative_to(self.directory)
+            return found if inside and found.is_file() else None
+        except OSError:  # names longer than the file system takes
+            return None
+
+    def send(self, path: str, found: Path, cache: str, scope: Scope) -> Response:
+        """The answer that carries `found`, which lies at `path`."""
+        headers = {**HEADERS, "cache-control": cache}
+        kind = mimetypes.guess_type(found.name)[0] or "application/octet-stream"
+        packed = self.find(path + GZIP)
+        if packed is not None:
+            headers["vary"] = "Accept-Encoding"
+            if _takes_gzip(scope):
+                # Of another length and time than the plain file, so with another ETag.
+                headers["content-encoding"] = "gzip"
+                found = packed
+        response = FileResponse(found, stat_result=os.stat(found), media_type=kind, headers=headers)
+        return NotModifiedResponse(response.headers) if _unchanged(response, scope) else response
+
+    def missing(self, page: str) -> Response:
+        """The answer where nothing was built."""
+        text = page.format(directory=html.escape(str(self.directory)))
+        return HTMLResponse(text, 503, headers={**HEADERS, "cache-control": "no-store"})
+
+
 class WebUi:
     """ASGI application behind the API's routes: whatever these do not know comes here."""
 
-    def __init__(self, directory: Path) -> None:
-        self._directory = directory.resolve()
+    def __init__(self, ui: Path, help_site: Path) -> None:
+        self._ui, self._help = BuiltFiles(ui), BuiltFiles(help_site)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
@@ -63,45 +106,29 @@ class WebUi:
             raise HTTPException(404, "no such call")
         if scope["method"] not in ("GET", "HEAD"):
             raise HTTPException(405, headers={"Allow": "GET, HEAD"})
-        response = self._response(path, _takes_gzip(scope))
-        if isinstance(response, FileResponse) and _unchanged(response, scope):
-            response = NotModifiedResponse(response.headers)
+        is_help = path == HELP or path.startswith(f"{HELP}/")
+        response = self._help_page(path.removeprefix(HELP), scope) if is_help else self._page(path, scope)
         await response(scope, receive, send)
 
-    def _response(self, path: str, gzip: bool) -> Response:
-        found = self._file(path)
+    def _page(self, path: str, scope: Scope) -> Response:
+        found = self._ui.find(path)
         if found is not None:
-            return self._send(path, found, HASHED if path.startswith("/assets/") else REVALIDATED, gzip)
+            return self._ui.send(path, found, HASHED if path.startswith("/assets/") else REVALIDATED, scope)
         if "." in path.rpartition("/")[2]:
             raise HTTPException(404, "no such file")
-        index = self._file("/index.html")
-        if index is None:
-            page = MISSING.format(directory=html.escape(str(self._directory)))
-            return HTMLResponse(page, 503, headers={**HEADERS, "cache-control": "no-store"})
-        return self._send("/index.html", index, REVALIDATED, gzip)
+        index = self._ui.find("/index.html")
+        return self._ui.missing(MISSING) if index is None else self._ui.send("/index.html", index, REVALIDATED, scope)
 
-    def _file(self, path: str) -> Path | None:
-        """The file under the directory that `path` names, or None; `..` and links never lead out."""
-        if "\0" in path:
-            return None
-        try:
-            found = (self._directory / path.lstrip("/")).resolve()
-            inside = found.is_relative_to(self._directory)
-            return found if inside and found.is_file() else None
-        except OSError:  # names longer than the file system takes
-            return None
-
-    def _send(self, path: str, found: Path, cache: str, gzip: bool) -> FileResponse:
-        headers = {**HEADERS, "cache-control": cache}
-        kind = mimetypes.guess_type(found.name)[0] or "application/octet-stream"
-        packed = self._file(path + GZIP)
-        if packed is not None:
-            headers["vary"] = "Accept-Encoding"
-            if gzip:
-                # Of another length and time than the plain file, so with another ETag.
-                headers["content-encoding"] = "gzip"
-                found = packed
-        return FileResponse(found, stat_result=os.stat(found), media_type=kind, headers=headers)
+    def _help_page(self, path: str, scope: Scope) -> Response:
+        if path == "":  # links of its pages count from the folder
+            return RedirectResponse(f"{HELP}/", headers=HEADERS)
+        path = f"{path}index.html" if path.endswith("/") else path
+        found = self._help.find(path)
+        if found is not None:
+            return self._help.send(path, found, REVALIDATED, scope)
+        if self._help.find("/index.html") is None:
+            return self._help.missing(MISSING_HELP)
+        raise HTTPException(404, f"no such page: {HELP}/ has the list")
 
 
 def _takes_gzip(scope: Scope) -> bool:
@@ -113,6 +140,6 @@ def _takes_gzip(scope: Scope) -> bool:
     return weights.get("gzip", weights.get("*", "0")).strip("0.") != ""
 
 
-def _unchanged(response: Response, scope: Scope) -> bool:
+def _unchanged(response: FileResponse, scope: Scope) -> bool:
     tags = next((value.decode("latin-1") for key, value in scope["headers"] if key == b"if-none-match"), "")
     return response.headers["etag"] in [tag.strip().removeprefix("W/") for tag in tags.split(",")]

@@ -1,5 +1,6 @@
 import { Group, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
+import { IconHelpCircle } from "@tabler/icons-react";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
@@ -21,6 +22,9 @@ import { StartUp } from "./StartUp";
 import { StopAll } from "./StopAll";
 import classes from "./shell.module.css";
 import { useAbilities } from "./useAbilities";
+
+/** In a tab of its own: what moves goes on being watched. */
+const HELP = "/help/";
 
 /** The frame of every page: pages on the left (on a phone below), the selected axis above, stop always in reach. */
 export function Shell({ children }: PropsWithChildren) {
@@ -79,6 +83,10 @@ export function Shell({ children }: PropsWithChildren) {
             {label}
           </Link>
         ))}
+        <a href={HELP} target="_blank" className={`${classes.link} lit row gap-8 text-14`}>
+          <IconHelpCircle size={18} stroke={1.6} aria-hidden />
+          Help
+        </a>
       </nav>
       <main id="main" tabIndex={-1} className={classes.main}>
         <ConnectionBanner />
@@ -101,6 +109,10 @@ export function Shell({ children }: PropsWithChildren) {
               {short}
             </Link>
           ))}
+          <a href={HELP} target="_blank" className={`${classes.tab} row hint gap-2`}>
+            <IconHelpCircle size={20} stroke={1.6} aria-hidden />
+            Help
+          </a>
         </nav>
       </footer>
     </>

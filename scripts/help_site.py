@@ -1,0 +1,176 @@
+"""Builds the help: docs/ and the reference made of tables -> app/_help, skipped while the sources are unchanged.
+
+    python scripts/help_site.py build [--force]
+
+Needs the generator of the site, and what `reference_pages.py` needs; installs the first into our own .venv where it is
+missing. Warnings (a link to nowhere, a page that no menu names) are errors.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import importlib.util
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCS = ROOT / "docs"
+TARGET = ROOT / "app" / "_help"
+STAMP = "build.json"  # inside TARGET: the hash of the sources that it was built from
+SOURCES = (
+    "docs",
+    "app/registers",
+    "app/cli.py",
+    "app/commands",
+    "app/client/blocking.py",
+    "web/src/api/openapi.json",
+    "web/public/favicon.svg",
+    "scripts/help_site.py",
+    "scripts/reference_pages.py",
+)
+GENERATOR = "zensical>=0.0.73,<0.1"
+NEEDS = ("pydantic", "pydantic-settings", "platformdirs", "typer")
+"""Of stepscope's own dependencies those that the reference is made with."""
+
+PACKED = {".css", ".html", ".js", ".json", ".svg"}
+WORTH_PACKING_BYTES = 1000
+NOT_FOR_READERS = re.compile(r"<!-- do\n.*?-->\n|^# not run: .*\n", re.DOTALL | re.MULTILINE)
+"""What tutorials mean to the test that does them (`tests/e2e/tutorials.py`)."""
+SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
+
+
+class HelpBuildError(Exception):
+    """The help cannot be built here; the text says why and what to do."""
+
+
+def is_there() -> bool:
+    """Tell whether the sources of the help are in this tree."""
+    return (DOCS / "zensical.toml").is_file()
+
+
+def is_fresh() -> bool:
+    """Tell whether app/_help was built from the sources as they are now."""
+    try:
+        stamp: object = json.loads((TARGET / STAMP).read_text())
+    except (OSError, ValueError):
+        return False
+    return isinstance(stamp, dict) and stamp.get("sources") == sources_hash()
+
+
+def sources_hash() -> str:
+    """Return a hash over names and contents of all that the help is made of."""
+    digest = hashlib.sha256()
+    for path in _sources():
+        digest.update(path.relative_to(ROOT).as_posix().encode())
+        digest.update(b"\0")
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _sources() -> Iterator[Path]:
+    for name in SOURCES:
+        place = ROOT / name
+        found = sorted(place.rglob("*")) if place.is_dir() else [place]
+        yield from (path for path in found if path.is_file() and "__pycache__" not in path.parts)
+
+
+def build(*, force: bool = False) -> bool:
+    """Build the help into app/_help; False if it was fresh already. Raises HelpBuildError."""
+    if not is_there():
+        raise HelpBuildError("docs/zensical.toml is not in this tree: nothing to build")
+    if not force and is_fresh():
+        return False
+    sources = sources_hash()
+    _require_generator()
+    print("building the help", flush=True)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shutil.copytree(DOCS, folder / "docs", ignore=shutil.ignore_patterns("zensical.toml", "__pycache__"))
+        shutil.copy(DOCS / "zensical.toml", folder)
+        shutil.copy(ROOT / "web" / "public" / "favicon.svg", folder / "docs" / "assets")
+        for page in (folder / "docs").rglob("*.md"):
+            page.write_text(NOT_FOR_READERS.sub("", page.read_text()))
+        _run([str(ROOT / "scripts" / "reference_pages.py"), str(folder / "docs" / "reference")], ROOT)
+        _run(["-m", "zensical", "build", "--strict"], folder)
+        (folder / "site" / "404.html").unlink()  # the server says by itself what is not there
+        _scripts_to_files(folder / "site")
+        _replace(folder / "site", TARGET, sources)
+    return True
+
+
+def _require_generator() -> None:
+    if importlib.util.find_spec("zensical") is not None:
+        return
+    if Path(sys.prefix) != ROOT / ".venv":
+        raise HelpBuildError(f'the help is built with zensical: `pip install "{GENERATOR}"` in this environment')
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), GENERATOR], check=True)
+
+
+def _run(arguments: Sequence[str], folder: Path) -> None:
+    command = [sys.executable, *arguments]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
+    )
+    if done.returncode:
+        said = f"{done.stdout}{done.stderr}"
+        raise HelpBuildError(f"python {' '.join(arguments)} ended with code {done.returncode}:\n{said}")
+
+
+def _scripts_to_files(site: Path) -> None:
+    """Move the scripts inside of pages into files: our pages run none that stands in them."""
+    scripts = site / "assets" / "inline"
+    scripts.mkdir()
+    for page in sorted(site.rglob("*.html")):
+        up = "../" * (len(page.relative_to(site).parts) - 1)
+
+        def to_file(found: re.Match[str], up: str = up) -> str:
+            name = hashlib.sha256(found[1].encode()).hexdigest()[:16] + ".js"
+            (scripts / name).write_text(found[1])
+            return f'<script src="{up}assets/inline/{name}"></script>'
+
+        page.write_text(SCRIPT.sub(to_file, page.read_text()))
+
+
+def _replace(built: Path, target: Path, sources: str) -> None:
+    # Beside and renamed, so that a running server never serves half a page.
+    fresh, old = target.with_name(target.name + ".new"), target.with_name(target.name + ".old")
+    for leftover in (fresh, old):
+        shutil.rmtree(leftover, ignore_errors=True)
+    shutil.copytree(built, fresh)
+    for path in sorted(fresh.rglob("*")):
+        if path.suffix in PACKED and path.stat().st_size >= WORTH_PACKING_BYTES:
+            path.with_name(path.name + ".gz").write_bytes(gzip.compress(path.read_bytes(), compresslevel=9, mtime=0))
+    (fresh / STAMP).write_text(json.dumps({"sources": sources}, indent=1) + "\n")
+    if target.exists():
+        target.rename(old)
+    fresh.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one command of the module's docstring."""
+    try:
+        match list(arguments):
+            case ["build"] | ["build", "--force"]:
+                build(force="--force" in arguments)
+            case _:
+                print(__doc__)
+                return 2
+    except (HelpBuildError, subprocess.CalledProcessError) as error:
+        print(f"help: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
