@@ -11,7 +11,8 @@ from tests.e2e.conftest import PHONE
 SMALLEST_PX = 12
 TOO_SMALL = f"""[...document.querySelectorAll("body *")].filter(e =>
   [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()) && e.checkVisibility() &&
-  parseFloat(getComputedStyle(e).fontSize) < {SMALLEST_PX} && !e.closest("svg, .md-visually-hidden")).map(e => e.outerHTML.slice(0, 80))"""
+  parseFloat(getComputedStyle(e).fontSize) < {SMALLEST_PX} && !e.closest("svg, .md-visually-hidden")
+).map(e => e.outerHTML.slice(0, 80))"""
 
 
 def test_help_is_a_click_away_and_works_without_a_network(
