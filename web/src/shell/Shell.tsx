@@ -83,7 +83,7 @@ export function Shell({ children }: PropsWithChildren) {
             {label}
           </Link>
         ))}
-        <a href={HELP} target="_blank" className={`${classes.link} lit row gap-8 text-14`}>
+        <a href={HELP} target="_blank" rel="noopener" className={`${classes.link} lit row gap-8 text-14`}>
           <IconHelpCircle size={18} stroke={1.6} aria-hidden />
           Help
         </a>
@@ -109,7 +109,7 @@ export function Shell({ children }: PropsWithChildren) {
               {short}
             </Link>
           ))}
-          <a href={HELP} target="_blank" className={`${classes.tab} row hint gap-2`}>
+          <a href={HELP} target="_blank" rel="noopener" className={`${classes.tab} row hint gap-2`}>
             <IconHelpCircle size={20} stroke={1.6} aria-hidden />
             Help
           </a>
