@@ -93,7 +93,7 @@ def build(*, force: bool = False) -> bool:
     print("building the help", flush=True)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        shutil.copytree(DOCS, folder / "docs", ignore=shutil.ignore_patterns("zensical.toml", "__pycache__"))
+        shutil.copytree(DOCS, folder / "docs", ignore=shutil.ignore_patterns("zensical.toml", "examples"))
         shutil.copy(DOCS / "zensical.toml", folder)
         shutil.copy(ROOT / "web" / "public" / "favicon.svg", folder / "docs" / "assets")
         for page in (folder / "docs").rglob("*.md"):
