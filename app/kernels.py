@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 from types import FunctionType
 from typing import Any, Final, TypeVar, cast
@@ -131,12 +132,16 @@ class Kernel:
     def _kept(self, dispatcher: Any) -> Any:
         if not hasattr(dispatcher, "enable_caching"):  # the plain function, under NUMBA_DISABLE_JIT
             return dispatcher
+        stamp = _digest(tuple(self._files))
+        beside = _kept_beside(self.py_func, stamp)
+        if beside is not None:
+            dispatcher._cache = beside  # noqa: SLF001  # Numba has no other way to say where, and of what it was made
+            return dispatcher
         try:
             dispatcher.enable_caching()
         except RuntimeError:  # nowhere may anything be written
             return dispatcher
-        cache = dispatcher._cache  # noqa: SLF001  # Numba has no other way to say what a function was made of
-        setattr(cache._cache_file, _STAMP, _digest(tuple(self._files)))  # noqa: SLF001
+        setattr(dispatcher._cache._cache_file, _STAMP, stamp)  # noqa: SLF001
         return dispatcher
 
     def make_anew(self) -> None:
@@ -154,6 +159,42 @@ class Kernel:
 def _how(function: Any) -> dict[str, Any]:
     """Options by the name: without a way in from Python where it begins with an underscore."""
     return {"no_cpython_wrapper": function.__name__.startswith("_")}
+
+
+def _kept_beside(function: FunctionType, stamp: str) -> Any:
+    """The cache beside the sources, where it has machine code for this processor and may not be written; else None.
+
+    So it is in an image, and in what a system's administrator has installed: Numba would pass over it, and look for a
+    place to write.
+    """
+    file = Path(function.__code__.co_filename)
+    folder = file.parent / "__pycache__"
+    index = f"{file.stem}.{function.__qualname__}-{function.__code__.co_firstlineno}.*.nbi"
+    if os.access(folder, os.W_OK) or not any(folder.glob(index)):
+        return None
+    caching: Any = import_module("numba.core.caching")
+    registry: Any = import_module("numba.core.registry")
+
+    class Beside(caching.InTreeCacheLocator):  # type: ignore[misc]  # Numba has no types
+        from_function = classmethod(lambda cls, function, file: cls(function, file))
+
+    class Results(caching.CompileResultCacheImpl):  # type: ignore[misc]
+        _locator_classes: Final = [Beside]
+
+    class Cache(caching.FunctionCache):  # type: ignore[misc]
+        _impl_class = Results
+
+        def save_overload(self, sig: object, data: object) -> None:
+            """What is missing is compiled by each process."""
+
+    kept = Cache(function)._cache_file  # noqa: SLF001
+    setattr(kept, _STAMP, stamp)
+    here = registry.cpu_target.target_context.codegen().magic_tuple()
+    if not any(processor == here for _, processor, _ in kept._load_index()):  # noqa: SLF001
+        return None
+    cache = Cache(function)
+    cache._cache_file = kept  # noqa: SLF001
+    return cache
 
 
 @lru_cache
@@ -227,9 +268,15 @@ def _plain_names(function: FunctionType) -> dict[str, Any]:
 
 
 def kept_in() -> Path | None:
-    """A folder in which machine code outlives the process; None where nothing may be written."""
+    """A folder in which machine code outlives the process; None where there is none, nor may be written."""
     # Numba decides by the folder that a function's file is in: one function tells of all of them.
     return min(_kernels, key=lambda kernel: kernel.py_func.__code__.co_filename).folder if _kernels else None
+
+
+def can_keep() -> bool:
+    """Whether machine code that is not there yet can be kept."""
+    folders = (kernel.folder for kernel in _kernels)
+    return any(folder is not None and os.access(folder, os.W_OK) for folder in folders)
 
 
 def keep_in(folder: Path) -> None:
@@ -252,7 +299,8 @@ def tell_compiled() -> None:
     """Remember that all is compiled: the next start of these sources finds it done."""
     mark = _mark()
     if mark is not None:
-        mark.touch()
+        with suppress(OSError):  # beside the rest, which may only be read
+            mark.touch()
 
 
 def _mark() -> Path | None:
@@ -263,6 +311,6 @@ def _mark() -> Path | None:
     import numba
     from llvmlite import binding as llvm
 
-    machine = (numba.__version__, sys.version, platform.machine(), llvm.get_host_cpu_name())
+    machine = (numba.__version__, sys.version, platform.machine(), numba.config.CPU_NAME or llvm.get_host_cpu_name())  # type: ignore[attr-defined]
     made_of = hashlib.sha256(repr((machine, _digest(tuple(sorted(_sources))))).encode()).hexdigest()[:16]
     return folder / f"stepscope-{made_of}.compiled"

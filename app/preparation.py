@@ -20,11 +20,11 @@ from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.drive import DRIVE_JOB
 from .emulators.drive import warm_up as warm_up_drive
 from .emulators.families import FAMILIES
-from .kernels import Progress, all_compiled, compiles_here, keep_in, kept_in, plain_meanwhile, tell_compiled
+from .kernels import Progress, all_compiled, can_keep, compiles_here, keep_in, kept_in, plain_meanwhile, tell_compiled
 
 log = logging.getLogger("stepscope.preparation")
 
-JOB_WITHIN_S = 300.0
+JOB_WITHIN_S = 600.0
 """What takes longer to compile is given up, and compiled by whoever needs it [s]."""
 
 BEHIND = 5
@@ -78,9 +78,9 @@ class Preparation:
 
     async def start(self) -> None:
         """Begin to take everything from disk where it is there, else to compile, and return at once."""
-        if kept_in() is None:
-            self._keep_for_now()
         self._compiling = not all_compiled()
+        if self._compiling and not can_keep():
+            self._keep_for_now()
         if self._compiling:
             plain_meanwhile(on=True)
             log.warning("the first start compiles emulators in the background, for a minute; the rest works already")

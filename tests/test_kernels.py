@@ -13,6 +13,13 @@ import pytest
 ROOT = Path(__file__).parent.parent
 DECORATORS = {"compiled", "inlined", "_compiled", "_inlined"}
 KERNEL = """
+import os, pathlib
+if "READ_ONLY" in os.environ:  # root may write anywhere, and there is no other user on every machine
+    asked, folder = os.access, pathlib.Path(__file__).parent
+    os.access = lambda path, mode: folder not in pathlib.Path(path).parents and asked(path, mode)
+    import numba.core.caching as caching
+    caching.CompileResultCacheImpl._locator_classes.remove(caching.InTreeCacheLocator)
+
 from app.kernels import Kernels, all_compiled, kept_in, tell_compiled
 from constants import STEP
 compiled = Kernels(__file__, "constants.py").compiled
@@ -70,6 +77,22 @@ def test_a_read_only_installation_keeps_it_in_the_users_folder(folder: Path) -> 
     home = {"XDG_CACHE_HOME": str(folder / "home")}
     assert run(folder, **home) == ["2", "0", "True", "False"]
     assert run(folder, **home) == ["2", "1", "True", "True"]
+
+
+def test_machine_code_beside_sources_that_may_only_be_read_is_taken(folder: Path) -> None:
+    """As in an image, where another user has compiled it, or the root is read-only; and nothing is written there."""
+    assert run(folder) == ["2", "0", "True", "False"]
+    for name in ("kernel.py", "constants.py"):
+        os.utime(folder / name, (1e9, 1e9))  # a layer of an image
+    kept = sorted((folder / "__pycache__").iterdir())
+    read_only = {"XDG_CACHE_HOME": str(folder / "home"), "READ_ONLY": "1"}
+    assert run(folder, **read_only) == ["2", "1", "True", "True"]
+    assert sorted((folder / "__pycache__").iterdir()) == kept
+    assert not (folder / "home").exists()
+    (folder / "constants.py").write_text("STEP = 2\n")
+    assert run(folder, **read_only) == ["3", "0", "True", "False"]
+    assert (folder / "home").exists(), "what was compiled of another text is passed over"
+    assert sorted((folder / "__pycache__").iterdir()) == kept
 
 
 def is_compiled(node: ast.AST) -> bool:

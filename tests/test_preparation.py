@@ -217,7 +217,7 @@ from pathlib import Path
 from app import kernels, preparation
 from app.calc.ramps import ticked_kernel
 
-preparation.kept_in = lambda: kernels.kept_in() if "NUMBA_CACHE_DIR" in os.environ else None
+preparation.can_keep = lambda: "NUMBA_CACHE_DIR" in os.environ
 preparation.BEHIND = 0
 
 async def main():
