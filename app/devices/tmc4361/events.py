@@ -6,7 +6,8 @@ nothing, and with all but some it clears those. After each the register holds ag
 
 What holds the motor (a stop, a freeze, a stall) is never cleared by looking: an axis that is going to a target would
 set off again as soon as the switch is released. Neither is what the user keeps (EVENT_CLEAR_CONF) or what makes an
-interrupt (INTR_CONF): other hardware may wait for it.
+interrupt (INTR_CONF): other hardware may wait for it. COVER_DONE is told once where datagrams that the chip sends by
+itself bring it again at once.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .memory import ChipMemory
 
 ALL = 0xFFFF_FFFF
 RESET = "RST_EV"
+COVER_DONE = roles.event("COVER_DONE")
 DRIVER_LSB = 32
 """Of the words of a timeline: behind the events the flags of the motor driver, STATUS 31:24."""
 DRIVER = 0xFF << DRIVER_LSB
@@ -97,9 +99,15 @@ class Events(EventLog, LatchedFlags):
         """`peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
         held = await self.peek(io, registers)
         interrupts = self._memory.known(roles.INTR_CONF) or 0
-        free = ALL & ~(roles.BLOCKING | (await self._user_keeps(io)) | interrupts)
+        stays = roles.BLOCKING | (COVER_DONE if self._datagrams_of_its_own() else 0)
+        free = ALL & ~(stays | (await self._user_keeps(io)) | interrupts)
         await self.clear(io, self.present & free & EVENT_MASK)
         return held
+
+    def _datagrams_of_its_own(self) -> bool:
+        """Whether COVER_DONE comes with each datagram that the chip sends by itself, and so over and over."""
+        conf = self._memory.known(roles.SPI_OUT_CONF) or 0
+        return roles.OUTPUT_FORMAT.unpack(conf) in roles.TALKATIVE_FORMS and not roles.COVERS_ONLY.unpack(conf)
 
     async def read_by_name(self) -> int:
         """EVENTS for a caller that wants to read it, and so to clear it. Never asked twice: the answer may be all that

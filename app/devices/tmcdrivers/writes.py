@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...errors import WrongState
 from ...links import datagram40
 from ...registers.model import Register
 from ..core.raw_datagrams import RawRules
@@ -17,6 +18,8 @@ from .memory import DriverMemory
 from .resets import Resets
 from .roles import part
 
+BURNS = "this burns a bit into the chip's memory, which nobody can take back: it is not written by name"
+BY_HAND = "if you mean it, send the datagram by hand (page Console); nothing else of the chip needs it"
 STATUS = ("reset_flag", "driver_error", "sg2", "standstill")
 """Bits of the SPI status byte, from the lowest."""
 
@@ -62,6 +65,9 @@ class Writes(RegisterRules):
         del io
         rows = self.memory.rows
         notes = []
+        burns = register.field_named("OTPMAGIC")
+        if burns is not None and burns.unpack(word) in burns.values:
+            raise WrongState(BURNS, BY_HAND)
         if register is rows.vactual and register.decode(word):
             notes.append("the motor turns at once, without a ramp, and no more by STEP")
         if register is rows.chopconf and not part(register, "toff").unpack(word):

@@ -1019,10 +1019,10 @@ def stall_guard(s: Cells, f: Floats) -> None:
     open_window(s, f)
     if s[STEALTH]:
         s[SG_COUNT] = s[SG_SUM] = 0
-        s[COOL_CS] = s[IRUN]
         if abs(turned) >= 128:
             _stealth_in_motion(s, f, current)
         if not s[SG4]:
+            s[COOL_CS] = s[IRUN]
             s[SG] = s[SG_VALID] = 0
             return
     if abs(turned) < 128:
@@ -1066,11 +1066,12 @@ def _stall_guard_4(s: Cells, value: float) -> None:
         measured = ((last & 255) + (last >> 8 & 255) + (last >> 16 & 255) + (last >> 24)) // 4
     s[SG] = 2 * measured
     s[SG_VALID] = 1
+    _cool_step(s)
 
 
 @inlined
 def _cool_step(s: Cells) -> None:
-    """CoolStep's answer to a new StallGuard2 value."""
+    """CoolStep's answer to a new value of StallGuard2, or of StallGuard4 with StealthChop."""
     if s[SEMIN] == 0 or not _in_range(s):
         s[COOL_CS] = s[IRUN]
         s[COOL_DOWN] = 0

@@ -33,7 +33,7 @@ from .units import signed, take_over
 
 _EV_POS_COMP, _EV_FROZEN, _EV_ENC_DONE, _EV_SER_FAIL, _EV_SER_DONE = 1 << 1, 1 << 10, 1 << 20, 1 << 21, 1 << 23
 _EV_COVER_DONE, _EV_STALL, _EV_MOTOR = 1 << 25, 1 << 29, 1 << 30
-_FB_PULSES = c.FB_ENC_DONE | c.FB_SER_FAIL | c.FB_SER_DONE | c.FB_LATCH_X | c.FB_N_EVENT | c.FB_SET_X
+_FB_PULSES = c.FB_ENC_DONE | c.FB_SER_FAIL | c.FB_SER_DONE | c.FB_LATCH_X | c.FB_N_EVENT | c.FB_SET_X | c.FB_SENT
 _STOPS = 0xC3 | 1 << 26
 """What stops in REFERENCE_CONF: the switches, the virtual limits, a stall."""
 
@@ -179,6 +179,8 @@ def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     if word & _FB_PULSES or n_begins:
         if word & c.FB_ENC_DONE:
             s[c.PULSES] |= _EV_ENC_DONE
+        if word & c.FB_SENT:
+            s[c.PULSES] |= _EV_COVER_DONE
         if word & c.FB_SER_FAIL:
             s[c.PULSES] |= _EV_SER_FAIL
         if word & c.FB_SER_DONE:

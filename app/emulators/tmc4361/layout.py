@@ -68,6 +68,8 @@ FB_SER_DONE = 1 << 8
 """Now: data from the serial encoder for ADDR_FROM_ENC came (event 23)."""
 FB_N_EVENT = 1 << 9
 """Now: the N event (home_event 0 waits for it)."""
+FB_SENT = 1 << 11
+"""Now: a datagram that the chip sends by itself went out to the driver (event 25)."""
 FB_FS_ACTIVE, FB_ENC_FAIL, FB_N_ACTIVE, FB_ENC_LATCH, FB_MULTI_FAIL, FB_CL_FIT = (
     1 << 13,
     1 << 14,

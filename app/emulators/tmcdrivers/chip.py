@@ -39,11 +39,13 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
     # --- plant ----------------------------------------------------------------------------------
 
     def _check(self, change: TmcDriverPatch) -> None:
-        check_change(self.options, change)
+        check_change(self.options, change, has_vref=self._chip.has_vref)
 
     def _change(self, change: TmcDriverPatch) -> None:
         if change.power_cycle:
             self._power_cycle()
+        if change.pins.vref_v is not None:
+            self._chip.vref_v = change.pins.vref_v
         plant.change(self._chip, change)
 
     def _ground_truth(self, axis: int) -> GroundTruth:
@@ -56,4 +58,7 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
             if chip.has_uart
             else None
         )
-        return plant.describe(self._model, chip, self.options, self._times, self.faults, uart)
+        vref_v = chip.vref_v if chip.has_vref else None
+        return plant.describe(
+            self._model, chip, self.options, self._times, self.faults, uart, index=chip.index, vref_v=vref_v
+        )

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
-from ...errors import OutOfRange
+from ...errors import OutOfRange, WrongState
 from ...form_hints import form, rest_only, shown
 from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
@@ -73,6 +73,9 @@ class DriverPinsChange(Closed):
     """Levels from outside: true is high."""
 
     enn: Flag | None = Field(default=None, description="level at ENN: high switches the bridges off")
+    vref_v: Annotated[float, Field(strict=True, ge=0, le=5, allow_inf_nan=False)] | None = Field(
+        default=None, description="voltage at VREF, or at AIN of a TMC2130 [V]: 2.5 and more is full scale"
+    )
     step_hz: Annotated[float, Field(strict=True, ge=-STEP_HZ_MAX, le=STEP_HZ_MAX, allow_inf_nan=False)] | None = Field(
         default=None,
         description="steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]",
@@ -89,9 +92,12 @@ class TmcDriverPatch(LoadChange):
     power_cycle: Flag = Field(default=False, description="off and on again; the motor stays where it is")
 
 
-def check_change(options: TmcDriverOptions, change: TmcDriverPatch) -> None:
-    """Raises WrongState for a load on a rigid motor, OutOfRange for steps faster than the chip can see."""
+def check_change(options: TmcDriverOptions, change: TmcDriverPatch, *, has_vref: bool = False) -> None:
+    """Raises WrongState for a load on a rigid motor and for a voltage at a pin that the chip has not, OutOfRange for
+    steps faster than the chip can see."""
     require_physics(options.rigid, change)
+    if change.pins.vref_v is not None and not has_vref:
+        raise WrongState("this chip has no pin that scales its current", "leave vref_v out")
     steps, most = change.pins.step_hz, options.clock_hz / 2
     if steps is not None and abs(steps) >= most:
         raise OutOfRange("step_hz", steps, -most, most, "less than half of the chip's clock")

@@ -49,6 +49,9 @@ def describe(
     times: Times,
     faults: ChipFaults,
     uart: DriverUartState | None = None,
+    *,
+    index: bool | None = None,
+    vref_v: float | None = None,
 ) -> TmcDriverState:
     """The driver and its bench as the API tells them."""
     drive = chip.drive
@@ -65,6 +68,13 @@ def describe(
         friction=plant.extra_friction_nm,
         truth=truth_state(drive.plant_state),
         uart=uart,
-        pins=DriverPinsState(enn=chip.enn, diag=chip.diag, step_hz=chip.step_hz, steps=chip.steps_made),
+        pins=DriverPinsState(
+            enn=chip.enn,
+            diag=chip.diag,
+            index=index,
+            vref_v=vref_v,
+            step_hz=chip.step_hz,
+            steps=chip.steps_made,
+        ),
         faults=ChipFaultsState(**asdict(faults)),
     )

@@ -16,6 +16,7 @@ from ..drive import Drive, adc
 from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
 from ..drive.stepped import advance_by_steps
 from ..drive.units import bits, signed
+from . import otp
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions
 
@@ -26,7 +27,8 @@ _MRES, _VSENSE, _SENDDELAY = 24, 17, 8
 _AUTOSCALE = 1 << 18
 _HEAT = (120.0, 143.0, 150.0, 157.0)
 _CLOCK_TRIM = 0x10
-"""What the factory has burnt: the middle (a reading: it differs from chip to chip)."""
+VREF_FULL_V = 2.5
+"""From which on VREF scales the current no more (DS-TMC2209 8, 9)."""
 _DRV_ERR = 2
 _GSTAT = 7
 _REGISTER_RESET, _VM_UVLO = 8, 16
@@ -59,6 +61,9 @@ class Chip:
         """Whether steps come one by one, and whether the drive follows them."""
         self.steps_made = 0
         """Of those, since power-on."""
+        self._vref_v = VREF_FULL_V
+        self._memory = _CLOCK_TRIM
+        """What is burnt into it: the factory has trimmed the clock (a middle value: it differs from chip to chip)."""
         self._per_hz = (1 << 24) / options.clock_hz
         self._words: dict[int, int] = {}
         self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable}
@@ -73,9 +78,12 @@ class Chip:
         self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask
         self.drive.power_cycle()
         self._follows, self.steps_made = False, 0
+        resets = {row.name: row.reset or 0 for row in self.table}
+        if "OTP_READ" in resets:
+            resets |= otp.resets(self._memory, resets)
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C:
-                self._take(row, _CLOCK_TRIM if row.name == "FACTORY_CONF" else row.reset or 0, fresh=True)
+                self._take(row, _CLOCK_TRIM if row.name == "FACTORY_CONF" else resets[row.name], fresh=True)
         self._turn()
 
     def advance(self, clock: int) -> None:
@@ -169,7 +177,7 @@ class Chip:
             case "IOIN":
                 return partial(self._pin_levels, row)
             case "OTP_READ":
-                return lambda: _CLOCK_TRIM
+                return lambda: self._memory
             case "DRV_STATUS":
                 return partial(self._status, row)
             case "SG_RESULT":
@@ -192,6 +200,8 @@ class Chip:
                 self._write_chopper()
             case "CHOPCONF":
                 self._write_chopper()
+            case "OTP_PROG":
+                self._memory = otp.burnt(self._memory, word)
             case "SGTHRS":
                 self.drive.write("SG4_THRS", word)
             case "PWMCONF":
@@ -229,10 +239,43 @@ class Chip:
         if not self._gconf().get("mstep_reg_select", 1):
             word = word & ~(0xF << _MRES) | PIN_MRES[self.pins] << _MRES
         if chopconf.field_named("vsense") is not None:
-            self.drive.sense_share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
+            share = self.kind.vsense if bits(word, _VSENSE, 1) else 1.0
+            if self._gconf().get("I_scale_analog"):
+                share *= min(max(self._vref_v, 0.0) / VREF_FULL_V, 1.0)
+            self.drive.sense_share = share
         self.drive.write("CHOPCONF", word)
 
     # --- pins and status -------------------------------------------------------------------------
+
+    @property
+    def has_vref(self) -> bool:
+        """Whether a voltage at a pin can scale its current."""
+        return "I_scale_analog" in self._gconf()
+
+    @property
+    def vref_v(self) -> float:
+        """Voltage at VREF, which scales the current while GCONF.I_scale_analog says so [V]."""
+        return self._vref_v
+
+    @vref_v.setter
+    def vref_v(self, volts: float) -> None:
+        self._vref_v = volts
+        self._write_chopper()
+
+    @property
+    def index(self) -> bool | None:
+        """Whether INDEX is active; None of a chip without. Once an electrical turn, where the wave of coil A rises
+        through 0 (DS-TMC2209 13.4); or what GCONF has it show instead: the steps of VACTUAL, each an edge, and the
+        warning of overtemperature."""
+        shows = self._gconf()
+        if "index_step" not in shows:
+            return None
+        if shows["index_otpw"]:
+            status = self.table.get("DRV_STATUS", 0)
+            return bool(status.unpack(self._status(status))["otpw"])
+        width = 1 << min(self.drive.read("CHOPCONF") >> _MRES & 15, 8)
+        step = self.drive.read("MSCNT") // width
+        return bool(step & 1) if shows["index_step"] else step == 0
 
     @property
     def enn(self) -> bool:

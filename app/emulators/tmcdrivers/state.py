@@ -22,6 +22,8 @@ class DriverPinsState(BaseModel):
 
     enn: bool
     diag: bool = Field(description="DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall")
+    index: bool | None = Field(default=None, description="INDEX is active; null: the chip has no such pin")
+    vref_v: float | None = Field(default=None, description="voltage at VREF [V]; null: the chip has no such pin")
     step_hz: float = Field(description="steps a second that come in at STEP, negative with DIR high")
     steps: int = Field(
         default=0, description="steps taken from a wired controller since power-on, those back taken off"

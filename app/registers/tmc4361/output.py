@@ -18,7 +18,7 @@ _microsteps = Rows("microsteps", STEPPYR)
 
 SCALE_UNIT = "1/256, plus 1/256"
 NO_CHOPSYNC = "the emulated motor driver chops by itself"
-NO_POLLING = "the emulated chip sends a cover datagram once, and COVER_DONE tells of those alone"
+NO_REPEATING = "the emulated chip sends a cover datagram once, and rests between questions by poll_block_exp"
 ONE_DRIVER = "the emulated motor driver is reached whatever these bits say"
 
 _FORMATS = {
@@ -77,9 +77,11 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         "rest between two questions to the driver, as the original chip's header has it",
         lsb=7,
         when=f"{_STEP_DIR} (PY4361)",
-        behaviour=NO_POLLING,
+        behaviour=NO_REPEATING,
     ),
-    Field("autorepeat_cover_en", 1, "cover datagrams repeat", lsb=7, when=f"{TMC26X} (TMC4361A)", behaviour=NO_POLLING),
+    Field(
+        "autorepeat_cover_en", 1, "cover datagrams repeat", lsb=7, when=f"{TMC26X} (TMC4361A)", behaviour=NO_REPEATING
+    ),
     Field("poll_block_exp", 4, "rest between two questions, as a power of 2", lsb=8, when=f"{TMC26X} (TMC4361A)"),
     Field(
         "cover_done_only_for_cover",
@@ -87,7 +89,6 @@ _SPI_OUT_CONF = _spi_output(0x04, "SPI_OUT_CONF", 32, RW, "kind of motor driver,
         "COVER_DONE means cover datagrams only",
         lsb=12,
         when=f"{TMC26X} (TMC4361A)",
-        behaviour=NO_POLLING,
     ),
     Field("sck_low_before_csn", 1, "clock before chip select", lsb=4, when=_NO_TMC, behaviour=ONE_DRIVER),
     Field("new_out_bit_at_rise", 1, "clock edge of new bits", lsb=5, when=_NO_TMC, behaviour=ONE_DRIVER),

@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..model import Register
 from ..tmc5xxx import behaviour as inside
 
-NO_REFERENCE = "the bench sets the emulated full scale: what VREF and resistors make of it is not worked out"
+NO_REFERENCE = "the bench sets the emulated full scale, as with resistors"
 ONE_FILTER = "the emulated steps need no filter"
 STEPS_ALONE = "the emulated coils follow steps alone"
 ALWAYS_ITS = "the emulated PDN_UART is the UART's alone"
@@ -17,13 +17,14 @@ DIAGNOSTICS = ("diag0_error", "diag0_otpw", "diag0_stall", "diag1_stall")
 FIELDS = {
     "GCONF": {
         **dict.fromkeys(DIAGNOSTICS, ""),
-        **dict.fromkeys(("I_scale_analog", "internal_Rsense"), NO_REFERENCE),
-        **dict.fromkeys(("index_otpw", "index_step"), inside.NO_PINS),
+        "I_scale_analog": "",
+        "internal_Rsense": NO_REFERENCE,
         "pdn_disable": ALWAYS_ITS,
         **dict.fromkeys(("multistep_filt", "small_hysteresis"), ONE_FILTER),
         "direct_mode": STEPS_ALONE,
         "test_mode": inside.FACTORY,
     },
+    "OTP_PROG": {"OTPMAGIC": ""},
     "CHOPCONF": {"dedge": "the bench tells how many steps come in, whatever their edges"},
     "XDIRECT": dict.fromkeys(("COIL_A", "COIL_B"), STEPS_ALONE),
     "DIRECT_MODE": dict.fromkeys(("DIRECT_COIL_A", "DIRECT_COIL_B"), STEPS_ALONE),

@@ -281,3 +281,15 @@ async def test_flags_of_a_tmc23x_and_tmc24x_have_their_own_names(
         found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
         assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
         assert any(f"driver_{flag}" in entry.names for entry in log.events(0, seen).events)
+
+
+async def test_datagrams_of_the_chips_own_are_told_once_not_over_and_over() -> None:
+    async with bench(driver="tmc2660") as b:
+        await driven(b)
+        log = b.device.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
+        await b.device.motion.rotate(0, 20_000.0)
+        await b.clock.advance(1.0)
+        seen = log.events(0).next
+        await b.clock.advance(3.0)
+        assert not any("COVER_DONE" in entry.names for entry in log.events(0, seen).events)
+        assert (await b.state()).flags["COVER_DONE"]

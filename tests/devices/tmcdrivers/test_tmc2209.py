@@ -233,3 +233,15 @@ async def test_another_chip_is_told_by_its_version() -> None:
         b.chip._chip.kind = replace(b.chip._chip.kind, version=0x77)
         with pytest.raises(OtherModel, match="0x77"):
             await b.device.identity.probe()
+
+
+async def test_burning_the_memory_is_refused_by_name_and_left_to_a_datagram_by_hand() -> None:
+    async with bench() as b:
+        before = (await b.device.registers.read("OTP_READ")).value
+        for word in ({"value": 0xBD17}, {"fields": {"OTPMAGIC": 0xBD, "OTPBYTE": 1, "OTPBIT": 7}}):
+            with pytest.raises(WrongState, match="nobody can take back"):
+                await b.device.registers.write("OTP_PROG", **word)
+        await b.device.registers.write("OTP_PROG", value=0x17)
+        assert (await b.device.registers.read("OTP_READ")).value == before
+        await b.device.raw.exchange(_datagram(0x04, 0xBD17))
+        assert (await b.device.registers.read("OTP_READ")).value == before | 1 << 15

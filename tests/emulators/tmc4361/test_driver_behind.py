@@ -157,7 +157,8 @@ def test_currents_to_a_driver_that_takes_steps_set_its_step_control() -> None:
 def test_cover_done_comes_when_the_datagram_is_through() -> None:
     made = rig()
     made.events()
-    made.write("SPI_OUT_CONF", TO_STEPS | 15 << 20 | 15 << 24)
+    made.write("SPI_OUT_CONF", TO_STEPS | 15 << 20 | 15 << 24 | 1 << 12)  # covers alone are told
+    made.events()
     made.write("COVER_LOW", SMARTEN)
     made.now_s += 20e-6  # of 37.5 us
     assert "COVER_DONE" not in made.events()
@@ -283,3 +284,14 @@ def test_wired_is_what_it_is_unless_asked_otherwise() -> None:
     assert state(made).driver_words == {"CHOPCONF": CHOPCONF}
     assert amplitude(made) == pytest.approx(2.1, rel=0.02)
     assert not made.read("STATUS_FLAGS") & STALL_BIT
+
+
+@pytest.mark.parametrize("form", [TO_STEPS, TO_CURRENTS])
+@pytest.mark.parametrize(("covers_only", "told"), [(0, True), (1 << 12, False)])
+def test_datagrams_that_the_chip_sends_by_itself_make_a_cover_done(form: int, covers_only: int, told: bool) -> None:
+    made = rig(form, more=covers_only)
+    made.events()
+    made.now_s += 0.01
+    assert ("COVER_DONE" in made.events()) == told
+    cover(made, SMARTEN)
+    assert "COVER_DONE" in made.events()

@@ -5908,6 +5908,11 @@ export interface components {
              */
             enn?: boolean | null;
             /**
+             * Vref V
+             * @description voltage at VREF, or at AIN of a TMC2130 [V]: 2.5 and more is full scale
+             */
+            vref_v?: number | null;
+            /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]
              */
@@ -5925,6 +5930,16 @@ export interface components {
              * @description DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall
              */
             diag: boolean;
+            /**
+             * Index
+             * @description INDEX is active; null: the chip has no such pin
+             */
+            index?: boolean | null;
+            /**
+             * Vref V
+             * @description voltage at VREF [V]; null: the chip has no such pin
+             */
+            vref_v?: number | null;
             /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high

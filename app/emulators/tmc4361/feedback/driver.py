@@ -7,6 +7,7 @@ What the sources leave open is read like this:
 - the driver is asked for its status every 2^POLL_BLOCK_EXP such times, with currents over SPI as with steps (where
   disable_polling ends it), and STATUS 31:24 is what it has told last;
 - a scale that is transferred (scale_val_transfer_en) becomes CS = scale / 8, the rest of SGCSCONF stays;
+- each of these makes a COVER_DONE, unless cover_done_only_for_cover keeps that for cover datagrams (STEPPYR);
 - freewheeling sends currents of 0; over step and direction it does nothing.
 """
 
@@ -43,6 +44,7 @@ def _send_currents(n: Cells, conf: int, clock: int) -> bool:
         return True
     if clock < n[c.SEND_AT]:
         return False
+    n[c.TOLD] = 1
     n[c.SENT_A], n[c.SENT_B] = a, b
     n[c.SEND_AT] = clock + _datagram_clocks(conf)
     if n[k.OUTSIDE] == k.BY_CURRENTS:
@@ -58,6 +60,7 @@ def _send_scale(n: Cells) -> None:
     """The current scale of SGCSCONF."""
     scale = n[c.SCALE] >> 3
     if scale != n[k.IRUN]:
+        n[c.TOLD] = 1
         n[k.IRUN] = n[k.IHOLD] = n[k.COOL_CS] = scale
         n[k.QUIET] = 0
 
@@ -80,6 +83,7 @@ def _poll(n: Cells, conf: int, form: int, clock: int) -> bool:
         return True
     now = _now(n)
     if clock >= n[c.POLL_AT]:
+        n[c.TOLD] = 1
         n[c.POLLED] = now
         n[c.POLL_AT] = clock + _datagram_clocks(conf) + (max(conf >> 28 & 15, 1) << (conf >> 8 & 15))
     return now == n[c.POLLED]

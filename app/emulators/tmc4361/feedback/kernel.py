@@ -25,6 +25,7 @@ from ..layout import (
     FB_MULTI_FAIL,
     FB_N_ACTIVE,
     FB_QUIET,
+    FB_SENT,
     FB_SET_X,
     FB_STALL,
     FB_STALLED,
@@ -43,8 +44,8 @@ CALIBRATION_EN = 24
 STANDSTILL_CLOCKS = 1 << 20
 """Without a step for so long, a TMC26x tells standstill (STST)."""
 STST = 1 << 31
-STALL_FLAG_INSTEAD_OF_UV = 7
-"""Bit of SPI_OUT_CONF."""
+STALL_FLAG_INSTEAD_OF_UV, COVERS_ONLY = 7, 12
+"""Bits of SPI_OUT_CONF."""
 LOAD_SHIFT = 7
 """A TMC24x tells of eight loads where StallGuard2 tells of 1024 (a reading: the emulated load is the same)."""
 
@@ -128,6 +129,10 @@ def _levels(fb: Floats, n: Cells) -> int:
         word |= FB_ENC_VEL0
     if n[c.DRIVER]:
         word = word & 0xFFFFFF | n[c.POLLED] << 24
+        if n[c.TOLD]:
+            n[c.TOLD] = 0
+            if not bit(n[c.SPI_OUT_CONF], COVERS_ONLY):
+                word |= FB_SENT
         return word | FB_STALLED if word & FB_STALL else word
     form = n[c.SPI_OUT_CONF] & 15
     if form == c.TMC23X or form == c.TMC24X:

@@ -67,10 +67,11 @@ UNASKED = _I + 60
 """The shaft may have moved since a serial encoder was asked."""
 HOT = _I + 59
 """Driver flags as STATUS 31:24 has them, as far as they come from outside: temperature, shorts, unplugged coils."""
-DRIVER, POLLED, POLL_AT, SENT_A, SENT_B, SEND_AT, STEP_REST, SETTLED, STRAY = range(_I + 61, _I + 70)
+DRIVER, POLLED, POLL_AT, SENT_A, SENT_B, SEND_AT, STEP_REST, SETTLED, STRAY, TOLD = range(_I + 61, _I + 71)
 """With a real driver behind (1): its flags as they were told last, clock of the next question; currents that it was
 sent last, and clock from which on the SPI output is free; 1/256 full steps that are no pulse yet; nothing waits to be
-sent or asked; a current datagram that met a driver which takes none, with bit 20 set (0: none)."""
+sent or asked; a current datagram that met a driver which takes none, with bit 20 set (0: none); a
+datagram of the chip's own went out since the last look."""
 WORD = _I + 72
 WAVE = WORD + 128
 """The microstep wave, 1024 values of about -248..247."""

@@ -1,6 +1,7 @@
-import { Divider, NumberInput, SegmentedControl, Switch } from "@mantine/core";
+import { Divider, SegmentedControl, Switch } from "@mantine/core";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
 import { EmulatorTime, Faults, Power, SwitchRow } from "../../pages/bench/EmulatorParts";
 import { BridgesAt, type MotorChange, Shaft, Supply } from "../../pages/bench/MotorParts";
 import type { ControlsProps } from "../family";
@@ -99,14 +100,13 @@ function OfDriver({ driver, send }: DriverProps) {
             onChange={(event) => send({ status: event.currentTarget.checked ? status | bit : status & ~bit })}
           />
         ))}
-        <NumberInput
-          size="sm"
+        <NumberField
           label="Load value (LD2 LD1 LD0)"
+          value={(status >> LOAD) & 7}
           min={0}
           max={7}
-          clampBehavior="strict"
-          value={(status >> LOAD) & 7}
-          onChange={(value) => typeof value === "number" && send({ status: (status & ~(7 << LOAD)) | (value << LOAD) })}
+          step={1}
+          onChange={(load) => send({ status: (status & ~(7 << LOAD)) | (load << LOAD) })}
         />
       </div>
     );

@@ -40,8 +40,21 @@ export function Controls({ ...emulator }: ControlsProps) {
         description="negative: DIR is high"
         onChange={(step_hz) => send({ pins: { step_hz } })}
       />
+      {state.pins.vref_v != null && (
+        <NumberField
+          label="Voltage at VREF"
+          unit="V"
+          value={state.pins.vref_v}
+          min={0}
+          max={5}
+          step={0.1}
+          description="scales the current up to 2.5 V, while I_scale_analog is set"
+          onChange={(vref_v) => send({ pins: { vref_v } })}
+        />
+      )}
       <Text size="xs" c="dimmed">
         DIAG is {state.pins.diag ? "active: a stall, or the driver has shut down" : "at rest"}.
+        {state.pins.index != null && ` INDEX is ${state.pins.index ? "active" : "at rest"}.`}
       </Text>
       <EmulatorTime state={state} send={send} />
       <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })}>
