@@ -45,6 +45,7 @@ SLOW = (
     "procedures/test_reference_search.py",
     "profiles/scripts/test_trials.py",
     "studies/test_fastest_move.py",
+    "studies/test_stallguard.py",
     "studies/test_twin.py",
     "studies/test_s_ramps.py",
     "store/test_damaged_directory.py",

@@ -136,12 +136,59 @@ class MicrostepCalibration(Part):
     )
 
 
-What: TypeAlias = Annotated[FastestMove | FirstLook | MicrostepCalibration, Field(discriminator="kind")]
-Kind = Literal["fastest_move", "first_look", "microstep_calibration"]
+Speed = Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)]
+
+
+class StallGuard(Part):
+    """The threshold by which StallGuard tells a stall from a free run, at each of some speeds; seen by the encoder.
+
+    It runs into a hard stop, many times: whoever asks for it says that there is one that may be run into.
+    """
+
+    kind: Literal["stallguard"] = "stallguard"
+    side: Literal["left", "right"] = Field(default="left", description="where the stop is, seen from here")
+    within_fullsteps: Annotated[float, Field(strict=True, gt=0, le=1e6, allow_inf_nan=False)] = Field(
+        description="how far from here it is at most; it is looked for that far [full steps]"
+    )
+    stop_confirmed: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="a hard stop is there, and the motor may run into it some dozen times"
+    )
+    speeds_rps: Annotated[list[Speed], Field(min_length=1, max_length=8)] = Field(
+        default=[0.5, 1.0, 2.0], description="at which a stall is to be told [turns of the motor a second]"
+    )
+    run_fullsteps: Annotated[float, Field(strict=True, ge=20, le=1e5, allow_inf_nan=False)] = Field(
+        default=200.0, description="a free run: a false stall is one in so far a way [full steps]"
+    )
+    push_fullsteps: Annotated[float, Field(strict=True, ge=4, le=40, allow_inf_nan=False)] = Field(
+        default=8.0, description="a stall that is not told so far into the stop is missed [full steps]"
+    )
+    free_runs: Annotated[int, Field(strict=True, ge=20, le=3000)] = Field(
+        default=100, description="of the proof, at each speed: 299 without a false stall show less than 1 %"
+    )
+    stops: Annotated[int, Field(strict=True, ge=10, le=1000)] = Field(
+        default=20, description="runs into the stop of the proof, at each speed"
+    )
+    rate_max: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
+        default=0.01, description="of false stalls and of missed ones in the proof, more is none that does it"
+    )
+    generation: Literal[2, 4] | None = Field(
+        default=None, description="StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now"
+    )
+
+    @model_validator(mode="after")
+    def _rising(self) -> StallGuard:
+        if self.speeds_rps != sorted(set(self.speeds_rps)):
+            raise ValueError("speeds_rps has to rise")
+        return self
+
+
+What: TypeAlias = Annotated[FastestMove | FirstLook | MicrostepCalibration | StallGuard, Field(discriminator="kind")]
+Kind = Literal["fastest_move", "first_look", "microstep_calibration", "stallguard"]
 TITLES: dict[Kind, str] = {
     "fastest_move": "Fastest move",
     "first_look": "First look",
     "microstep_calibration": "Microstep calibration",
+    "stallguard": "StallGuard threshold",
 }
 Wanted = TypeVar("Wanted", bound=Part)
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..devices.core.device import Device
 from ..errors import WrongState
 from .ramp_settings import RampRegisters
+from .stallguard.setting import StallPlaces
 from .tmc5xxx.ramp import RAMP as SIX_POINT
+from .tmc5xxx.stall import STALL
 from .tmc4361.ramp import RAMP as S_RAMP
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
+STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 
 def ramp_of(device: Device) -> RampRegisters:
@@ -19,5 +22,16 @@ def ramp_of(device: Device) -> RampRegisters:
     if found is None:
         raise WrongState(
             f"no study sets the ramp of a {device.family.title} yet", "a chip with an encoder input can be tuned"
+        )
+    return found
+
+
+def stalls_of(device: Device) -> Sequence[StallPlaces]:
+    """Where it keeps what each generation of its StallGuard works by. Raises WrongState for a family without any."""
+    found = STALLS.get(device.family.family)
+    if found is None:
+        raise WrongState(
+            f"no study sets the StallGuard of a {device.family.title} yet",
+            "find its threshold by hand on the page StallGuard",
         )
     return found

@@ -17,6 +17,8 @@ from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
 from .record import StudyRecord
 from .run import Keeper, StudyRun
+from .stallguard import plan as stallguard
+from .stallguard.study import StallGuardStudy
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,5 +58,13 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         MicrostepCalibrationStudy,
         microstep_calibration.plan,
+    ),
+    "stallguard": StudyKind(
+        "stallguard",
+        "StallGuard threshold",
+        "reliable homing: the threshold that tells a stall from a free run, with rates of both errors",
+        (*POSITIONS, "load_value"),
+        StallGuardStudy,
+        stallguard.plan,
     ),
 }

@@ -28,11 +28,13 @@ class RampRegisters:
     settings : by what they are
     off : what is written with them so that nothing else has a part in it, where the chip has it
     only : a setting that counts only while a field has a value: (field, value)
+    brake : registers of the acceleration that count only as it slows down
     """
 
     settings: Mapping[str, tuple[str, ...]]
     off: Mapping[str, int] = field(default_factory=dict)
     only: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    brake: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,7 @@ class RampSpace:
     def __init__(self, device: Device, axis: int, names: RampRegisters, held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
         self._device, self._axis = device, axis
+        self._brake = names.brake
         context = UnitContext(
             device.model, device.clock_hz, tuple(axis_part(each.settings) for each in device.axes), held.words
         )
@@ -104,6 +107,14 @@ class RampSpace:
             raw = setting.raw(values[name])
             wanted += [Held(name=row.name, axis=row.axis, value=raw) for row in setting.rows]
         return wanted
+
+    def braking_hard(self, values: Mapping[str, float]) -> list[Held]:
+        """The same, but that it slows down as fast as the chip can: for what is held by a stop anyway."""
+        most = self._settings[ACCELERATION].most
+        return [
+            each.model_copy(update={"value": most}) if each.name in self._brake else each
+            for each in self.registers(values)
+        ]
 
     def rounded(self, values: Mapping[str, float]) -> dict[str, float]:
         """The setting that the chip makes of it."""

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from .document import StudyDocument
 from .parts import Interval, Part
+from .stallguard.found import StallFound
 
 State = Literal["running", "done", "failed", "aborted", "interrupted"]
 """interrupted: the server ended in the middle of it."""
@@ -195,6 +196,7 @@ class StudyRecord(Part):
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
+    stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

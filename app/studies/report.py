@@ -11,6 +11,7 @@ from .fastest_move import report as fastest_move
 from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
+from .stallguard import report as stallguard
 
 STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
@@ -24,6 +25,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "first_look": lambda _: [],
     "fastest_move": fastest_move.sections,
     "microstep_calibration": microstep_calibration.sections,
+    "stallguard": stallguard.sections,
 }
 """What each kind has to tell beside its verdict and findings."""
 

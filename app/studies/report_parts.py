@@ -91,3 +91,10 @@ def differences_plot(differences: Sequence[float], unit: str) -> str:
         for index, value in enumerate(differences, 1)
     )
     return frame(x, y, "pair", f"difference [{unit}]", marks)
+
+
+def line(points: Sequence[tuple[float, float]], colour: str, title: str) -> str:
+    """A line through points of a plot [pixels]."""
+    path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    look = f'fill="none" stroke="{colour}" stroke-width="2"'
+    return f'<polyline points="{path}" {look}><title>{text(title)}</title></polyline>'

@@ -1,4 +1,6 @@
+import { Anchor } from "@mantine/core";
 import { IconGauge } from "@tabler/icons-react";
+import { Link } from "wouter";
 import { can, type Device } from "../../api/queries";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { Page } from "../../lib/Page";
@@ -117,7 +119,16 @@ function ChipLoad({ device, axis }: Props) {
         [AP.coolOff]: "CoolStep off above",
       }}
       accelerationPps2={amax ? (amax * clockHz ** 2) / 2 ** 41 : null}
-      thresholds={<ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />}
+      thresholds={
+        <>
+          <ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />
+          {can(device, "encoder") && (
+            <Anchor component={Link} href="/tune?kind=stallguard" size="sm">
+              Find the threshold by itself
+            </Anchor>
+          )}
+        </>
+      }
       notice={<ChipNotices chip={chip} device={device} />}
       foot={<StagedDrawer chip={chip} device={device} />}
     />

@@ -83,7 +83,7 @@ function Outcome({ study, changes }: { study: Study; changes: Changes }) {
           ))}
         </Alert>
       )}
-      {best && study.baseline_figures && (
+      {best && (
         <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Before and best">
           <Table.Thead>
             <Table.Tr>
@@ -95,18 +95,18 @@ function Outcome({ study, changes }: { study: Study; changes: Changes }) {
           <Table.Tbody>
             {Object.entries(study.units).map(([name, unit]) => (
               <Table.Tr key={name}>
-                <Table.Th scope="row">
-                  {name} [{unit}]
-                </Table.Th>
+                <Table.Th scope="row">{unit === "" ? name : `${name} [${unit}]`}</Table.Th>
                 <Table.Td className="num">{compact(study.baseline_setting[name], 6)}</Table.Td>
                 <Table.Td className="num">{compact(best.setting[name], 6)}</Table.Td>
               </Table.Tr>
             ))}
-            <Table.Tr>
-              <Table.Th scope="row">time [s]</Table.Th>
-              <Table.Td className="num">{compact(study.baseline_figures.time_s)}</Table.Td>
-              <Table.Td className="num">{compact(best.figures.time_s)}</Table.Td>
-            </Table.Tr>
+            {study.baseline_figures && (
+              <Table.Tr>
+                <Table.Th scope="row">time [s]</Table.Th>
+                <Table.Td className="num">{compact(study.baseline_figures.time_s)}</Table.Td>
+                <Table.Td className="num">{compact(best.figures.time_s)}</Table.Td>
+              </Table.Tr>
+            )}
           </Table.Tbody>
         </Table>
       )}

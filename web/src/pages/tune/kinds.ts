@@ -2,6 +2,7 @@ import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
 import type { KindForm } from "./kind";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
+import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
 import type { Kind, Wish } from "./study";
 
 /** The form of each kind: what was typed stays when another one is looked at. */
@@ -9,6 +10,7 @@ export interface Forms {
   first_look: FirstLookForm;
   fastest_move: FastestMoveForm;
   microstep_calibration: MicrostepForm;
+  stallguard: StallGuardForm;
 }
 
 /** The studies, in the order of the choice. */
@@ -16,6 +18,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   first_look: FIRST_LOOK,
   fastest_move: FASTEST_MOVE,
   microstep_calibration: MICROSTEP_CALIBRATION,
+  stallguard: STALLGUARD,
 };
 
 export const WISHES = Object.entries(KINDS).map(([value, { label }]) => ({ value, label }));
@@ -26,6 +29,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     first_look: FIRST_LOOK.first(microstepsPerTurn),
     fastest_move: FASTEST_MOVE.first(microstepsPerTurn),
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
+    stallguard: STALLGUARD.first(microstepsPerTurn),
   };
 }
 

@@ -2,6 +2,7 @@ import { describe, expect, it } from "vitest";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
 import { errorOf, harmonicsOf, type Microsteps, wavesOf } from "./microstepCalibration/curves";
+import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
 
 type Trial = Study["trials"][number];
@@ -100,6 +101,29 @@ describe("a study on the page", () => {
     expect(harmonicsOf(after).map(({ order, after: now }) => [order, now])).toEqual([
       [2, 0.05],
       [3, 0.3],
+    ]);
+  });
+
+  it("asks for a threshold at speeds as they were typed, rising and each once", () => {
+    const forms = firstForms(null);
+    const typed = { ...forms.stallguard, speeds: "2; 0.5 1,,x 1", confirmed: true };
+    expect(documentOf("stallguard", { ...forms, stallguard: typed }, "slide", 0).study).toMatchObject({
+      kind: "stallguard",
+      speeds_rps: [0.5, 1, 2],
+      stop_confirmed: true,
+    });
+  });
+
+  it("tells rates with their bounds, and draws what each threshold would do", () => {
+    expect(rateText({ wrong: 0, runs: 299, most: 0.00997 })).toBe("0 of 299: below 1.00 %");
+    expect(rateText(null)).toBe("");
+    const roc = [
+      { level: -90, false: 0, missed: 0.5 },
+      { level: 10, false: 0.25, missed: 0 },
+    ];
+    expect(rocOf({ roc } as unknown as StallSpeed)).toEqual([
+      [0, 0, 0.25, 1],
+      [1, 0.5, 0, 0],
     ]);
   });
 

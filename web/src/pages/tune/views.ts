@@ -5,6 +5,8 @@ import type { KindView } from "./kind";
 import type { Forms } from "./kinds";
 import { Fields as MicrostepFields } from "./microstepCalibration/Fields";
 import { Results as MicrostepResults } from "./microstepCalibration/Results";
+import { Fields as StallGuardFields } from "./stallguard/Fields";
+import { Results as StallGuardResults } from "./stallguard/Results";
 import type { Kind } from "./study";
 
 /** What each kind of study shows on the page. */
@@ -12,4 +14,5 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   first_look: { Fields: FirstLookFields, Results: null },
   fastest_move: { Fields: FastestMoveFields, Results: FastestMoveResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
+  stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
 };

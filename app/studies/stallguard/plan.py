@@ -1,0 +1,158 @@
+"""What the study of StallGuard will do, and what is missing before it can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...devices.core.capabilities import EncoderSetting, PositionFromEncoder
+from ...devices.core.device import Device
+from ...errors import WrongState
+from ...number_text import plain
+from ..document import StallGuard, StudyDocument
+from ..families import stalls_of
+from ..plan import Looked, StudyPlan, axis_now, planned
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of
+from .setting import StallPlaces, StallSpace
+
+FIND_RPS = 0.25
+"""How fast the stop is looked for at most [turns of the motor a second]."""
+MEASURED_FREE, MEASURED_STOPS = 40, 12
+"""Runs that a threshold is chosen by, at each speed."""
+ROOM_FULLSTEPS = 12.0
+"""What free runs keep from the stop."""
+WHY_ENCODER = "without an encoder nothing tells when the motor is at the stop"
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What is known before the first move. start, limit : [microsteps], `limit` where the search for the stop ends;
+    way : the sign of the stop's side; full_step, turn : [microsteps]; speeds_pps : the asked ones."""
+
+    ramp: RampSpace
+    stall: StallSpace
+    start: int
+    limit: int
+    way: int
+    full_step: int
+    turn: int
+    speeds_pps: tuple[float, ...]
+    acceleration_pps2: float
+
+    @property
+    def find_pps(self) -> float:
+        """How fast the stop is looked for."""
+        return min(FIND_RPS * self.turn, self.speeds_pps[0])
+
+
+async def look(device: Device, axis: int, wanted: StallGuard) -> Looked[Ground]:
+    """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
+    looked = Looked[Ground]()
+    say = looked.missing.append
+    try:
+        places = stalls_of(device)
+        device.need(EncoderSetting).require_encoder(axis)
+        device.need(PositionFromEncoder)
+    except WrongState as error:
+        say(str(error))
+        return looked
+    found = await axis_now(device, axis, looked.missing)
+    if found is None:
+        return looked
+    state = found.state
+    if state.encoder_position is None:
+        say(f"no encoder tells its position: {WHY_ENCODER}")
+    try:
+        stall = await _space(device, axis, wanted, places, found.full_step)
+    except WrongState as error:
+        say(str(error))
+        return looked
+    if not wanted.stop_confirmed:
+        say("nobody has said that a hard stop is there which the motor may run into: stop_confirmed")
+    for sign in device.monitor.signs(axis, state).faults:
+        say(f"{sign.cause}: see the condition of the axis")
+    limits = device.axes[axis].settings.limits
+    way = -1 if wanted.side == "left" else 1
+    limit = state.position + way * round(wanted.within_fullsteps * found.full_step)
+    if limits.beyond(limit):
+        say(f"it would look for the stop as far as {limit}, and the soft limits end before")
+    acceleration = found.space.now()[ACCELERATION]
+    if not acceleration:
+        say("its acceleration is 0: set a ramp at which it moves")
+    speeds = tuple(speed * found.turn for speed in wanted.speeds_rps)
+    most = min(limits.velocity_max_pps or float("inf"), device.motion.speed_limit_pps(axis), found.space.most(SPEED))
+    if speeds[-1] > most:
+        say(f"{plain(speeds[-1])} pps is faster than the axis may go, {plain(most)}")
+    looked.warnings += [f"{line}; it is so during the study, and with what is found" for line in stall.ready()]
+    looked.ground = Ground(
+        found.space, stall, state.position, limit, way, found.full_step, found.turn, speeds, acceleration
+    )
+    return looked
+
+
+async def _space(
+    device: Device, axis: int, wanted: StallGuard, places: Sequence[StallPlaces], full_step: int
+) -> StallSpace:
+    """Of the generation that is asked for, else of that which the chopper is set for. Raises WrongState."""
+    held = await held_of(device)
+    spaces, refused = [], None
+    for each in places:
+        if wanted.generation in (None, each.generation):
+            try:
+                spaces.append(StallSpace(device, axis, each, held, full_step))
+            except WrongState as error:
+                refused = refused or error
+    if not spaces:
+        assert refused is not None
+        raise refused
+    return min(spaces, key=lambda space: space.misfits)
+
+
+async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
+    """What the study would do. Nothing moves."""
+    wanted = document.wanted(StallGuard)
+
+    def tell(told: StudyPlan, ground: Ground) -> None:
+        _tell(told, ground, wanted)
+        if told.time_s > document.budget.time_s:
+            told.warnings.append(f"that takes longer than the {plain(document.budget.time_s)} s of its budget")
+
+    return await planned("StallGuard threshold", look(device, axis, wanted), tell)
+
+
+def _tell(told: StudyPlan, ground: Ground, wanted: StallGuard) -> None:
+    count = len(ground.speeds_pps)
+    way = abs(ground.limit - ground.start) / ground.full_step
+    free = count * (MEASURED_FREE + wanted.free_runs) * wanted.run_fullsteps
+    stops = count * (MEASURED_STOPS + wanted.stops)
+    told.position_from, told.position_to = sorted((ground.start, ground.limit))
+    told.velocity_max_pps, told.acceleration_max_pps2 = ground.speeds_pps[-1], ground.acceleration_pps2
+    told.moves_max = 2 * stops + round(free / max(way, 1.0)) + 2
+    told.way_fullsteps = free + 2 * stops * min(way, wanted.run_fullsteps) + 2 * way
+    told.time_s = way * ground.full_step / ground.find_pps + sum(
+        ((MEASURED_FREE + wanted.free_runs) * wanted.run_fullsteps * ground.full_step) / speed
+        + (MEASURED_STOPS + wanted.stops) * (2.0 + 4 * speed / ground.acceleration_pps2)
+        for speed in ground.speeds_pps
+    )
+    told.registers = [f"{each.name} of axis {each.axis}" for each in (*ground.ramp.before, *ground.stall.before)]
+    speeds = ", ".join(plain(speed) for speed in wanted.speeds_rps)
+    measured = (
+        f"at {speeds} turns a second each: {MEASURED_FREE} free runs between here and the stop, and {MEASURED_STOPS} "
+        "into the stop, with the current as it is set; no stall stops the motor then: it grinds for "
+        f"{plain(wanted.push_fullsteps)} full steps"
+    )
+    proved = (
+        f"the best threshold again, and a stall stops the motor: {wanted.free_runs} free runs and {wanted.stops} into "
+        "the stop at each speed, none of which the choice has seen"
+    )
+    told.steps = [
+        f"slowly to the {wanted.side} until it stands at the stop, {plain(wanted.within_fullsteps)} full steps at most",
+        measured,
+        proved,
+        "after each lost step the position is taken from the encoder",
+        "the setting as it is now goes back, whatever came of it; one click takes the best one",
+    ]
+    told.unwatched = [
+        "whether the stop and what hangs on the motor bear it: the speed and the current are as asked",
+        "another load, current, supply or temperature needs another threshold",
+    ]

@@ -1,0 +1,201 @@
+"""Runs of one axis past nothing and into a stop: load values on the way, and where a stall stopped it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...clock import Clock
+from ...devices.core.capabilities import PositionFromEncoder
+from ...devices.core.device import Device
+from ...devices.core.results import AxisState
+from ...errors import BenchError
+from ...procedures.procedure import POLL_S, Failed
+from ...telemetry.sampling import FloatArray, Sampling
+from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS
+
+SAMPLES_A_FULLSTEP = 2.5
+"""A new load value comes with each full step."""
+RATE_HZ = (100.0, 2000.0)
+AWAY_FULLSTEPS = 2.0
+"""So far an encoder is from the position as the rotor rests at a stop and the field goes on."""
+SHORT_FULLSTEPS = 3.0
+"""A stall told further before the stop is a false one."""
+FALSE_MOST = 25
+"""False stalls on one way, after which it is given up."""
+SAYS_WHY_S = 1.0
+"""How long the driver may take to tell why the motor rests [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """What was measured on a way: position [microsteps], speed [pps], load value."""
+
+    position: FloatArray
+    speed_pps: FloatArray
+    load: FloatArray
+
+
+class StallRuns:
+    """Moves one axis, and tells where it came to rest. Positions in microsteps."""
+
+    def __init__(self, device: Device, axis: int, clock: Clock, full_step: int, way: int) -> None:
+        """Way : the sign of the side where the stop is"""
+        self._device, self._axis, self._clock = device, axis, clock
+        self._full_step, self._way = full_step, way
+        self._failure: BenchError | None = None
+        self._off = 0.0
+        """Encoder less position as both are in step [microsteps]."""
+        self.way_fullsteps = 0.0
+        """Of all moves so far."""
+        self.runs = 0
+
+    async def begin(self) -> None:
+        """See where the encoder is to the position. Raises BenchError."""
+        self._off = _deviation(await self._state())
+
+    async def find_stop(self, limit: int) -> int | None:
+        """Go towards `limit` until the encoder stands: where it does; None where nothing holds the motor."""
+        await self._device.motion.move(self._axis, limit)
+        farthest = -float("inf")
+        began_s, state = self._device.device_time_s(), await self._state()
+        longest_s = None
+        while True:
+            await self._clock.sleep(POLL_S)
+            state = await self._state()
+            encoder = state.position + _deviation(state) - self._off
+            farthest = max(farthest, self._way * encoder)
+            if abs(_deviation(state) - self._off) > AWAY_FULLSTEPS * self._full_step:
+                break
+            if not state.moving and state.position == limit:
+                return None
+            if longest_s is None and state.velocity_pps:
+                longest_s = LONGEST * abs(limit - state.position) / abs(state.velocity_pps) + 60.0
+            if self._device.device_time_s() - began_s > (longest_s or 60.0):
+                raise Failed(f"neither the stop nor {limit} came within its time")
+        await self._device.stop(self._axis)
+        while state.moving:
+            await self._clock.sleep(POLL_S)
+            state = await self._state()
+        return self._way * round(farthest)
+
+    async def measured(self, target: int, speed_pps: float) -> Samples:
+        """Move to `target` at that speed, and what was measured on the way. Raises Failed where it does not arrive,
+        BenchError."""
+        names = [f"{name}.{self._axis}" for name in ("position", "velocity", "load_value")]
+        rows: list[FloatArray] = []
+        self._failure = None
+        rate_hz = min(max(SAMPLES_A_FULLSTEP * speed_pps / self._full_step, RATE_HZ[0]), RATE_HZ[1])
+        sampling = Sampling(self._device, names, rate_hz, self._clock, self._failed)
+
+        def take() -> None:
+            port = self._device.session.sampling_port
+            if port is not None:
+                port.run_due_samples()
+            block = sampling.take()
+            if len(block.time_s):
+                rows.append(block.samples)
+            if self._failure is not None:
+                raise self._failure
+
+        try:
+            state = await self._go(target, take)
+            take()
+        finally:
+            sampling.end()
+        if state.position != target:
+            raise Failed(f"the motor stands at {state.position}, not {target}: {await self._reason()}")
+        if not rows:
+            raise Failed("not one sample came")
+        position, velocity, load = np.concatenate(rows).T
+        known = np.isfinite(position) & np.isfinite(velocity) & np.isfinite(load) & (velocity != 0)
+        return Samples(position[known], np.abs(velocity[known]), load[known])
+
+    async def armed(self, target: int) -> int:
+        """Move to `target` while a stall stops the motor, and go on after each: how many false stalls there were."""
+        for false in range(FALSE_MOST):
+            if await self._stopped(target) is None:
+                return false
+        return FALSE_MOST
+
+    async def into_stop(self, target: int, stop_at: int) -> tuple[bool, int]:
+        """Run to `target` behind the stop while a stall stops the motor: whether it was missed, and how many false
+        stalls there were before the stop."""
+        for false in range(FALSE_MOST):
+            at = await self._stopped(target)
+            if at is None:
+                return True, false
+            if self._way * (stop_at - at) <= SHORT_FULLSTEPS * self._full_step:
+                return False, false
+        return True, FALSE_MOST
+
+    async def mend(self) -> bool:
+        """Away from the stop: take the position from the encoder where whole periods were lost; whether any were."""
+        off = (_deviation(await self._state()) - self._off) / self._full_step
+        if not round(off / PERIOD_FULLSTEPS):
+            return False
+        await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
+        self._off = _deviation(await self._state())
+        return True
+
+    async def back_to(self, target: int) -> None:
+        """Go where nothing is in the way; no stall stops it. Raises Failed where it does not arrive."""
+        state = await self._go(target, lambda: None)
+        if state.position != target:
+            raise Failed(f"the motor stands at {state.position}, not {target}: {await self._reason()}")
+
+    async def _stopped(self, target: int) -> int | None:
+        """Where a stall stopped it on the way; None at the target. Raises Failed where anything else did."""
+        state = await self._go(target, lambda: None)
+        if state.position == target:
+            return None
+        why = await self._reason()
+        if why != "stall":
+            raise Failed(f"the motor stands at {state.position}, not {target}: {why}")
+        return state.position
+
+    async def _go(self, target: int, take: Callable[[], None]) -> AxisState:
+        """Move, and how the axis is as it rests, wherever that is."""
+        device, clock = self._device, self._clock
+        state = await self._state()
+        if state.position == target and not state.moving:
+            return state
+        self.runs += 1
+        started = await device.motion.move(self._axis, target)
+        began_s = device.device_time_s()
+        usual_s = 60.0 if started.predicted_duration_s is None else started.predicted_duration_s
+        longest_s, pause_s = usual_s * LONGEST + 2.0, POLL_S
+        begin = state.position
+        while True:
+            await clock.sleep(pause_s)
+            take()
+            left_s = began_s + usual_s - device.device_time_s()
+            pause_s = min(max(left_s / 2, POLL_S), LOOK_S)
+            state = await self._state()
+            if not state.moving and (state.position == target or device.device_time_s() - began_s > 2 * POLL_S):
+                self.way_fullsteps += abs(state.position - begin) / self._full_step
+                return state
+            if device.device_time_s() - began_s > longest_s:
+                raise Failed(f"the motor has not arrived at {target} after {longest_s:.3g} s")
+
+    async def _reason(self) -> str:
+        """Why the motor rests, as the driver tells."""
+        until_s = self._clock.now() + SAYS_WHY_S
+        while self._clock.now() < until_s:
+            ends = self._device.monitor.motion_ends(self._axis)
+            if ends and ends[-1].reason != "target_reached":
+                return "stall" if ends[-1].reason == "stall" else ends[-1].detail
+            await self._clock.sleep(POLL_S)
+        return "nothing says why"
+
+    async def _state(self) -> AxisState:
+        return await self._device.monitor.axis_state(self._axis)
+
+    def _failed(self, error: BenchError) -> None:
+        self._failure = error
+
+
+def _deviation(state: AxisState) -> float:
+    return state.deviation or 0.0

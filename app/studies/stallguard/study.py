@@ -1,0 +1,460 @@
+"""The study itself: find the stop, measure, choose, prove on runs that the choice has not seen."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ..document import StallGuard
+from ..proof import LEVEL, rate_bound
+from ..ramp_settings import SPEED
+from ..ramp_settings import UNITS as RAMP_UNITS
+from ..record import Figures, Held, Trial
+from ..run import StudyRun
+from .choice import Choice, Measured, Run, apart, choices, roc
+from .found import Rate, RocPoint, StallFound, StallSpeed
+from .plan import MEASURED_FREE, MEASURED_STOPS, ROOM_FULLSTEPS, Ground, look
+from .runs import Samples, StallRuns
+from .scale import Scale
+from .setting import UNITS, StallSetting
+
+ARMED = 0.9
+"""Share of the least speed from which on a stall stops the motor: a ramp's end is not cut off."""
+TRIED_MOST = 3
+"""Thresholds of a choice that are tried: each a step further from what the one before got wrong."""
+CHOICES_MOST = 4
+"""Other choices that are tried after one that failed."""
+GIVEN_UP = 5
+"""Wrong runs after which a setting need not be tried on."""
+ROOM_ABOVE = 400.0
+"""A free run's least value above that is measured at a lower threshold [counts]: where it is far up, it may be cut."""
+PROBES = 10
+PROBE_STEP = 12
+"""Thresholds from one look at where the values lie to the next."""
+SLOPE_STEP = 6
+SLOPE = (0.5, 40.0)
+"""What one more of a threshold may add to a load value [counts]: anything else is no StallGuard2 that follows it."""
+BINS = 24
+JITTER = 4.0
+"""Runs into the stop begin somewhere within so many full steps: an electrical period."""
+AT_SPEED_FULLSTEPS = 60.0
+"""So far at its speed before the stop."""
+
+
+class StallGuardStudy(StudyRun):
+    """Finds the threshold, the filter and the least speed by which StallGuard tells a stall from a free run."""
+
+    _ground: Ground
+    _runs: StallRuns
+    _stop_at: int
+    _scale: Scale
+
+    @property
+    def wanted(self) -> StallGuard:
+        return self.record.document.wanted(StallGuard)
+
+    @property
+    def found(self) -> StallFound:
+        """What of it stands in the record."""
+        assert self.record.stallguard is not None
+        return self.record.stallguard
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        self._scale = ground.stall.scale
+        self._runs = StallRuns(self.device, self.axis, self.clock, ground.full_step, ground.way)
+        self._random = random.Random(record.document.seed)
+        if not record.baseline:
+            record.baseline = [*ground.ramp.before, *ground.stall.before]
+            record.baseline_setting = ground.stall.told(ground.stall.now())
+        record.units, record.trials, record.best = dict(UNITS), [], None
+        record.stallguard = StallFound(
+            generation=ground.stall.scale.generation,
+            run_fullsteps=wanted.run_fullsteps,
+            push_fullsteps=wanted.push_fullsteps,
+            speeds=[
+                StallSpeed(speed_rps=rps, speed_pps=pps)
+                for rps, pps in zip(wanted.speeds_rps, ground.speeds_pps, strict=True)
+            ],
+        )
+        await self.keeper.save(record)
+        await self._find_stop()
+        measured = await self._measure()
+        await self._choose(measured)
+        await self.back()
+        await self._runs.back_to(ground.start)
+
+    def _count(self) -> None:
+        """Tell how much it has moved. Raises Failed where that is more than it may."""
+        self.record.runs, self.record.way_fullsteps = self._runs.runs, self._runs.way_fullsteps
+        budget = self.record.document.budget
+        if self.since_s > budget.time_s:
+            raise Failed(f"the budget of {budget.time_s:g} s ended before anything was proved: give it more")
+        if budget.distance_fullsteps is not None and self._runs.way_fullsteps > budget.distance_fullsteps:
+            raise Failed(f"the budget of {budget.distance_fullsteps:g} full steps ended before anything was proved")
+
+    # --- where the stop is ------------------------------------------------------------------------
+
+    async def _find_stop(self) -> None:
+        ground = self._ground
+        self.tell("look", 0.0, "looking for the stop")
+        self.keeper.mark("looking for the stop")
+        await self._set(ground.find_pps, StallSetting(self._scale.low, filtered=False, armed_pps=ground.find_pps))
+        await self._runs.begin()
+        at = await self._runs.find_stop(ground.limit)
+        if at is None:
+            raise Failed(f"nothing held the motor as far as {ground.limit}: the stop is elsewhere, or gives way")
+        self._stop_at = self.found.stop_at = at
+        if abs(at - ground.start) < 2 * ROOM_FULLSTEPS * ground.full_step:
+            raise Failed(f"the stop at {at} is too near to where it began: begin a turn or more away from it")
+        await self._runs.back_to(self._near)
+        await self._runs.mend()
+        await self._runs.back_to(ground.start)
+
+    @property
+    def _near(self) -> int:
+        """Where free runs end before the stop."""
+        return self._stop_at - self._ground.way * round(ROOM_FULLSTEPS * self._ground.full_step)
+
+    def _approach(self, speed_pps: float) -> int | None:
+        """Where a run into the stop begins, drawn anew; None where there is too little room to get up to speed."""
+        ground = self._ground
+        up = speed_pps**2 / (2 * ground.acceleration_pps2) + AT_SPEED_FULLSTEPS * ground.full_step
+        jitter = self._random.uniform(0, JITTER) * ground.full_step
+        begin = self._stop_at - ground.way * round(up + jitter)
+        return begin if ground.way * (begin - ground.start) >= 0 else None
+
+    @property
+    def _behind(self) -> int:
+        """As far as a run into the stop goes."""
+        return self._stop_at + self._ground.way * round(self.wanted.push_fullsteps * self._ground.full_step)
+
+    async def _set(self, speed_pps: float, setting: StallSetting, *, stops: bool = False, hard: bool = False) -> None:
+        """Hard : brake as fast as the chip can, for a run that ends behind the stop."""
+        ground = self._ground
+        ramp = {SPEED: speed_pps}
+        # What is not the speed stays as it was before, whatever the run before this one has braked with.
+        whole = {**{each.name: each for each in ground.ramp.before}, **_named(ground.ramp.registers(ramp))}
+        if hard:
+            whole |= _named(ground.ramp.braking_hard({**ground.ramp.now(), **ramp}))
+        words = f"threshold {setting.threshold}, {plain(speed_pps)} {RAMP_UNITS[SPEED]}"
+        await self.apply([*whole.values(), *ground.stall.registers(setting, stops=stops)], words)
+
+    # --- measuring --------------------------------------------------------------------------------
+
+    async def _measure(self) -> list[Measured]:
+        measured = []
+        speeds = self.found.speeds
+        threshold = 0
+        for index, one in enumerate(speeds):
+            part = 0.05 + 0.4 * index / len(speeds)
+            if self._approach(one.speed_pps) is None:
+                one.why = "between here and the stop it does not get up to this speed: begin further away from it"
+                continue
+            self.tell("search", part, f"free runs at {plain(one.speed_rps)} turns/s")
+            self.keeper.mark(f"free runs at {plain(one.speed_rps)} turns/s")
+            free, threshold = await self._free_runs(one, threshold)
+            if await self._runs.mend():
+                one.why = "it loses steps at this speed with nothing in the way"
+                await self._slowly_home()
+                continue
+            self.tell("search", part + 0.2 / len(speeds), f"into the stop at {plain(one.speed_rps)} turns/s")
+            self.keeper.mark(f"into the stop at {plain(one.speed_rps)} turns/s")
+            stops = await self._stop_runs(one, threshold)
+            of = Measured(one.speed_rps, one.speed_pps, free, stops)
+            measured.append(of)
+            self._show(one, of, filtered=False)
+            await self.keeper.save(self.record)
+        self.found.slope = self._scale.slope
+        return measured
+
+    async def _slowly_home(self) -> None:
+        """After steps were lost at a speed that is too much: it is at rest, and the encoder has told where."""
+        ground = self._ground
+        await self._set(ground.find_pps, StallSetting(self._scale.low, filtered=False, armed_pps=ground.find_pps))
+        await self._runs.back_to(ground.start)
+        await self._runs.mend()
+
+    async def _free_runs(self, one: StallSpeed, threshold: int) -> tuple[list[Run], int]:
+        """Free runs at a threshold at which the values lie inside their range, and that threshold."""
+        if self._scale.generation == 4:
+            threshold = 0
+        for _ in range(PROBES):
+            seen = await self._passes(one, threshold, 1)
+            least = min(float(run.values[run.speeds_pps >= ARMED * one.speed_pps].min(initial=1023)) for run in seen)
+            if self._scale.generation == 4 or 0 < least <= ROOM_ABOVE:
+                break
+            moved = self._scale.stricter(threshold, PROBE_STEP if least <= 0 else -PROBE_STEP)
+            if moved == threshold:
+                break
+            threshold = moved
+        if self._scale.generation == 2 and not self.found.slope:
+            await self._find_slope(one, threshold)
+        return await self._passes(one, threshold, MEASURED_FREE), threshold
+
+    async def _find_slope(self, one: StallSpeed, threshold: int) -> None:
+        """What one more of the threshold adds to a value: by two thresholds at one speed."""
+        other = self._scale.stricter(threshold, SLOPE_STEP)
+        if other == threshold:
+            other = self._scale.stricter(threshold, -SLOPE_STEP)
+        self._scale = replace(self._scale, slope=0.0)
+        means = []
+        for each in (threshold, other, threshold, other):
+            runs = await self._passes(one, each, 2)
+            values = np.concatenate([run.values[run.speeds_pps >= ARMED * one.speed_pps] for run in runs])
+            means.append(float(values.mean()))
+        slope = (means[1] + means[3] - means[0] - means[2]) / 2 / (other - threshold)
+        if not SLOPE[0] <= slope <= SLOPE[1]:
+            raise Failed(
+                f"the load value goes from {means[0]:.0f} to {means[1]:.0f} as the threshold goes from {threshold} to "
+                f"{other}: StallGuard2 does not measure here. See whether the motor turns with SpreadCycle"
+            )
+        self._scale = replace(self._scale, slope=slope)
+        self.found.slope = slope
+
+    async def _passes(self, one: StallSpeed, threshold: int, count: int) -> list[Run]:
+        """At least `count` free runs: pieces of ways between here and the stop."""
+        ground, runs = self._ground, list[Run]()
+        await self._set(one.speed_pps, StallSetting(threshold, filtered=False, armed_pps=ARMED * one.speed_pps))
+        piece = self.wanted.run_fullsteps * ground.full_step
+        for index in range(2 * count):
+            self._count()
+            samples = await self._runs.measured(self._near if index % 2 == 0 else ground.start, one.speed_pps)
+            runs += self._pieces(samples, piece, threshold)
+            if len(runs) >= count and index % 2:
+                break
+        return runs[: max(count, 2)] if count > 2 else runs
+
+    def _pieces(self, samples: Samples, piece: float, threshold: int) -> list[Run]:
+        way = np.abs(samples.position - samples.position[0])
+        count = max(1, int(way[-1] / piece))
+        at = np.minimum((way / piece).astype(int), count - 1)
+        values = self._scale.at_zero(samples.load, threshold)
+        return [Run(values[at == index], samples.speed_pps[at == index]) for index in range(count)]
+
+    async def _stop_runs(self, one: StallSpeed, threshold: int) -> list[Run]:
+        """Runs into the stop while no stall stops the motor, at a threshold at which the values are not cut at 0."""
+        threshold = self._scale.stricter(threshold, PROBE_STEP) if self._scale.generation == 2 else 0
+        runs: list[Run] = []
+        probes = 0
+        while len(runs) < MEASURED_STOPS:
+            begin = self._approach(one.speed_pps)
+            assert begin is not None
+            await self._set(one.speed_pps, StallSetting(threshold, filtered=False, armed_pps=one.speed_pps), hard=True)
+            while len(runs) < MEASURED_STOPS:
+                self._count()
+                await self._runs.back_to(begin)
+                samples = await self._runs.measured(self._behind, one.speed_pps)
+                await self._runs.back_to(begin)
+                await self._runs.mend()
+                begin = self._approach(one.speed_pps)
+                assert begin is not None
+                inside = (self._ground.way * (samples.position - self._stop_at) >= 0) & (
+                    samples.speed_pps >= ARMED * one.speed_pps
+                )
+                load = samples.load[inside]
+                if not len(load):
+                    raise Failed(
+                        f"not one load value came within {self.wanted.push_fullsteps:g} full steps of the stop"
+                    )
+                moved = self._scale.stricter(threshold, PROBE_STEP)
+                cut = self._scale.generation == 2 and load.min() <= 0 and moved != threshold
+                if cut and probes < PROBES:
+                    threshold, probes, runs = moved, probes + 1, []
+                    break
+                runs.append(Run(self._scale.at_zero(load, threshold), samples.speed_pps[inside]))
+        return runs
+
+    def _show(self, one: StallSpeed, of: Measured, *, filtered: bool) -> None:
+        """The distributions and the ROC of a speed, for whoever looks."""
+        free, stops = of.least(ARMED * of.speed_pps, filtered)
+        one.free, one.stops = [round(float(value), 1) for value in free], [round(float(value), 1) for value in stops]
+        one.roc = [RocPoint(level=level, false=false, missed=missed) for level, false, missed in roc(free, stops)]
+        values = [
+            np.concatenate([run.values[run.speeds_pps >= ARMED * of.speed_pps] for run in runs])
+            for runs in (of.free, of.stops)
+        ]
+        both = np.concatenate(values)
+        edges = np.linspace(both.min(), max(both.max(), both.min() + 1), BINS + 1)
+        one.values = [round(float(edge), 1) for edge in edges]
+        one.free_share, one.stop_share = (
+            [float(share) for share in np.histogram(each, edges)[0] / max(1, len(each))] for each in values
+        )
+
+    # --- choosing and proving ---------------------------------------------------------------------
+
+    async def _choose(self, measured: list[Measured]) -> None:
+        record = self.record
+        for number, choice in enumerate(choices(measured, self._scale, ARMED)):
+            if number >= CHOICES_MOST:
+                break
+            tried = choice
+            for _ in range(TRIED_MOST):
+                wrong = await self._prove(measured, tried)
+                if not wrong:
+                    await self._decide(measured, tried)
+                    return
+                moved = self._scale.stricter(tried.threshold, 1 if wrong == "false" else -1)
+                tried = replace(tried, threshold=moved)
+        record.improved = False
+        for one, of in self._of(measured):
+            one.why = one.why or self._why(of)
+        reasons = [f"{plain(one.speed_rps)} turns/s: {one.why}" for one in self.found.speeds if one.why]
+        record.verdict = f"no threshold does it here: {'; '.join(reasons)}"
+        record.next = "another speed, more current, less acceleration, or a switch"
+
+    def _of(self, measured: list[Measured]) -> list[tuple[StallSpeed, Measured]]:
+        speeds = {one.speed_pps: one for one in self.found.speeds}
+        return [(speeds[of.speed_pps], of) for of in measured]
+
+    def _why(self, of: Measured) -> str:
+        """Why no threshold does it at one speed."""
+        far = max(
+            max(
+                apart(*of.least(ARMED * of.speed_pps, filtered), self._scale.level(threshold)),
+                float("-inf"),
+            )
+            for filtered in (False, True)
+            for threshold in range(self._scale.low, self._scale.high + 1)
+        )
+        if far <= 0:
+            return "load values of free runs and of stalls overlap"
+        return f"free runs and stalls are {plain(far, 2)} standard deviations from a threshold at the most: too near"
+
+    def _setting_of(self, measured: list[Measured], choice: Choice) -> StallSetting:
+        return StallSetting(choice.threshold, choice.filtered, ARMED * measured[choice.first].speed_pps)
+
+    async def _prove(self, measured: list[Measured], choice: Choice) -> Literal["", "false", "missed"]:
+        """Try a choice on held-out runs: what it gets wrong too often; empty where nothing."""
+        record, setting = self.record, self._setting_of(measured, choice)
+        trial = Trial(
+            number=len(record.trials),
+            setting=self._ground.stall.told(setting),
+            registers=self._ground.stall.registers(setting, stops=None),
+            state="feasible",
+            figures=Figures(),
+            at_s=round(self.since_s, 3),
+        )
+        self.keeper.mark(f"proof of threshold {choice.threshold}")
+        record.trials.append(trial)
+        for index in range(choice.first, choice.last + 1):
+            one, of = self._of(measured)[index]
+            done = (len(record.trials) - 1) / 8 + (index - choice.first) / (choice.last - choice.first + 1) / 8
+            self.tell(
+                "proof", 0.45 + 0.5 * min(done, 1.0), f"threshold {choice.threshold} at {plain(one.speed_rps)} turns/s"
+            )
+            self._show(one, of, filtered=choice.filtered)
+            one.missed, one.false = await self._held_out(one, setting)
+            trial.figures.runs += one.missed.runs + one.false.runs
+            await self.keeper.save(record)
+            wrong: Literal["false", "missed"]
+            for rate, wrong in ((one.false, "false"), (one.missed, "missed")):
+                if rate.wrong > self.wanted.rate_max * rate.runs:
+                    trial.state = "infeasible"
+                    trial.why = f"{rate.wrong} of {rate.runs} stalls {wrong} at {plain(one.speed_rps)} turns/s"
+                    one.why = f"threshold {choice.threshold}: {trial.why}"
+                    return wrong
+            one.why = ""
+        record.best = trial.number
+        return ""
+
+    async def _held_out(self, one: StallSpeed, setting: StallSetting) -> tuple[Rate, Rate]:
+        """Missed stalls and false ones of a setting at one speed, the motor stopping by them; ended where it is bad."""
+        ground, wanted = self._ground, self.wanted
+        missed = stops = false = 0
+        await self._set(one.speed_pps, setting, stops=True, hard=True)
+        while stops < wanted.stops and missed < GIVEN_UP and false < GIVEN_UP:
+            self._count()
+            begin = self._approach(one.speed_pps)
+            assert begin is not None
+            false += await self._runs.armed(begin)
+            lost, before = await self._runs.into_stop(self._behind, self._stop_at)
+            stops, missed, false = stops + 1, missed + lost, false + before
+            false += await self._runs.armed(begin)
+            await self._runs.mend()
+        await self._set(one.speed_pps, setting, stops=True)
+        piece = wanted.run_fullsteps * ground.full_step
+        false += await self._runs.armed(ground.start)
+        a_pass = max(1, int(abs(self._near - ground.start) / piece))
+        free = 0
+        while free < wanted.free_runs and false < GIVEN_UP:
+            self._count()
+            for target in (self._near, ground.start):
+                false += await self._runs.armed(target)
+                free += a_pass
+        runs = free + stops  # each run into the stop has a way to it
+        return _rate(missed, stops), _rate(false, runs)
+
+    async def _decide(self, measured: list[Measured], choice: Choice) -> None:
+        """Whether that is better than the setting before, which has the same runs to do."""
+        record, found = self.record, self.found
+        proved = [one for one, _ in self._of(measured)[choice.first : choice.last + 1]]
+        for index, (one, of) in enumerate(self._of(measured)):
+            if not choice.first <= index <= choice.last:
+                one.why = one.why or f"not with a threshold that does it at the others; alone: {self._why(of)}"
+        found.level, found.filtered = self._scale.level(choice.threshold), choice.filtered
+        found.from_rps, found.to_rps = proved[0].speed_rps, proved[-1].speed_rps
+        words = (
+            f"threshold {choice.threshold}{' with the filter' if choice.filtered else ''} tells a stall from "
+            f"{plain(found.from_rps)} to {plain(found.to_rps)} turns/s: {_told(proved, 'false')}, "
+            f"{_told(proved, 'missed')}"
+        )
+        above = [one for one in found.speeds if one.speed_rps > proved[-1].speed_rps]
+        if above:
+            record.next = (
+                f"it is armed above {plain(found.to_rps)} turns/s too: no moves faster than that while stalls stop it"
+            )
+        else:
+            record.next = "more runs bound the rates closer: 299 without a wrong one show less than 1 %"
+        before = self._ground.stall.ready()
+        if before:
+            record.improved = True
+            record.verdict = f"{words}; as it was set before it could not ({before[0]})"
+            return
+        setting = self._ground.stall.now()
+        for one in proved:
+            self.tell("proof", 0.95, f"the setting before at {plain(one.speed_rps)} turns/s")
+            one.missed_before, one.false_before = await self._held_out(one, setting)
+        worse = [what for what in ("false", "missed") if _fewer(proved, what)]
+        record.improved = bool(worse)
+        record.verdict = (
+            f"{words}; before: {_told(proved, 'false_before')}, {_told(proved, 'missed_before')}"
+            if worse
+            else "the setting before does as well in as many runs: it stays as it is"
+        )
+
+
+def _named(registers: list[Held]) -> dict[str, Held]:
+    return {each.name: each for each in registers}
+
+
+def _rate(wrong: int, runs: int) -> Rate:
+    wrong = min(wrong, runs)
+    return Rate(wrong=wrong, runs=runs, most=rate_bound(wrong, runs))
+
+
+def _sum(speeds: list[StallSpeed], name: str) -> Rate:
+    rates: list[Rate] = [getattr(one, name) for one in speeds]
+    return _rate(sum(rate.wrong for rate in rates), sum(rate.runs for rate in rates))
+
+
+def _told(speeds: list[StallSpeed], name: str) -> str:
+    rate = _sum(speeds, name)
+    word = "stalls missed" if name.startswith("missed") else "free runs stopped"
+    return f"{rate.wrong} of {rate.runs} {word} (below {100 * rate.most:.2g} %)"
+
+
+def _fewer(speeds: list[StallSpeed], name: str) -> bool:
+    """Whether fewer went wrong than before: Fisher's exact test, one-sided, 5 %."""
+    from scipy import stats
+
+    now, before = _sum(speeds, name), _sum(speeds, f"{name}_before")
+    table = [[now.wrong, now.runs - now.wrong], [before.wrong, before.runs - before.wrong]]
+    return before.wrong > 0 and bool(stats.fisher_exact(table, alternative="less").pvalue < LEVEL)

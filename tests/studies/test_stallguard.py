@@ -1,0 +1,177 @@
+"""StallGuard's threshold on an emulated axis with a hard stop: found, proved on other runs, and none where there is
+none."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.devices.tmc5xxx.start_up import Start
+from app.studies.plan import StudyPlan
+from app.studies.report import html_of
+from app.studies.stallguard import plan as stallguard
+from app.studies.stallguard.choice import Measured, Run, apart, choices, roc
+from app.studies.stallguard.scale import Scale
+from app.studies.store import StudyStore
+from tests.devices.tmc5xxx.harness import bench
+from tests.studies.harness import START, Studied, studied
+
+STAGE = {"left_at_fullsteps": -5000, "right_at_fullsteps": 5000, "left_end_fullsteps": -300.0}
+FAST = replace(START, stops=False, vmax=102_400, amax=400_000)
+SHORT: dict[str, Any] = {
+    "kind": "stallguard",
+    "within_fullsteps": 400.0,
+    "stop_confirmed": True,
+    "speeds_rps": [2.0],
+    "free_runs": 20,
+    "stops": 10,
+}
+NAMES = ("VMAX", "AMAX", "DMAX", "COOLCONF", "SW_MODE", "TCOOLTHRS", "THIGH")
+
+
+@asynccontextmanager
+async def axis(tmp_path: Path, start: Start = FAST, **told: float) -> AsyncIterator[Studied]:
+    """An axis with a hard stop 300 full steps to the left, and the load value of a motor as it is told."""
+    async with studied(tmp_path, start, stage=STAGE, motor={"load_value": told}) as s:
+        yield s
+
+
+async def test_a_threshold_is_found_and_proved_and_the_axis_is_as_before(tmp_path: Path) -> None:
+    async with axis(tmp_path) as s:
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(SHORT)))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        assert s.b.wire.state().axes[0].truth.rotor_fullsteps == pytest.approx(0, abs=0.2)
+        found, best = record.stallguard, record.trial(record.best)
+        assert found is not None
+        assert best is not None
+        assert found.level is not None
+        assert found.stop_at == pytest.approx(-300 * 256, abs=256)
+        assert found.slope == pytest.approx(8, abs=0.1)
+        (speed,) = found.speeds
+        assert max(speed.stops) < found.level < min(speed.free)
+        assert speed.false is not None
+        assert speed.missed is not None
+        assert (speed.false.wrong, speed.missed.wrong, speed.missed.runs) == (0, 0, 10)
+        assert speed.missed.most == pytest.approx(1 - 0.05 ** (1 / 10))
+        assert best.setting["armed from"] == pytest.approx(0.9 * 102_400, rel=0.01)
+        assert "TCOOLTHRS was 0" in record.verdict
+        report = html_of(record)
+        assert report.count("<svg") == 2
+        assert "<script" not in report
+
+
+async def test_a_motor_whose_noise_is_above_its_load_has_no_threshold_and_is_told_so(tmp_path: Path) -> None:
+    async with axis(tmp_path, noise=200.0, noise_with_speed=600.0) as s:
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(SHORT)))
+        assert (record.state, record.improved, record.best) == ("done", False, None), record.message
+        assert "no threshold does it here: 2 turns/s" in record.verdict
+        assert await s.settings(*NAMES) == before
+
+
+async def test_what_was_set_before_and_does_it_stays(tmp_path: Path) -> None:
+    async with axis(tmp_path) as s:
+        await s.device.registers.write("COOLCONF", 0, None, {"sgt": -8})
+        await s.device.registers.write("TCOOLTHRS", 0, 174)
+        record = await s.finish(s.begin(s.document(SHORT)))
+        assert (record.state, record.improved) == ("done", False), record.message
+        assert "stays as it is" in record.verdict
+
+
+@pytest.mark.parametrize("at_s", [2.0, 20.0, 70.0])
+async def test_a_stop_at_any_moment_leaves_the_axis_as_before(tmp_path: Path, at_s: float) -> None:
+    async with axis(tmp_path) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(SHORT))
+        await s.clock.advance(at_s)
+        assert run.running
+        await s.device.stop_axes([0])
+        await s.finish(run, 20)
+        assert (run.record.state, run.record.left) == ("aborted", []), run.record.message
+        assert await s.settings(*NAMES) == before
+
+
+async def test_no_stop_within_what_was_said_is_told(tmp_path: Path) -> None:
+    async with axis(tmp_path) as s:
+        record = await s.finish(s.begin(s.document({**SHORT, "within_fullsteps": 100.0})))
+        assert record.state == "failed"
+        assert "nothing held the motor as far as -25600" in record.message
+
+
+async def test_stallguard4_is_found_with_stealthchop(tmp_path: Path) -> None:
+    start = replace(FAST, vmax=25_600, amax=100_000)
+    async with bench("tmc5240", start=start, stage=STAGE, motor={"rotor_teeth": 50}) as b:
+        s = Studied(b, StudyStore(tmp_path, aside=False))
+        wish = {**SHORT, "speeds_rps": [0.5], "generation": 4, "run_fullsteps": 50.0}
+        record = await s.finish(s.begin(s.document(wish)))
+        assert (record.state, record.improved) == ("done", True), record.message or record.verdict
+        assert record.stallguard is not None
+        assert record.stallguard.generation == 4
+        best = record.trial(record.best)
+        assert best is not None
+        assert {"SG4_THRS", "TCOOLTHRS", "GCONF"} <= {each.name for each in best.registers}
+
+
+async def planned(s: Studied, **study: Any) -> StudyPlan:
+    return await stallguard.plan(s.device, 0, s.document({**SHORT, **study}))
+
+
+async def test_the_plan_says_what_it_runs_into_and_what_is_missing(tmp_path: Path) -> None:
+    async with axis(tmp_path) as s:
+        plan = await planned(s)
+        assert plan.missing == []
+        assert (plan.position_from, plan.position_to) == (-400 * 256, 0)
+        assert any("into the stop" in line for line in plan.steps)
+        assert any("stop_confirmed" in line for line in (await planned(s, stop_confirmed=False)).missing)
+        assert any("StallGuard4" in line for line in (await planned(s, generation=4)).missing)
+
+
+# --- the choice alone -----------------------------------------------------------------------------
+
+
+def runs(rng: np.random.Generator, mean: float, noise: float, count: int, values: int = 40) -> list[Run]:
+    return [Run(rng.uniform(mean - noise, mean + noise, values), np.full(values, 100.0)) for _ in range(count)]
+
+
+SGT = Scale(2, -64, 63, 8.0)
+
+
+def test_the_levels_of_a_roc_are_counted() -> None:
+    free, stops = np.array([3.0, 5.0]), np.array([1.0, 3.0])
+    assert roc(free, stops) == [(1, 0, 0.5), (3, 0.5, 0), (5, 1, 0)]
+
+
+def test_the_filter_is_taken_where_single_values_overlap_and_not_before() -> None:
+    rng = np.random.default_rng(1)
+    clear = Measured(1.0, 100.0, runs(rng, 300, 20, 40), runs(rng, -100, 20, 12, 8))
+    assert not next(choices([clear], SGT, 0.9)).filtered
+    # A run into the stop has few values, a free one many: one of them is low.
+    wild = Measured(1.0, 100.0, runs(rng, 300, 500, 40), runs(rng, -190, 10, 12, 8))
+    assert next(choices([wild], SGT, 0.9)).filtered
+
+
+def test_the_most_speeds_come_first_and_a_speed_that_cannot_is_left_out() -> None:
+    rng = np.random.default_rng(2)
+    slow = Measured(
+        0.1, 10.0, [Run(one.values, one.speeds_pps / 10) for one in runs(rng, -60, 60, 40)], runs(rng, -100, 20, 12)
+    )
+    good = [Measured(v, v * 100, runs(rng, 300, 20, 40), runs(rng, -100, 20, 12, 8)) for v in (0.5, 1.0)]
+    first = next(choices([slow, *good], SGT, 0.9))
+    assert (first.first, first.last) == (1, 2)
+    assert -100 < SGT.level(first.threshold) < 280
+
+
+def test_a_level_on_the_wrong_side_or_at_the_end_of_the_gap_is_none() -> None:
+    free, stops = np.array([200.0, 210.0, 205.0]), np.array([-100.0, -90.0, -95.0])
+    assert apart(free, stops, 50.0) > 5
+    assert apart(free, stops, 195.0) <= 0
+    assert apart(free, stops, -95.0) <= 0

@@ -1,0 +1,61 @@
+import { Checkbox, TextInput } from "@mantine/core";
+import { Choice } from "../../../lib/Choice";
+import { NumberField } from "../../../lib/NumberField";
+import type { FieldsProps } from "../kind";
+import { type StallGuardForm, speedsOf } from "./form";
+
+const SIDES = [
+  { value: "left", label: "left" },
+  { value: "right", label: "right" },
+];
+
+/** Where the stop is, at which speeds, and how many runs prove it. */
+export function Fields({ form, change }: FieldsProps<StallGuardForm>) {
+  return (
+    <>
+      <Choice
+        label="The stop is to the"
+        data={SIDES}
+        value={form.side}
+        onChange={(side) => change({ side: side as StallGuardForm["side"] })}
+      />
+      <NumberField
+        label="From here no further than"
+        value={form.withinFullsteps}
+        min={50}
+        max={1e6}
+        unit="full steps"
+        onChange={(withinFullsteps) => change({ withinFullsteps })}
+      />
+      <TextInput
+        label="At speeds of"
+        description="turns of the motor a second"
+        value={form.speeds}
+        error={speedsOf(form.speeds).length > 0 ? undefined : "one number at least"}
+        onChange={({ currentTarget }) => change({ speeds: currentTarget.value })}
+      />
+      <NumberField
+        label="Free runs of the proof"
+        description="299 without a false stall show less than 1 %"
+        value={form.freeRuns}
+        min={20}
+        max={3000}
+        integer
+        onChange={(freeRuns) => change({ freeRuns })}
+      />
+      <NumberField
+        label="Runs into the stop of the proof"
+        value={form.stops}
+        min={10}
+        max={1000}
+        integer
+        onChange={(stops) => change({ stops })}
+      />
+      <Checkbox
+        label="A hard stop is there, and the motor may run into it"
+        checked={form.confirmed}
+        onChange={({ currentTarget }) => change({ confirmed: currentTarget.checked })}
+      />
+    </>
+  );
+}

@@ -1,0 +1,96 @@
+import { Table, Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot } from "../../../plots/Plot";
+import type { Study } from "../study";
+import { distributionsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
+
+/** What came of each speed: both rates, how load values are distributed, and what each threshold would do. */
+export function Results({ study }: { study: Study }) {
+  const found = study.stallguard;
+  if (!found) return null;
+  return (
+    <>
+      <Rates found={found} />
+      {found.speeds
+        .filter(({ roc }) => roc.length > 0)
+        .map((speed) => (
+          <Distributions key={speed.speed_rps} speed={speed} level={found.level} />
+        ))}
+    </>
+  );
+}
+
+function Rates({ found }: { found: StallFound }) {
+  return (
+    <Card title="How sure" note={`StallGuard${found.generation}`}>
+      <Table.ScrollContainer minWidth={420} type="native">
+        <Table withRowBorders={false} verticalSpacing={2} aria-label="False and missed stalls at each speed">
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col">turns/s</Table.Th>
+              <Table.Th scope="col">False stalls</Table.Th>
+              <Table.Th scope="col">Missed</Table.Th>
+              <Table.Th scope="col">Why not</Table.Th>
+            </Table.Tr>
+          </Table.Thead>
+          <Table.Tbody>
+            {found.speeds.map((speed) => (
+              <Table.Tr key={speed.speed_rps}>
+                <Table.Th scope="row">{compact(speed.speed_rps)}</Table.Th>
+                <Table.Td>{rateText(speed.false)}</Table.Td>
+                <Table.Td>{rateText(speed.missed)}</Table.Td>
+                <Table.Td>{speed.why}</Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </Table>
+      </Table.ScrollContainer>
+      <Text size="sm" className="dim">
+        Of held-out runs: free ones of {compact(found.run_fullsteps)} full steps, and into the stop by{" "}
+        {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %.
+      </Text>
+    </Card>
+  );
+}
+
+function Distributions({ speed, level }: { speed: StallSpeed; level: number | null }) {
+  const scheme = useScheme();
+  const stop = scheme === "dark" ? "#ff8787" : "#c92a2a";
+  const name = `${compact(speed.speed_rps)} turns/s`;
+  const lowest = speed.free.length > 0 ? Math.min(...speed.free) : Number.NaN;
+  const highest = speed.stops.length > 0 ? Math.max(...speed.stops) : Number.NaN;
+  return (
+    <Card title={`At ${name}`}>
+      <div className="column">
+        <Plot
+          label={`Load values at ${name}`}
+          summary={`Free runs fall to ${compact(lowest)}, stalls come to ${compact(highest)} at the least`}
+          height={170}
+          series={[
+            { label: "free runs", color: colorOf("velocity", scheme), stepped: true },
+            { label: "against the stop", color: stop, stepped: true },
+          ]}
+          x={{ label: "load value at threshold 0" }}
+          scales={{ y: { label: "share", include: [0] } }}
+          marks={
+            level === null
+              ? []
+              : [{ id: "level", x: level, color: colorOf("target_position", scheme), label: "a stall", fixed: true }]
+          }
+          data={distributionsOf(speed)}
+        />
+        <Plot
+          label={`Missed over false stalls at ${name}`}
+          height={150}
+          series={[{ label: "each threshold", color: colorOf("load_value", scheme), dots: 5, line: true }]}
+          x={{ label: "false stalls, share of free runs" }}
+          scales={{ y: { label: "missed", include: [0, 1] } }}
+          data={rocOf(speed)}
+        />
+      </div>
+    </Card>
+  );
+}

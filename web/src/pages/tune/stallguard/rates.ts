@@ -1,0 +1,24 @@
+import type { Schemas } from "../../../api/client";
+import { compact } from "../../../lib/format";
+import type { PlotData } from "../../../plots/series";
+
+export type StallFound = Schemas["StallFound"];
+export type StallSpeed = StallFound["speeds"][number];
+type Rate = Schemas["Rate"];
+
+/** "0 of 100: below 3 %"; empty where nothing was tried. */
+export function rateText(rate: Rate | null): string {
+  return rate === null ? "" : `${rate.wrong} of ${rate.runs}: below ${compact(100 * rate.most, 2)} %`;
+}
+
+/** Shares over load values: of free runs, and against the stop. */
+export function distributionsOf(speed: StallSpeed): PlotData {
+  const middles = speed.values.slice(1).map((edge, index) => (edge + (speed.values[index] ?? edge)) / 2);
+  return [middles, speed.free_share, speed.stop_share];
+}
+
+/** Missed stalls over false ones, from the level that tells none to the one that tells all. */
+export function rocOf(speed: StallSpeed): PlotData {
+  const points = [[0, 1], ...speed.roc.map(({ false: wrong, missed }) => [wrong, missed]), [1, 0]];
+  return [points.map(([wrong]) => wrong ?? 0), points.map(([, missed]) => missed ?? 0)];
+}
