@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..calc.signals.step_response import score
 from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
-from ..errors import BenchError
 from ..procedures.procedure import POLL_S, Failed
-from ..telemetry.sampling import FloatArray, Sampling
+from .sampled import sampling
 
 RATE_HZ = 500.0
 REST_S = 0.12
@@ -57,7 +54,6 @@ class MeasuredMoves:
         """`microsteps` of a full step. `band_fullsteps`: how near the encoder has to stay."""
         self._device, self._axis, self._clock = device, axis, clock
         self._microsteps, self._band = microsteps, band_fullsteps * microsteps
-        self._failure: BenchError | None = None
         self.way_fullsteps = 0.0
         """Of all moves so far."""
 
@@ -93,36 +89,16 @@ class MeasuredMoves:
     async def sampled(self, target: int, rate_hz: float) -> Sampled:
         """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""
         names = [f"position.{self._axis}", f"encoder_position.{self._axis}"]
-        times: list[FloatArray] = []
-        rows: list[FloatArray] = []
-        self._failure = None
-        sampling = Sampling(self._device, names, rate_hz, self._clock, self._failed)
-
-        def take() -> None:
-            port = self._device.session.sampling_port
-            if port is not None:
-                port.run_due_samples()
-            block = sampling.take()
-            if len(block.time_s):
-                times.append(block.time_s)
-                rows.append(block.samples)
-            if self._failure is not None:
-                raise self._failure
-
-        try:
+        with sampling(self._device, names, rate_hz, self._clock) as samples:
             start = (await self.state()).position
             self.way_fullsteps += abs(target - start) / self._microsteps
             started = await self._device.motion.move(self._axis, target)
-            await self._arrive(target, started.predicted_duration_s, take)
+            await self._arrive(target, started.predicted_duration_s, samples.take)
             after = await self.deviation()
-            take()
-        finally:
-            sampling.end()
-        if not times:
-            raise Failed("not one sample came")
-        time_s = np.concatenate(times) - started.started_at_s
-        commanded, encoder = np.concatenate(rows).T
-        return Sampled(time_s, commanded, encoder, start, after)
+            samples.take()
+        times_s, rows = samples.all()
+        position, encoder = rows.T
+        return Sampled(times_s - started.started_at_s, position, encoder, start, after)
 
     async def deviation(self) -> float:
         """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""
@@ -163,6 +139,3 @@ class MeasuredMoves:
                 raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
             if device.device_time_s() - began_s > longest_s:
                 raise Failed(f"the motor has not arrived at {target} after {longest_s:.3g} s")
-
-    def _failed(self, error: BenchError) -> None:
-        self._failure = error

@@ -13,12 +13,13 @@ from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ...telemetry.sampling import FloatArray, Sampling
+from ...telemetry.sampling import FloatArray
 from ..document import FirstLook
 from ..parts import Interval
 from ..ramp_settings import UNITS
 from ..record import Finding, Mend
 from ..run import StudyRun
+from ..sampled import sampling
 from .encoder_fit import EncoderFit, fit_encoder
 from .plan import Ground, look, travel_of
 
@@ -154,25 +155,9 @@ class FirstLookStudy(StudyRun):
     async def _sampled(self, target: int) -> tuple[FloatArray, FloatArray]:
         """A move, and position and encoder on its way [microsteps]."""
         names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
-        rows: list[FloatArray] = []
-        failures: list[Exception] = []
-        sampling = Sampling(self.device, names, RATE_HZ, self.clock, failures.append)
-
-        def take() -> None:
-            port = self.device.session.sampling_port
-            if port is not None:
-                port.run_due_samples()
-            block = sampling.take()
-            if len(block.time_s):
-                rows.append(block.samples)
-
-        try:
-            await self._go(target, take)
-        finally:
-            sampling.end()
-        if not rows:
-            raise Failed(f"not one sample came{f': {failures[0]}' if failures else ''}")
-        position, encoder = np.concatenate(rows).T
+        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
+            await self._go(target, samples.take)
+        position, encoder = samples.all()[1].T
         known = np.isfinite(position) & np.isfinite(encoder)
         return position[known], encoder[known]
 

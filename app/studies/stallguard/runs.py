@@ -11,10 +11,10 @@ from ...clock import Clock
 from ...devices.core.capabilities import PositionFromEncoder
 from ...devices.core.device import Device
 from ...devices.core.results import AxisState
-from ...errors import BenchError
 from ...procedures.procedure import POLL_S, Failed
-from ...telemetry.sampling import FloatArray, Sampling
+from ...telemetry.sampling import FloatArray
 from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS
+from ..sampled import sampling
 
 SAMPLES_A_FULLSTEP = 2.5
 """A new load value comes with each full step."""
@@ -45,7 +45,6 @@ class StallRuns:
         """Way : the sign of the side where the stop is"""
         self._device, self._axis, self._clock = device, axis, clock
         self._full_step, self._way = full_step, way
-        self._failure: BenchError | None = None
         self._off = 0.0
         """Encoder less position as both are in step [microsteps]."""
         self.way_fullsteps = 0.0
@@ -85,31 +84,13 @@ class StallRuns:
         """Move to `target` at that speed, and what was measured on the way. Raises Failed where it does not arrive,
         BenchError."""
         names = [f"{name}.{self._axis}" for name in ("position", "velocity", "load_value")]
-        rows: list[FloatArray] = []
-        self._failure = None
         rate_hz = min(max(SAMPLES_A_FULLSTEP * speed_pps / self._full_step, RATE_HZ[0]), RATE_HZ[1])
-        sampling = Sampling(self._device, names, rate_hz, self._clock, self._failed)
-
-        def take() -> None:
-            port = self._device.session.sampling_port
-            if port is not None:
-                port.run_due_samples()
-            block = sampling.take()
-            if len(block.time_s):
-                rows.append(block.samples)
-            if self._failure is not None:
-                raise self._failure
-
-        try:
-            state = await self._go(target, take)
-            take()
-        finally:
-            sampling.end()
+        with sampling(self._device, names, rate_hz, self._clock) as samples:
+            state = await self._go(target, samples.take)
+            samples.take()
         if state.position != target:
             raise Failed(f"the motor stands at {state.position}, not {target}: {await self._reason()}")
-        if not rows:
-            raise Failed("not one sample came")
-        position, velocity, load = np.concatenate(rows).T
+        position, velocity, load = samples.all()[1].T
         known = np.isfinite(position) & np.isfinite(velocity) & np.isfinite(load) & (velocity != 0)
         return Samples(position[known], np.abs(velocity[known]), load[known])
 
@@ -192,9 +173,6 @@ class StallRuns:
 
     async def _state(self) -> AxisState:
         return await self._device.monitor.axis_state(self._axis)
-
-    def _failed(self, error: BenchError) -> None:
-        self._failure = error
 
 
 def _deviation(state: AxisState) -> float:
