@@ -10,6 +10,7 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..procedures.procedure import POLL_S, Failed
+from ..telemetry.sampling import FloatArray
 from .sampled import sampling
 
 RATE_HZ = 500.0

@@ -2589,6 +2589,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/straight-line/path": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Line Path
+         * @description Where the axes of the present line were seen, or of the latest one, beside its plan: each sample has its time.
+         */
+        get: operations["get_line_path"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/audit": {
         parameters: {
             query?: never;
@@ -2782,6 +2802,89 @@ export interface components {
              */
             phase_deg?: number;
         };
+        /**
+         * AngleEffect
+         * @description The new table against the old one, by pairs. Differences are new less old [deg electrical].
+         */
+        AngleEffect: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline Deg */
+            baseline_deg: number;
+            /** Winner Deg */
+            winner_deg: number;
+            /** Difference Deg */
+            difference_deg: number;
+            interval_deg: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Significant */
+            significant: boolean;
+        };
+        /**
+         * AngleFigures
+         * @description How far a motor stands from where it was told, over the electrical angle [deg electrical].
+         */
+        AngleFigures: {
+            /** Rms Deg */
+            rms_deg: number;
+            /** Harmonics */
+            harmonics: components["schemas"]["AngleHarmonic"][];
+            /**
+             * Shaft
+             * @description once and twice a turn, of encoder or coupling [deg of the shaft]; not corrected
+             */
+            shaft: components["schemas"]["AngleHarmonic"][];
+            /**
+             * Friction Deg
+             * @description half of what is between both ways: friction, hysteresis
+             */
+            friction_deg: number;
+            /** Friction Half Deg */
+            friction_half_deg: number;
+            /**
+             * Residual Deg
+             * @description root mean square of what none of this explains
+             */
+            residual_deg: number;
+            /**
+             * Periods
+             * @description electrical periods, of both ways
+             */
+            periods: number;
+            /**
+             * Curve Deg
+             * @description mean of both ways, in equal steps over the electrical period
+             */
+            curve_deg: number[];
+            /**
+             * Both Ways Deg
+             * @description half their difference there
+             */
+            both_ways_deg: number[];
+        };
+        /**
+         * AngleHarmonic
+         * @description The part sine * sin(order * angle) + cosine * cos(order * angle) of an error [deg].
+         */
+        AngleHarmonic: {
+            /** Order */
+            order: number;
+            /** Sine Deg */
+            sine_deg: number;
+            /** Cosine Deg */
+            cosine_deg: number;
+            /** Amplitude Deg */
+            amplitude_deg: number;
+            /**
+             * Half Deg
+             * @description half the 95 % interval of sine and of cosine
+             */
+            half_deg: number;
+        };
         /** AngleOrderOut */
         AngleOrderOut: {
             /** Order */
@@ -2790,6 +2893,21 @@ export interface components {
             amplitude_deg: number;
             /** Amplitude Microsteps */
             amplitude_microsteps: number;
+        };
+        /**
+         * AnglePair
+         * @description The error with the old table and with the new one, root mean square [deg electrical].
+         */
+        AnglePair: {
+            /** Baseline Deg */
+            baseline_deg: number;
+            /** Winner Deg */
+            winner_deg: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
         };
         /**
          * ApplicationState
@@ -3322,6 +3440,36 @@ export interface components {
             travel_mm_per_rev: number | null;
             /** @description null where the profile does not speak of them */
             limits: components["schemas"]["Limits-Output"] | null;
+        };
+        /**
+         * AxisPath
+         * @description Where one axis was seen on a leg.
+         */
+        AxisPath: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * Time S
+             * @description after the first start of that leg, of each sample [s]
+             */
+            time_s: number[];
+            /**
+             * Position
+             * @description [microsteps]; null where a reading was lost
+             */
+            position: (number | null)[];
+            /**
+             * Off Line
+             * @description how far it was from the line at the most, by the way that the axis of the longest way had gone [microsteps]; null where nothing was seen
+             */
+            off_line: number | null;
+            /**
+             * Uncertainty
+             * @description how much more or less that may be, by when the samples were taken and what lies between them [microsteps]
+             */
+            uncertainty: number | null;
         };
         /**
          * AxisStart
@@ -5760,6 +5908,11 @@ export interface components {
              */
             enn?: boolean | null;
             /**
+             * Vref V
+             * @description voltage at VREF, or at AIN of a TMC2130 [V]: 2.5 and more is full scale
+             */
+            vref_v?: number | null;
+            /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]
              */
@@ -5777,6 +5930,16 @@ export interface components {
              * @description DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall
              */
             diag: boolean;
+            /**
+             * Index
+             * @description INDEX is active; null: the chip has no such pin
+             */
+            index?: boolean | null;
+            /**
+             * Vref V
+             * @description voltage at VREF [V]; null: the chip has no such pin
+             */
+            vref_v?: number | null;
             /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high
@@ -7745,6 +7908,16 @@ export interface components {
              * @description at the times of the leg [microsteps]
              */
             position: number[];
+            /**
+             * Warnings
+             * @description why it cannot keep to the line any better, where that is far off
+             */
+            warnings: string[];
+        };
+        /** LegPath */
+        LegPath: {
+            /** Axes */
+            axes: components["schemas"]["AxisPath"][];
         };
         /** LevelState */
         LevelState: {
@@ -7884,6 +8057,16 @@ export interface components {
             errors?: components["schemas"]["EncoderErrors"];
         };
         /**
+         * LinePath
+         * @description Where the axes were seen, on each leg that has begun, and how that was planned.
+         */
+        LinePath: {
+            /** @description null before the first line */
+            plan: components["schemas"]["LinePlan"] | null;
+            /** Legs */
+            legs: components["schemas"]["LegPath"][];
+        };
+        /**
          * LinePlan
          * @description What the planners expect of a line.
          */
@@ -7915,6 +8098,16 @@ export interface components {
             arrivals: components["schemas"]["Arrival"][];
             /** Message */
             message: string;
+            /**
+             * Off Line
+             * @description how far one of them was seen off the line at the most, on any leg [microsteps]; null: nothing seen
+             */
+            off_line: number | null;
+            /**
+             * Off Line Uncertainty
+             * @description how much more or less that may be [microsteps]
+             */
+            off_line_uncertainty: number | null;
         };
         /**
          * LinkCounts
@@ -8392,6 +8585,88 @@ export interface components {
              */
             moves: boolean;
         };
+        /**
+         * MicrostepCalibration
+         * @description A microstep table that makes up for the motor's angle error, as far as the chip's table can: by the encoder.
+         */
+        "MicrostepCalibration-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "microstep_calibration";
+            /**
+             * Turns
+             * @description of each run, there or back, to positions above [turns of the motor]
+             * @default 1
+             */
+            turns?: number;
+            /**
+             * Velocity Rps
+             * @description so slow that the load follows: four errors a full step have to stay far below its resonance [turns of the motor a second]
+             * @default 0.05
+             */
+            velocity_rps?: number;
+            /**
+             * Pairs
+             * @description of the proof: there and back with the old table and with the new one, in turn
+             * @default 6
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what makes the error less than this share smaller is no improvement
+             * @default 0.1
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new table set where it is shown to be better
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * MicrostepCalibration
+         * @description A microstep table that makes up for the motor's angle error, as far as the chip's table can: by the encoder.
+         */
+        "MicrostepCalibration-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "microstep_calibration";
+            /**
+             * Turns
+             * @description of each run, there or back, to positions above [turns of the motor]
+             * @default 1
+             */
+            turns: number;
+            /**
+             * Velocity Rps
+             * @description so slow that the load follows: four errors a full step have to stay far below its resonance [turns of the motor a second]
+             * @default 0.05
+             */
+            velocity_rps: number;
+            /**
+             * Pairs
+             * @description of the proof: there and back with the old table and with the new one, in turn
+             * @default 6
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what makes the error less than this share smaller is no improvement
+             * @default 0.1
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new table set where it is shown to be better
+             * @default false
+             */
+            keep: boolean;
+        };
         /** MicrostepDesign */
         MicrostepDesign: {
             /**
@@ -8435,6 +8710,47 @@ export interface components {
              * @default 6
              */
             usrs?: number;
+        };
+        /**
+         * MicrostepFigures
+         * @description What came of a microstep calibration.
+         */
+        MicrostepFigures: {
+            /**
+             * Microsteps Per Deg
+             * @description of the axis, in a degree electrical
+             */
+            microsteps_per_deg: number;
+            before: components["schemas"]["AngleFigures"];
+            /**
+             * Wave Before
+             * @description quarter wave of the table, 256 values
+             */
+            wave_before: number[];
+            /**
+             * Wave
+             * @description of the new one; null: none could be better
+             */
+            wave: number[] | null;
+            /**
+             * Predicted Rms Deg
+             * @description what the new table was expected to leave
+             */
+            predicted_rms_deg: number | null;
+            /**
+             * Predicted Deg
+             * @description the same over the electrical period
+             */
+            predicted_deg: number[];
+            /**
+             * Beyond Rms Deg
+             * @description what no table of a quarter wave can take away: what is between the phases
+             */
+            beyond_rms_deg: number | null;
+            after: components["schemas"]["AngleFigures"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["AnglePair"][];
+            effect: components["schemas"]["AngleEffect"] | null;
         };
         /** MicrostepMetrics */
         MicrostepMetrics: {
@@ -12929,6 +13245,22 @@ export interface components {
             answer: "next" | "same";
         };
         /**
+         * SpiOutputState
+         * @description What the SPI output sends for the currents of now. The phases of absolute values are at STPOUT and DIROUT.
+         */
+        SpiOutputState: {
+            /**
+             * Form
+             * @description the kind of driver or DAC that spi_output_format names
+             */
+            form: string;
+            /**
+             * Datagrams
+             * @description as bits, the first sent first: of two those of A and of B
+             */
+            datagrams: string[];
+        };
+        /**
          * SpidevLink
          * @description A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev").
          */
@@ -13811,7 +14143,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["StallGuard-Input"];
+            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -13853,7 +14185,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["StallGuard-Output"];
+            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -13873,7 +14205,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "stallguard";
+            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Device */
@@ -13912,7 +14244,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "stallguard";
+            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Purpose */
@@ -14103,6 +14435,8 @@ export interface components {
             verdict: string;
             /** Findings */
             findings: components["schemas"]["Finding"][];
+            /** @description of a microstep calibration */
+            microsteps: components["schemas"]["MicrostepFigures"] | null;
             /**
              * Runs
              * @default 0
@@ -14498,6 +14832,8 @@ export interface components {
             ramp: components["schemas"]["RampState"];
             dcstep: components["schemas"]["DcStepState"];
             step_output: components["schemas"]["StepOutputState"];
+            /** @description null: nothing is sent by itself */
+            spi_output?: components["schemas"]["SpiOutputState"] | null;
             /** @description null: the chip's currents are wired to the motor */
             driver?: components["schemas"]["DriverBehindState"] | null;
             /**
@@ -28496,6 +28832,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LineState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_line_path: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinePath"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
