@@ -19,6 +19,22 @@ MOTORS = (
 series."""
 
 
+def drawn_motor(rng: random.Random) -> dict[str, float]:
+    """One of them with its tolerances."""
+    resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
+    torque *= rng.uniform(0.9, 1.1)
+    return {
+        "resistance_ohm": resistance * rng.uniform(0.9, 1.1),
+        "inductance_h": inductance * rng.uniform(0.8, 1.2),
+        "holding_torque_nm": torque,
+        "rated_current_a": current,
+        "rotor_inertia_kgm2": inertia,
+        "detent_torque_nm": torque * rng.uniform(0.02, 0.08),
+        "viscous_nms": 10 ** rng.uniform(-3.5, -2.7),
+        "friction_nm": torque * rng.uniform(0.005, 0.03),
+    }
+
+
 def drawn(seed: int) -> dict[str, Any]:
     """Options of an emulated TMC5160.
 
@@ -27,19 +43,10 @@ def drawn(seed: int) -> dict[str, Any]:
     the greatest acceleration of the chip is too little to lose one.
     """
     rng = random.Random(seed)
-    resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
-    torque *= rng.uniform(0.9, 1.1)
+    motor = drawn_motor(rng)
+    torque, current, inertia = (motor[name] for name in ("holding_torque_nm", "rated_current_a", "rotor_inertia_kgm2"))
     return {
-        "motor": {
-            "resistance_ohm": resistance * rng.uniform(0.9, 1.1),
-            "inductance_h": inductance * rng.uniform(0.8, 1.2),
-            "holding_torque_nm": torque,
-            "rated_current_a": current,
-            "rotor_inertia_kgm2": inertia,
-            "detent_torque_nm": torque * rng.uniform(0.02, 0.08),
-            "viscous_nms": 10 ** rng.uniform(-3.5, -2.7),
-            "friction_nm": torque * rng.uniform(0.005, 0.03),
-        },
+        "motor": motor,
         "load": {
             "inertia_kgm2": inertia * 10 ** rng.uniform(1.0, 2.3),
             "friction_nm": torque * rng.uniform(0.0, 0.15),

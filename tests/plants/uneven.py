@@ -6,7 +6,7 @@ import math
 import random
 from typing import Any
 
-from tests.plants.axes import MOTORS
+from tests.plants.axes import drawn_motor
 
 SMOOTH = {"fourth_harmonic_deg": 0.0, "detent_torque_nm": 0.0}
 """A motor of which a table of a quarter wave can take nothing away."""
@@ -17,24 +17,14 @@ def drawn(seed: int, *, nothing_to_gain: bool = False) -> dict[str, Any]:
 
     Phases unequal by up to 5 % and 3 degrees, an error once a full step of up to 4 degrees and a detent torque of 2 to
     8 % (none of both with `nothing_to_gain`), the other tolerances as those of `axes`; a load of 0.5 to 10 rotor
-    inertias. The encoder has 1,000 to 10,000 lines, is eccentric by up to half a degree, and unequal within a line.
+    inertias. The encoder has 10,000 lines, is eccentric by up to half a degree, and unequal within a line.
     """
     rng = random.Random(seed)
-    resistance, inductance, torque, current, inertia = rng.choice(MOTORS)
-    torque *= rng.uniform(0.9, 1.1)
-    motor = {
-        "resistance_ohm": resistance * rng.uniform(0.9, 1.1),
-        "inductance_h": inductance * rng.uniform(0.8, 1.2),
-        "holding_torque_nm": torque,
-        "rated_current_a": current,
-        "rotor_inertia_kgm2": inertia,
-        "detent_torque_nm": torque * rng.uniform(0.02, 0.08),
-        "viscous_nms": 10 ** rng.uniform(-3.5, -2.7),
-        "friction_nm": torque * rng.uniform(0.005, 0.03),
-        "phase_unbalance": rng.uniform(-0.05, 0.05),
-        "quadrature_error_deg": rng.uniform(-3, 3),
-        "fourth_harmonic_deg": rng.uniform(-4, 4),
-    }
+    motor = drawn_motor(rng)
+    torque, current, inertia = (motor[name] for name in ("holding_torque_nm", "rated_current_a", "rotor_inertia_kgm2"))
+    motor["phase_unbalance"] = rng.uniform(-0.05, 0.05)
+    motor["quadrature_error_deg"] = rng.uniform(-3, 3)
+    motor["fourth_harmonic_deg"] = rng.uniform(-4, 4)
     return {
         "motor": {**motor, **(SMOOTH if nothing_to_gain else {})},
         "load": {
