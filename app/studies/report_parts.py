@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from ..number_text import plain
 
-WIDTH, HEIGHT, EDGE = 640, 260, 54
+WIDTH, HEIGHT, EDGE = 640, 260, 66
 COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", "failed": "#e8590c"}
 
 

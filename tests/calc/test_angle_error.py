@@ -103,6 +103,17 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     assert held >= 0.9 * 100
 
 
+def test_samples_that_were_torn_apart_change_nothing() -> None:
+    at, motor = electrical(), Motor({2: (1.0, 0.5)})
+    ways = motor.turned(at, GRID, 1)
+    clean = angle_error(ways, at, TURN)
+    for way in ways:
+        way.encoder[::97] += 300.0
+    spoilt = angle_error(ways, at, TURN)
+    assert spoilt.rms == pytest.approx(clean.rms, abs=0.01)
+    assert spoilt.harmonic(2).half < 1.5 * clean.harmonic(2).half
+
+
 def test_what_is_no_measurement_is_refused() -> None:
     at, motor = electrical(), Motor({})
     there, back = motor.turned(at, GRID, 1)

@@ -24,6 +24,8 @@ BINS = 64
 PERIODS_LEAST = 8
 """Electrical periods, of both ways together, below which an interval says nothing."""
 CONFIDENCE = 0.95
+OUTLIER = 9.0
+"""Times the median of all: a sample that far from the fit is left out (of normal noise one in 1e9)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,13 +152,17 @@ def angle_error(ways: Sequence[Way], electrical: ElectricalAngle, turn: float) -
     design = np.concatenate([base, waves], axis=1)
     found, *_ = np.linalg.lstsq(design, seen, rcond=None)
     residual = seen - design @ found
+    # A sample whose halves were asked for at different times, e.g. by a machine that was busy, is none.
+    good = np.abs(residual) <= OUTLIER * np.median(np.abs(residual)) + 1e-9
+    found, *_ = np.linalg.lstsq(design[good], seen[good], rcond=None)
+    residual = np.where(good, seen - design @ found, 0.0)
     clusters = _clusters(ways, electrical.period)
     if len(clusters) < PERIODS_LEAST:
         raise ValueError(f"{len(clusters)} electrical periods were looked at, {PERIODS_LEAST} are needed")
-    deviation = _deviations(design, residual, clusters)
+    deviation = _deviations(design * good[:, None], residual, clusters)
     half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(clusters) - 1)) * deviation
     plain = seen - base @ found[: base.shape[1]]
-    there, back = (_curve(plain[forward == way], angle[forward == way]) for way in (True, False))
+    there, back = (_curve(plain[good & (forward == way)], angle[good & (forward == way)]) for way in (True, False))
     curve = (there + back) / 2
     first = base.shape[1]
     return AngleError(

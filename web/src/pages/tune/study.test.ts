@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
-import { errorOf, harmonicsOf, type Microsteps, wavesOf } from "./microstepCalibration/curves";
+import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
 
@@ -91,10 +91,9 @@ describe("a study on the page", () => {
       [0.1, -0.1],
       [null, null],
     ]);
-    expect(wavesOf(found)).toEqual([
+    expect(addedOf({ ...found, wave: [0, 3] })).toEqual([
       [0, 1],
-      [0, 1],
-      [null, null],
+      [0, 2],
     ]);
     expect(harmonicsOf(found)).toEqual([{ order: 2, before: 2, beforeHalf: 0.1, after: null, afterHalf: null }]);
     const after = { ...found, after: figures([0, 0], 0.05, 0.05, 0.3) } as unknown as Microsteps;

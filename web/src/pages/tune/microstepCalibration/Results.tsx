@@ -5,7 +5,7 @@ import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
-import { errorOf, harmonicsOf, type Microsteps, wavesOf } from "./curves";
+import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./curves";
 
 /** The error over the electrical angle before and after, its harmonics, how sure, and the table itself. */
 export function Results({ study }: { study: Study }) {
@@ -51,17 +51,14 @@ function Found({ found }: { found: Microsteps }) {
         </Card>
       )}
       {found.wave && (
-        <Card title="Table" note="quarter wave">
+        <Card title="Table" note="new less old">
           <Plot
-            label="Quarter wave before and after"
+            label="What the new table adds to the one before"
             height={170}
-            series={[
-              { label: "before", unit: "", color: before },
-              { label: "after", unit: "", color: after },
-            ]}
-            x={{ label: "place" }}
-            scales={{ y: { label: "current" } }}
-            data={wavesOf(found)}
+            series={[{ label: "new less old", unit: "counts", color: after, stepped: true }]}
+            x={{ label: "place in the quarter wave" }}
+            scales={{ y: { label: "current", unit: "counts" } }}
+            data={addedOf(found)}
           />
         </Card>
       )}

@@ -16,9 +16,9 @@ export function errorOf({ before, predicted_deg: predicted, after }: Microsteps)
   ];
 }
 
-/** The quarter waves over their place [counts]: of the table before and of the new one. */
-export function wavesOf({ wave_before: before, wave }: Microsteps): PlotData {
-  return [before.map((_, place) => place), before, wave ?? before.map(() => null)];
+/** What the new table adds to the one before, over the place in the quarter wave [counts]. */
+export function addedOf({ wave_before: before, wave }: Microsteps): PlotData {
+  return [before.map((_, place) => place), before.map((value, place) => (wave?.[place] ?? value) - value)];
 }
 
 export interface HarmonicRow {
