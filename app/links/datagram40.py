@@ -16,6 +16,9 @@ from dataclasses import dataclass
 from ..registers import catalog
 
 FRAME_BYTES = 5
+STATUS_BYTES = 1
+"""Eight clocks alone: the chip sends its status, and heeds nothing of what it gets (DS-TMC4361 5.2)."""
+STATUS_FRAME = bytes(STATUS_BYTES)
 DATA_MASK = 0xFFFF_FFFF
 ADDRESS_MAX = 0x7F
 WRITE_BIT = 0x80

@@ -51,7 +51,8 @@ class EmulatorPort:
         self.paused: BenchError | None = None
         # kept questions would set the chip back to what it was when they were made
         sampling = None if asks_anew(wire.model) else self
-        self.traits = PortTraits(chains=self if chained(wire.model) else None, sampling=sampling)
+        chains = chained(wire.model)
+        self.traits = PortTraits(chains=self if chains else None, sampling=sampling, cuts=chains)
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()

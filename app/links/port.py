@@ -65,6 +65,7 @@ class PortTraits:
     chains : the replies of its chip belong to the frame before. batches : many exchanges on a thread of its own.
     sampling : its device samples itself on its own time. arbitrates : whoever speaks unasked disturbs nobody (CAN)
     way : it knows without a frame whether the way to its chip is open
+    cuts : a datagram of 40 bits may end after its first byte, whose answer is the chip's status (DS-TMC4361 5.2)
     """
 
     chains: ChainPort | None = None
@@ -72,6 +73,7 @@ class PortTraits:
     sampling: SamplingPort | None = None
     arbitrates: bool = False
     way: WayPort | None = None
+    cuts: bool = False
 
 
 class WayPort(FramePort, Protocol):

@@ -15,6 +15,7 @@ from typing import Protocol, cast
 
 from ..clock import Clock, WallClock
 from ..errors import BadReply, LinkDown
+from . import datagram40
 from .port import PortTraits
 
 SPEED_HZ = 1_000_000
@@ -56,7 +57,9 @@ class SpidevPort:
         self.frame_bytes = frame_bytes
         self.speed_hz = speed_hz
         self.mode = mode
-        self.traits = PortTraits(chains=self if pipelined else None)
+        cuts = pipelined and frame_bytes == datagram40.FRAME_BYTES
+        self.traits = PortTraits(chains=self if pipelined else None, cuts=cuts)
+        self._lengths = (datagram40.STATUS_BYTES, frame_bytes) if cuts else (frame_bytes,)
         self._clock = clock or WallClock()
         self._last_exchange_s = self._clock.now()
         self._make = make or _spidev
@@ -83,7 +86,7 @@ class SpidevPort:
     async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
         """As `ChainPort` says. `timeout_s` has no meaning here: the bus has our clock and never waits."""
         for frame in frames:
-            if len(frame) != self.frame_bytes:
+            if len(frame) not in self._lengths:
                 raise ValueError(f"a datagram has {self.frame_bytes} bytes, not {len(frame)}")
         # A cancelled caller's thread goes on to its end: the next one must not talk into it.
         async with self._one_at_a_time:

@@ -141,6 +141,8 @@ async def test_the_bus_is_set_up_once_and_frames_go_one_by_one() -> None:
     frames = datagram40.read_chain([0x21, 0x22])
     assert await far.exchange_chain(frames) == list(frames)
     assert await far.exchange(frames[0]) == frames[0]
+    assert far.traits.cuts
+    assert await far.exchange(datagram40.STATUS_FRAME) == datagram40.STATUS_FRAME
     assert (spi.opened, spi.max_speed_hz, spi.mode, spi.bits_per_word) == ((1, 2), 4_000_000, 3, 8)
     await far.aclose()
     await far.aclose()

@@ -21,6 +21,8 @@ def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
         return _told(known.table, known.spi, tx, rx)
     if len(tx) == tmcl.FRAME_BYTES:
         return _board(known, tx, rx) if known.kind == "chip" else _tmcl(tx, rx)
+    if tx == datagram40.STATUS_FRAME:
+        return "eight clocks" if not rx else f"eight clocks (status {rx[0]:#04x})"
     if len(tx) == datagram40.FRAME_BYTES:
         return _datagram40(MODELS[model].table, tx, rx)
     if datagram_uart.kind_of(model):

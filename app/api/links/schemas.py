@@ -65,6 +65,9 @@ class LinkInfo(Answer):
     counts: LinkCounts
     incidents: list[LinkIncident] = Field(description="newest first")
     shared_with: list[str] = Field(description="ids of other devices on the same wire")
+    status_alone: bool = Field(
+        description="the chip's status can be asked for by eight clocks: POST exchange with the frame 00"
+    )
 
 
 Baud = Annotated[int, Field(strict=True, ge=300, le=4_000_000)]

@@ -63,6 +63,7 @@ def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
         shared_with=[
             other.id for other in devices if other is not device and _same_line(other.session.port, device.session.port)
         ],
+        status_alone=device.raw.status_alone,
     )
 
 

@@ -134,6 +134,11 @@ class RawFrames(Protocol):
         """One raw frame. Raises OutOfRange for a wrong length."""
         ...
 
+    @property
+    def status_alone(self) -> bool:
+        """Whether one byte may be sent alone, whose answer is the chip's status (eight clocks, DS-TMC4361 5.2)."""
+        return False
+
 
 class Motion(Protocol):
     """Sends axes somewhere, and stops them."""

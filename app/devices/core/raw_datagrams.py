@@ -1,15 +1,16 @@
 """Single frames as a user sends them by hand, and what they did to what we know.
 
 A reply to a 40-bit datagram belongs to the datagram before, so the answer to a read comes with the next one: `_behind`
-says which one may follow, and `decoded` has the answer. Through an evaluation board a register is one TMCL command,
-over a UART one datagram with an answer of its own. Of a told format the answer comes so or so.
+says which one may follow, and `decoded` has the answer. One byte alone brings the chip's status, where the link can
+end a datagram there. Through an evaluation board a register is one TMCL command, over a UART one datagram with an
+answer of its own. Of a told format the answer comes so or so.
 """
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from ...errors import OutOfRange, UsageError
+from ...errors import OutOfRange, UsageError, WrongState
 from ...links import datagram40, tmcl
 from ...links.datagram_uart import UartForm
 from ...links.register_access import BoardAccess, Spi40Access, UartAccess
@@ -64,11 +65,17 @@ class RawDatagrams(RawFrames):
         self._registers = registers
         self._rules = rules
 
+    @property
+    def status_alone(self) -> bool:
+        return isinstance(self._link.access, Spi40Access) and self._session.port.traits.cuts
+
     async def exchange(self, frame: bytes) -> RawExchange:
         access = self._link.access
         if isinstance(access, UartAccess):
             return await self._uart_datagram(access.form, frame)
         size = access.frame_bytes
+        if isinstance(access, Spi40Access) and len(frame) == datagram40.STATUS_BYTES:
+            return await self._status(frame)
         if len(frame) != size:
             raise OutOfRange("frame length", len(frame), size, size, "bytes")
         self._session.require_connected()
@@ -79,6 +86,24 @@ class RawDatagrams(RawFrames):
         if isinstance(access, TaggedAccess):
             return await self._tagged_datagram(access, frame)
         return await self._datagram(frame)
+
+    async def _status(self, frame: bytes) -> RawExchange:
+        """The chip's status by eight clocks. Raises WrongState where the link carries whole datagrams alone."""
+        if frame != datagram40.STATUS_FRAME:
+            raise UsageError(
+                f"eight clocks write nothing: send {datagram40.STATUS_FRAME.hex()}, or a datagram of "
+                f"{datagram40.FRAME_BYTES} bytes"
+            )
+        self._session.require_connected()
+        if not self.status_alone:
+            raise WrongState(
+                f"{self._session.port.name} carries whole datagrams alone, none of eight clocks",
+                f"send a datagram of {datagram40.FRAME_BYTES} bytes: its answer begins with the same status",
+            )
+        async with self._link.command(None) as turn:
+            status = (await turn.exchange(frame))[0]
+        decoded = self._decoded(None, None, None, write=False)
+        return RawExchange(bytes((status,)), decoded | {"status": status, "flags": self._rules.status_flags(status)})
 
     async def _datagram(self, frame: bytes) -> RawExchange:
         request = datagram40.Request.decode(frame)

@@ -6,7 +6,7 @@ import random
 from typing import Generic, Protocol, TypeVar
 
 from ...clock import Clock
-from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
+from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, STATUS_BYTES, WRITE_BIT
 from .base import ChangeT, ChipFaults, EmulatorBase, StateT
 from .uart_end import UartChip, UartEnd
 
@@ -60,13 +60,14 @@ class EmulatorBase40(EmulatorBase[ChangeT, StateT], Generic[ChipT, ChangeT, Stat
         self._data = 0
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
-        """Answer one 5-byte datagram at chip time `at_s` [s], by default now; never before the latest time used.
+        """Answer one 5-byte datagram, or the first byte of one alone, at chip time `at_s` [s], by default now; never
+        before the latest time used.
 
         Raises ValueError for a frame of another length, ConnectionError while unplugged and TimeoutError
         while silent. A silent chip still obeys: only its answer is lost.
         """
-        if len(frame) != FRAME_BYTES:
-            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
+        if len(frame) not in (STATUS_BYTES, FRAME_BYTES):
+            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, or {STATUS_BYTES} for the status, not {len(frame)}")
         return self.transfer(frame, at_s)
 
     def transfer(self, sent: bytes, at_s: float | None = None) -> bytes:

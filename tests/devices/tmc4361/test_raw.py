@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from app.errors import OutOfRange
+from app.errors import OutOfRange, UsageError, WrongState
 from tests.devices.tmc4361.harness import bench
 
 
@@ -74,3 +76,35 @@ async def test_a_datagram_of_another_length_names_the_length(sent: str) -> None:
     async with bench() as b:
         with pytest.raises(OutOfRange, match=r"5\.\.5"):
             await b.device.raw.exchange(frame(sent))
+
+
+@pytest.mark.sheet("DS-TMC4361", "5.2")
+async def test_eight_clocks_bring_the_status_and_leave_the_pipeline_as_it_was() -> None:
+    async with bench() as b:
+        await b.device.registers.read("SPI_STATUS_SELECTION", 0)
+        await b.device.registers.write("EVENT_CLEAR_CONF", 0, 0xFFFF_FFFF)  # what has come stays
+        await b.device.motion.move(0, 500)
+        await b.clock.advance(2.0)
+        await b.device.raw.exchange(frame("A4 00ABCDEF"))
+        for _ in range(2):
+            raw = await b.device.raw.exchange(frame("00"))
+            assert (len(raw.reply), raw.decoded["rw"], raw.decoded["register"]) == (1, "read", None)
+        assert raw.decoded["status"] == raw.reply[0]
+        flags = raw.decoded["flags"]
+        assert isinstance(flags, dict)
+        assert sum(value << place for place, value in enumerate(flags.values())) == raw.reply[0]
+        assert flags["TARGET_REACHED"]
+        behind = await b.device.raw.exchange(frame("24 00000000"))
+        assert behind.reply.hex() == f"{raw.reply[0]:02x}00abcdef"
+        with pytest.raises(UsageError, match="eight clocks write nothing"):
+            await b.device.raw.exchange(frame("A4"))
+        with pytest.raises(OutOfRange):
+            await b.device.raw.exchange(frame("A4 00"))
+
+
+async def test_a_link_of_whole_datagrams_says_that_it_cannot_carry_eight_clocks() -> None:
+    async with bench() as b:
+        b.device.session.port.traits = replace(b.device.session.port.traits, cuts=False)  # type: ignore[misc]
+        assert not b.device.raw.status_alone
+        with pytest.raises(WrongState, match="none of eight clocks"):
+            await b.device.raw.exchange(frame("00"))

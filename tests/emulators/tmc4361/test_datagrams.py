@@ -74,7 +74,7 @@ def test_two_chips_in_a_chain_are_written_by_one_long_datagram() -> None:
 
 
 def test_frames_of_another_length_are_refused_by_exchange() -> None:
-    with pytest.raises(ValueError, match="5 bytes, not 4"):
+    with pytest.raises(ValueError, match="5 bytes, or 1 for the status, not 4"):
         Rig().chip.exchange(bytes(4))
 
 

@@ -8211,6 +8211,11 @@ export interface components {
              * @description ids of other devices on the same wire
              */
             shared_with: string[];
+            /**
+             * Status Alone
+             * @description the chip's status can be asked for by eight clocks: POST exchange with the frame 00
+             */
+            status_alone: boolean;
         };
         /**
          * LinkTest

@@ -7,6 +7,7 @@ import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
 import { Shared, useShared } from "../../lib/shared";
 import { timeOf } from "../../lib/time";
+import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import {
   decodedLines,
   decodeRequest,
@@ -28,6 +29,7 @@ interface Entry {
 }
 
 const KEPT = 50;
+const STATUS_ALONE = "00";
 
 /** What was exchanged with each device, until the page is reloaded. */
 const history = new Shared<Readonly<Record<string, readonly Entry[]>>>({});
@@ -49,7 +51,9 @@ interface Props {
 }
 
 /** One datagram out, one back, past all checks: what you send is what the chip gets. */
-export function ExchangeConsole({ device: { id: device, about, link }, connected, rows, selected, raw }: Props) {
+export function ExchangeConsole({ device: whole, connected, rows, selected, raw }: Props) {
+  const { id: device, about, link } = whole;
+  const statusAlone = useLinkInfo(whole).data?.status_alone === true;
   const queries = useQueryClient();
   const wire = wireOf({ about, link });
   const entries = useShared(history)[device] ?? NONE;
@@ -148,6 +152,18 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
           )}
         </Group>
       )}
+      {statusAlone && (
+        <Button
+          size="compact-xs"
+          variant="default"
+          mt={6}
+          disabled={!connected}
+          title="The chip sends its status first: eight clocks are enough, and it heeds nothing of what it gets"
+          onClick={() => send.mutate(STATUS_ALONE)}
+        >
+          Status alone (8 clocks)
+        </Button>
+      )}
       {entries.length === 0 ? (
         <Text size="sm" className="dim" mt="md">
           Nothing sent yet. Type a datagram, or take one from the selected register.
@@ -199,6 +215,7 @@ function requestText({ address, read, data, row }: Request, wire: Wire): string 
 }
 
 function shortRequest(sent: string, wire: Wire, rows: readonly RegisterRow[]): string {
+  if (sent === STATUS_ALONE) return "8 clocks";
   const frame = parseFrame(sent, wire);
   const request = frame.ok ? decodeRequest(frame.bytes, wire, rows) : null;
   return request ? `${request.read ? "read" : "write"} ${request.row?.name ?? "?"}` : "";
