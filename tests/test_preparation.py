@@ -217,7 +217,7 @@ from pathlib import Path
 from app import kernels, preparation
 from app.calc.ramps import ticked_kernel
 
-preparation.can_keep = lambda: "NUMBA_CACHE_DIR" in os.environ
+preparation.can_keep = preparation.all_compiled = lambda: False
 preparation.BEHIND = 0
 
 async def main():
