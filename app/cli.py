@@ -68,6 +68,9 @@ def serve(
         str | None,
         typer.Option(help="What clients have to know. [default: none on this machine, a new one for a network]"),
     ] = None,
+    token_file: Annotated[
+        Path | None, typer.Option(help="A file with that token; made with a new one at the first start.")
+    ] = None,
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate (PEM): serve https.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Key of the certificate (PEM).")] = None,
     on_vanish: Annotated[
@@ -92,6 +95,7 @@ def serve(
         "data_dir": data_dir,
         "demo": demo,
         "token": token,
+        "token_file": token_file,
         "tls_cert": tls_cert,
         "tls_key": tls_key,
         "on_vanish": on_vanish,

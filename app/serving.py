@@ -16,10 +16,11 @@ from urllib.parse import urlencode
 
 import uvicorn
 from fastapi import FastAPI
+from pydantic import SecretStr
 from uvicorn.supervisors import ChangeReload
 
 from .api.app import build_routes
-from .api.http.access import is_stop
+from .api.http.access import is_stop, new_token
 from .certificate import require_certificate
 from .connections import (
     MESSAGE_BYTES_MAX,
@@ -34,7 +35,7 @@ from .connections import (
 from .listening import listen, url_of
 from .main import bench_of, create_app, stop_motors
 from .settings import Settings
-from .store.files import make_private, one_server
+from .store.files import kept_token, make_private, one_server
 
 log = logging.getLogger("stepscope")
 
@@ -49,7 +50,10 @@ GRACE_S = 0.3
 
 
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
-    """Serve until Ctrl-C. Raises CannotListen, DirectoryInUse, BadCertificate before anything has started."""
+    """Serve until Ctrl-C.
+
+    Raises CannotListen, DirectoryInUse, BadTokenFile, BadCertificate before anything has started.
+    """
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
     logging.getLogger("alembic").setLevel(logging.WARNING)  # its plugins and its plans are nobody's business here
     logging.getLogger("uvicorn.access").addFilter(_without_token)
@@ -63,6 +67,9 @@ def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     port = listener.getsockname()[1]
     address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
     with listener, one_server(settings.data_dir, address):
+        if settings.token is None and settings.token_file is not None:
+            token = SecretStr(kept_token(settings.token_file, new_token()))
+            settings = Settings.model_validate({**settings.model_dump(), "token": token})
         _serve(settings, listener, announce)
 
 

@@ -49,6 +49,10 @@ class Settings(BaseSettings):
         default=None,
         description="what a client has to know; unset: none on this machine's own address, a new one on any other",
     )
+    token_file: Path | None = Field(
+        default=None,
+        description="a file with that token, for its owner alone; made with a new one at the first start",
+    )
     tls_cert: Path | None = Field(default=None, description="certificate (PEM) for https; with its chain")
     tls_key: Path | None = Field(default=None, description="the certificate's key (PEM)")
     body_limit_bytes: Annotated[int, Field(ge=1024)] = Field(

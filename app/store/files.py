@@ -32,6 +32,10 @@ class DirectoryInUse(OSError):
     """Another server works on the data directory; the text says which, and what to do."""
 
 
+class BadTokenFile(OSError):
+    """A token cannot be read from its file, nor kept there; the text says why, and what to do."""
+
+
 @contextlib.contextmanager
 def one_server(data_dir: Path, address: str) -> Iterator[None]:
     """Keep a second server from `data_dir` meanwhile: it would delete what this one is writing. Raises DirectoryInUse.
@@ -89,6 +93,24 @@ OURS = (
     "register-maps",
 )
 """What a data directory of stepscope holds, as patterns."""
+
+
+def kept_token(path: Path, new: str) -> str:
+    """What stands in the file, or `new` in a file made with it, for its owner alone.
+
+    Raises BadTokenFile where it cannot be read or made, or is empty.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError), path.open("x", encoding="utf-8") as file:
+            path.chmod(0o600)
+            file.write(new + "\n")
+        token = path.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadTokenFile(f"the token cannot be kept in {path}: {error}; name another file: --token-file") from error
+    if not token:
+        raise BadTokenFile(f"{path} has no token in it: delete it, and the next start makes one")
+    return token
 
 
 def make_private(data_dir: Path) -> list[str]:

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +60,38 @@ def test_a_service_may_do_no_more_than_it_has_to(name: str) -> None:
 def test_each_waits_until_what_it_needs_is_well() -> None:
     assert SERVICES["dashboard"]["depends_on"] == {"emulators": {"condition": "service_healthy"}}
     assert SERVICES["session"]["depends_on"] == {"dashboard": {"condition": "service_healthy"}}
-    for name in ("emulators", "dashboard"):
-        assert SERVICES[name]["healthcheck"]["test"][0] == "CMD"
+    assert SERVICES["emulators"]["healthcheck"]["test"][0] == "CMD"
+    assert "healthcheck" not in SERVICES["dashboard"], "the image's own, which follows port and TLS"
+    assert "healthy.py" in (DOCKER / "Dockerfile").read_text()
+
+
+@pytest.mark.parametrize("name", list(SERVICES))
+def test_a_service_takes_no_more_than_its_share(name: str) -> None:
+    assert {"cpus", "mem_limit", "pids_limit"} <= SERVICES[name].keys()
+
+
+def test_nothing_has_a_default_secret_or_a_volume_without_a_name() -> None:
+    assert "VOLUME" not in (DOCKER / "Dockerfile").read_text()
+    for service in SERVICES.values():
+        assert service.get("environment", {}).get("STEPSCOPE_TOKEN") is None, "as it is set outside, or made"
+
+
+def test_the_image_installs_what_was_tested_by_hash_for_both_architectures() -> None:
+    lines = (DOCKER / "requirements.txt").read_text().replace("\\\n", " ").splitlines()
+    pinned = {line.split()[0].lower(): line.count("--hash=sha256:") for line in lines if not line.startswith("#")}
+    tested = {line.lower().replace("_", "-") for line in (ROOT / "constraints.txt").read_text().splitlines()}
+    assert pinned.keys() <= tested, "run `make lock`"
+    assert {pinned[name] for name in pinned if name.startswith(("pyarrow=", "numba="))} == {2}, "a file for each"
+    assert all(pinned.values())
+    wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    names = {re.split("[>=<;\\[ ]", one)[0].lower() for one in wanted}
+    assert names <= {pin.split("==")[0] for pin in pinned}, "run `make lock`"
+
+
+def test_pictures_which_the_image_leaves_out_are_not_needed_to_draw() -> None:
+    code = "import sys; sys.modules['PIL'] = sys.modules['imageio'] = None; import app.twin.child, viser"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_every_volume_is_declared_and_no_device_is_left_without_a_port() -> None:

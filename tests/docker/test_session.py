@@ -7,6 +7,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -15,7 +16,6 @@ import pytest
 
 from tests.docker.test_files import BENCH, DOCKER, ROOT, SERVICES
 
-TOKEN = "a token for this test"
 WITHIN_S = 240.0
 STEPSCOPE = [sys.executable, "-m", "app.cli"]
 
@@ -47,7 +47,19 @@ def running(command: list[str], environment: dict[str, str], log: Path) -> Itera
 
 def here(command: list[str], **instead: str) -> list[str]:
     """A command of a service, with this machine's paths and addresses."""
-    return [instead.get(part, part.replace("/opt/stepscope", str(DOCKER))) for part in command]
+    return [instead.get(part, part.replace("/usr/local/share/stepscope", str(DOCKER))) for part in command]
+
+
+def healthy(check: list[str], environment: dict[str, str], instead: dict[str, str]) -> None:
+    """Wait until a service's health check says so, as compose does before it starts the next. Raises TimeoutError."""
+    command = [sys.executable, *check[1:]]
+    for old, new in instead.items():
+        command = [part.replace(old, new) for part in command]
+    end_s = time.monotonic() + WITHIN_S / 2
+    while (done := subprocess.run(command, env=environment, capture_output=True, check=False)).returncode:
+        if time.monotonic() > end_s:
+            raise TimeoutError(done.stderr.decode())
+        time.sleep(0.1)
 
 
 @pytest.mark.slow
@@ -57,17 +69,23 @@ def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
     bench = tmp_path / "bench.json"
     bench.write_text(json.dumps([{**device, "port": at} for device, at in zip(BENCH, ports, strict=True)]))
     environment = {name: value for name, value in os.environ.items() if not name.startswith("STEPSCOPE_")}
-    environment |= {"PYTHONPATH": str(ROOT), "STEPSCOPE_TOKEN": TOKEN, "STEPSCOPE_DATA_DIR": str(tmp_path / "data")}
+    environment |= {"PYTHONPATH": str(ROOT), "STEPSCOPE_DATA_DIR": str(tmp_path / "data")}
+    environment |= {"STEPSCOPE_TOKEN_FILE": str(tmp_path / "data" / "token"), "STEPSCOPE_PORT": str(port)}
+    environment |= {"STEPSCOPE_HOST": "0.0.0.0"}
     emulators, dashboard, session = (SERVICES[name] for name in ("emulators", "dashboard", "session"))
 
     far = [sys.executable, *here(emulators["entrypoint"][1:] + emulators["command"], **{"0.0.0.0": "127.0.0.1"})]
-    near = [*STEPSCOPE, *here(dashboard["command"], **{"8000": str(port)})]
+    near = [*STEPSCOPE, *here(dashboard["command"])]
     job = [sys.executable, *here(session["entrypoint"][1:] + session["command"], emulators="127.0.0.1")]
     job = [str(tmp_path) if part == "/reports" else part for part in job]
     with (
         running([*far, "--bench", str(bench)], environment, tmp_path / "emulators.log"),
         running(near, environment, tmp_path / "dashboard.log"),
     ):
+        healthy(
+            emulators["healthcheck"]["test"][1:], environment, {"/usr/local/share/stepscope/bench.json": str(bench)}
+        )
+        healthy([sys.executable, str(DOCKER / "healthy.py")], environment, {})
         done = subprocess.run(
             [*job, "--bench", str(bench)],
             cwd=ROOT,
@@ -79,6 +97,8 @@ def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
         )
     logs = "".join((tmp_path / name).read_text() for name in ("emulators.log", "dashboard.log"))
     assert done.returncode == 0, done.stdout + done.stderr + logs
+    token = (tmp_path / "data" / "token").read_text().strip()
+    assert f"http://127.0.0.1:{port}/?token={token}" in (tmp_path / "dashboard.log").read_text()
     outcomes = json.loads((tmp_path / "report.json").read_text())
     assert [(outcome["device"], outcome["model"]) for outcome in outcomes] == [
         (device["name"], device["model"]) for device in BENCH
