@@ -165,6 +165,15 @@ async def test_a_controller_that_cannot_carry_it_says_why() -> None:
         assert (reply.word, reply.known) == (0x100, 0xFFF)
 
 
+async def test_a_driver_of_40_bits_behind_the_chain_says_what_to_do_instead() -> None:
+    async with bench() as b:
+        link = {"kind": "cover", "device": b.controller.id, "axis": 0}
+        driver = await b.during(b.manager.add(DeviceConfig("the feed", "tmc2130", link)))
+        assert driver.state == "failed"
+        assert "at most 24 bits, and this driver takes 40" in str(driver.problem)
+        assert "a wire of its own" in str(driver.problem)
+
+
 async def test_without_a_chain_no_datagram_is_waited_for_for_ever() -> None:
     async with bench(chain=False) as b:
         with pytest.raises((LinkError, WrongState)):

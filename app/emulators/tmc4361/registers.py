@@ -18,6 +18,8 @@ from . import layout as c
 from .driver import BITS, NAMES, TMC24X_FORMS, KeptWords, bits_of, tmc24x_answer
 from .feedback import FeedbackOptions, FeedbackUnit
 from .feedback import layout as fl
+from .kept_registers import BITS as BITS_2130
+from .kept_registers import FORMS, KeptRegisters
 from .pins import levels
 from .spi_output import Sent
 
@@ -70,6 +72,7 @@ class Chip:
         self.f: c.Floats = np.zeros(c.REALS, dtype=np.float64)
         self.feedback = FeedbackUnit(options, clock_hz)
         self._kept_words = KeptWords()
+        self._kept_registers = KeptRegisters()
         self._general_told = 0
         self._selected: tuple[int, ...] = ()
         self._freeze_written = False
@@ -120,6 +123,8 @@ class Chip:
         s[c.READY] = s[c.FREE] = s[c.CLOCK]
         self.feedback.reset(power)
         self._kept_words = KeptWords()
+        if power:
+            self._kept_registers = KeptRegisters()
         self._cover_answer = 0
         self._freeze_written = False
         self._general_told = int(r[c.GENERAL_CONF])
@@ -283,6 +288,8 @@ class Chip:
         """What has been written into the driver, as datagrams: of a real one every register, of words that are kept
         those that came."""
         driver = self.feedback.driver
+        if driver is None and int(self.r[SPI_OUT_CONF]) & 15 in FORMS:
+            return self._kept_registers.named
         if driver is None:
             return dict(self._kept_words.words)
         self.feedback.told_by_chip(driver)
@@ -302,7 +309,9 @@ class Chip:
         flags = int(self.s[c.STATUS]) >> 24
         datagram &= (1 << bits) - 1
         driver = self.feedback.driver
-        if driver is None and self._tmc24x:
+        if driver is None and conf & 15 in FORMS and bits == BITS_2130:
+            self._cover_answer = self._kept_registers.exchange(datagram, flags, mscnt, self._driver_load)
+        elif driver is None and self._tmc24x:
             self._cover_answer = self._tmc24x_answer
         elif driver is None:
             self._cover_answer = self._kept_words.exchange(datagram, flags, mscnt, self._driver_load)

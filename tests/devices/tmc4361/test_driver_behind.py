@@ -8,6 +8,7 @@ from app.conditions.judge import AxisObservation, judge
 from app.devices.core.capabilities import EventLog, StallStop
 from app.devices.core.config import DeviceConfig
 from app.devices.core.cover import CoverCarrier, CoverPort
+from app.devices.core.device import Device
 from app.emulators.tmc4361 import Tmc4361Patch
 from app.emulators.tmc4361.options import FaultsChange
 from app.errors import LinkDown, LinkTimeout, WrongState
@@ -293,3 +294,38 @@ async def test_datagrams_of_the_chips_own_are_told_once_not_over_and_over() -> N
         await b.clock.advance(3.0)
         assert not any("COVER_DONE" in entry.names for entry in log.events(0, seen).events)
         assert (await b.state()).flags["COVER_DONE"]
+
+
+async def tmc2130_behind(b: Bench, form: int = 12) -> Device:
+    await b.device.registers.write("SPI_OUT_CONF", 0, form)
+    link = {"kind": "cover", "device": b.device.id, "axis": 0}
+    return await b.manager.add(DeviceConfig("the feed", "tmc2130", link))
+
+
+@pytest.mark.parametrize("form", [12, 13])
+async def test_a_driver_of_40_bits_is_reached_behind_the_chip(form: int) -> None:
+    async with bench() as b:
+        driver = await tmc2130_behind(b, form)
+        assert driver.state == "connected", driver.problem
+        for name, word in (("IHOLD_IRUN", 0x061F0A), ("CHOPCONF", 0x0101_00C5), ("TCOOLTHRS", 0x12345)):
+            await driver.registers.write(name, 0, word)
+        assert (await driver.registers.read("CHOPCONF")).value == 0x0101_00C5
+        words = b.wire.state().driver_words
+        assert (words["IHOLD_IRUN"], words["TCOOLTHRS"]) == (0x061F0A, 0x12345)
+        await b.device.motion.rotate(0, 20_000.0)
+        await b.clock.advance(1.0)
+        moving = await driver.monitor.axis_state(0)
+        assert not moving.flags["stst"]
+        b.patch(Tmc4361Patch.model_validate({"motor": {"temperature_c": 160.0}}))
+        await b.clock.advance(0.1)
+        assert (await driver.monitor.axis_state(0)).flags["ot"]
+        state = await b.state()
+        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        assert (found.kind, found.cause) == ("driver_fault", "the feed is too hot and has switched off")
+
+
+async def test_a_driver_of_40_bits_where_20_are_sent_says_what_to_write() -> None:
+    async with bench() as b:
+        driver = await tmc2130_behind(b, TO_STEPS)
+        assert driver.state == "failed"
+        assert "sends 20 bits to the driver of axis 0, not 40" in str(driver.problem)
