@@ -2,7 +2,9 @@
 
 For each device of bench.json: connect it by TCP as if it were hardware, write what it needs to run, then move there and
 back with rising accelerations while telemetry runs. Of the moves that arrived, and whose prediction held, the quickest
-is kept in the device. What was found goes to the terminal, and as report.md and report.json into a folder.
+is kept in the device. What was found goes to the terminal, as report.md and report.json into a folder, and into the
+dashboard: a recording of each device has its moves as a plot, a mark for each acceleration, and its part of the report;
+what was kept is a profile. At the end every axis goes slowly back and forth, until whoever comes stops it.
 """
 
 from __future__ import annotations
@@ -26,6 +28,9 @@ RATE_HZ = 200.0
 LATE_MAX_S = 0.02
 """A move whose prediction is off by more, as time at full speed, was not understood: a wire has its delays [s]."""
 SERVER_WITHIN_S = 120.0
+SHOW_DWELL_S = 2.0
+"""How long an axis stands at either end of the show [s]."""
+RECORD_HZ = 200.0
 LEASE_WAIT_S = 60.0
 """Somebody may have the bench in a browser; they are asked for it so long [s]."""
 
@@ -69,6 +74,8 @@ class Outcome:
     tries: list[Try] = field(default_factory=list)
     kept: int | None = None
     trouble: str = ""
+    id: str = ""
+    """The device's, in this dashboard."""
 
 
 def one_register(name: str) -> Callable[[Bench, str, int], Sequence[Write]]:
@@ -193,11 +200,16 @@ def set_up(bench: Bench, device: str, model: str, writes: Sequence[Write]) -> No
         bench.write(device, name, value, AXIS)
 
 
-def try_move(bench: Bench, device: str, acceleration: int, distance: int) -> Try:
-    """There and back, with telemetry of both ways."""
+def channels_of(bench: Bench, device: str) -> list[str]:
+    """What of the axis is looked at, as far as the device has it."""
     known = {channel["name"] for channel in bench.device(device).channels}
     wanted = [f"{name}.{AXIS}" for name in ("position", "velocity", "residual", "deviation")]
-    channels = [name for name in wanted if name in known]
+    return [name for name in wanted if name in known]
+
+
+def try_move(bench: Bench, device: str, acceleration: int, distance: int) -> Try:
+    """There and back, with telemetry of both ways."""
+    channels = channels_of(bench, device)
     runs: list[Samples] = []
     duration_s = 0.0
     ended = "arrived"
@@ -238,24 +250,51 @@ def tune(bench: Bench, entry: dict[str, str], host: str, log: Log) -> Outcome:
     plan = PLANS[entry["model"]]
     device = ""
     try:
-        device = connect(bench, entry, host)
+        outcome.id = device = connect(bench, entry, host)
         set_up(bench, device, entry["model"], plan.setup)
+        recording = bench.record(device, channels_of(bench, device), RECORD_HZ, name=f"tuning session: {entry['name']}")
         for acceleration in plan.accelerations:
             for name, value in plan.accelerate(bench, device, acceleration):
                 bench.write(device, name, value, AXIS)
+            bench.call("POST", f"recordings/{recording.id}/marks", {"text": f"acceleration {acceleration}"})
             outcome.tries.append(tried := try_move(bench, device, acceleration, plan.distance))
             log(f"{entry['name']}: {acceleration} -> {tried.duration_s:.3f} s, residual {tried.residual_peak:g}")
+        bench.stop_recording(recording.id)
         good = [tried for tried in outcome.tries if tried.good]
         if good:
             best = min(good, key=lambda tried: tried.duration_s)
             for name, value in plan.accelerate(bench, device, best.acceleration):
                 bench.write(device, name, value, AXIS)
             outcome.kept = best.acceleration
+            bench.call("POST", "profiles", {"device": device, "name": f"tuned: {entry['name']}", "note": told(outcome)})
+        bench.call("PATCH", f"recordings/{recording.id}", {"note": told(outcome)})
     except ClientError as error:
         outcome.trouble = str(error)
         if device:
             bench.stop(device, AXIS)
     return outcome
+
+
+def show(bench: Bench, outcomes: Sequence[Outcome]) -> None:
+    """Send each axis that was tuned back and forth for ever, with rests; it ends as any shuttle does, by a stop."""
+    for outcome in outcomes:
+        if outcome.kept is not None:
+            ends = {"first": PLANS[outcome.model].distance // 2, "second": 0, "dwell_s": SHOW_DWELL_S}
+            bench.call("POST", f"devices/{outcome.id}/axes/{AXIS}/shuttle", ends)
+
+
+def told(outcome: Outcome) -> str:
+    """The report of one device, as a note beside its recording and its profile."""
+    lines = [
+        f"Tuning session: there and back by {PLANS[outcome.model].distance} microsteps, acceleration in chip units"
+    ]
+    for tried in outcome.tries:
+        said = "kept" if tried.acceleration == outcome.kept else "good" if tried.good else f"left: {tried.ended}"
+        lines.append(
+            f"{tried.acceleration}: {tried.duration_s:.3f} s, peak {tried.peak_pps:.0f} pps, "
+            f"residual {tried.residual_rms:g} rms, {tried.residual_peak:g} peak: {said}"
+        )
+    return "\n".join(lines)
 
 
 def markdown(outcomes: Sequence[Outcome]) -> str:
@@ -300,6 +339,7 @@ def main() -> int:
         entries = json.loads(given.bench.read_text())
         with bench.lease("tuning session", wait_s=LEASE_WAIT_S):
             outcomes = [tune(bench, entry, given.emulators, log) for entry in entries]
+            show(bench, outcomes)
     given.report.mkdir(parents=True, exist_ok=True)
     (given.report / "report.json").write_text(json.dumps([asdict(outcome) for outcome in outcomes], indent=1))
     report = markdown(outcomes)

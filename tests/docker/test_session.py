@@ -11,7 +11,9 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
+import httpx
 import pytest
 
 from tests.docker.test_files import BENCH, DOCKER, ROOT, SERVICES
@@ -62,6 +64,20 @@ def healthy(check: list[str], environment: dict[str, str], instead: dict[str, st
         time.sleep(0.1)
 
 
+def left_behind(url: str, token: str) -> dict[str, Any]:
+    """What somebody finds who opens the dashboard after the session: recordings, profiles, and how many axes move."""
+    with httpx.Client(base_url=f"{url}/api/v1/", headers={"Authorization": f"Bearer {token}"}, timeout=30) as api:
+        devices = api.get("devices").raise_for_status().json()
+        axes = [f"devices/{device['id']}/axes/0" for device in devices]
+        shuttles = [api.get(f"{axis}/shuttle").raise_for_status().json() for axis in axes]
+        return {
+            "recordings": api.get("recordings").raise_for_status().json()["recordings"],
+            "profiles": api.get("profiles").raise_for_status().json()["profiles"],
+            "shuttles": [shuttle["running"] for shuttle in shuttles],
+            "lease": api.get("lease").raise_for_status().json(),
+        }
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(WITHIN_S + 60)
 def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
@@ -95,6 +111,7 @@ def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
             timeout=WITHIN_S,
             check=False,
         )
+        left = left_behind(f"http://127.0.0.1:{port}", (tmp_path / "data" / "token").read_text().strip())
     logs = "".join((tmp_path / name).read_text() for name in ("emulators.log", "dashboard.log"))
     assert done.returncode == 0, done.stdout + done.stderr + logs
     token = (tmp_path / "data" / "token").read_text().strip()
@@ -108,5 +125,12 @@ def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
         assert durations == sorted(durations, reverse=True), "more acceleration takes no longer"
         assert outcome["kept"] == outcome["tries"][-1]["acceleration"]
         assert all(tried["peak_pps"] > 0 for tried in outcome["tries"])
+    assert sorted(one["name"] for one in left["recordings"]) == sorted(
+        f"tuning session: {one['name']}" for one in BENCH
+    )
+    assert all(one["note"].count(" pps") == 3 and ": kept" in one["note"] for one in left["recordings"])
+    assert len(left["profiles"]) == len(BENCH)
+    assert left["shuttles"] == [True] * len(BENCH), "who comes late sees motion"
+    assert left["lease"]["holder"] is None, "and may take the bench"
     assert "**kept**" in (tmp_path / "report.md").read_text()
     assert (tmp_path / "data" / "connections.json").exists(), "connected as hardware is: kept"
