@@ -70,7 +70,7 @@ async def test_a_threshold_is_found_and_proved_and_the_axis_is_as_before(tmp_pat
 
 
 async def test_a_motor_whose_noise_is_above_its_load_has_no_threshold_and_is_told_so(tmp_path: Path) -> None:
-    async with axis(tmp_path, noise=200.0, noise_with_speed=600.0) as s:
+    async with axis(tmp_path, noise=200.0, noise_with_speed=1000.0) as s:
         before = await s.settings(*NAMES)
         record = await s.finish(s.begin(s.document(SHORT)))
         assert (record.state, record.improved, record.best) == ("done", False, None), record.message

@@ -17,7 +17,7 @@ from .setting import StallPlaces, StallSpace
 
 FIND_RPS = 0.25
 """How fast the stop is looked for at most [turns of the motor a second]."""
-MEASURED_FREE, MEASURED_STOPS = 40, 12
+MEASURED_FREE, MEASURED_STOPS = 40, 20
 """Runs that a threshold is chosen by, at each speed."""
 ROOM_FULLSTEPS = 12.0
 """What free runs keep from the stop."""

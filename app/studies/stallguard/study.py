@@ -31,8 +31,8 @@ CHOICES_MOST = 4
 """Other choices that are tried after one that failed."""
 GIVEN_UP = 5
 """Wrong runs after which a setting need not be tried on."""
-ROOM_ABOVE = 400.0
-"""A free run's least value above that is measured at a lower threshold [counts]: where it is far up, it may be cut."""
+INSIDE = (60.0, 400.0)
+"""Where a free run's least value is to lie as it is measured [counts]: further down or up values may be cut."""
 PROBES = 10
 PROBE_STEP = 12
 """Thresholds from one look at where the values lie to the next."""
@@ -107,6 +107,9 @@ class StallGuardStudy(StudyRun):
         self.tell("look", 0.0, "looking for the stop")
         self.keeper.mark("looking for the stop")
         await self._set(ground.find_pps, StallSetting(self._scale.low, filtered=False, armed_pps=ground.find_pps))
+        # A rotor that stood beside its field when it was switched on falls into step with the first move.
+        await self._runs.back_to(ground.start + ground.way * round(JITTER) * ground.full_step)
+        await self._runs.back_to(ground.start)
         await self._runs.begin()
         at = await self._runs.find_stop(ground.limit)
         if at is None:
@@ -185,19 +188,31 @@ class StallGuardStudy(StudyRun):
     async def _free_runs(self, one: StallSpeed, threshold: int) -> tuple[list[Run], int]:
         """Free runs at a threshold at which the values lie inside their range, and that threshold."""
         if self._scale.generation == 4:
-            threshold = 0
+            return await self._passes(one, 0, MEASURED_FREE), 0
         for _ in range(PROBES):
-            seen = await self._passes(one, threshold, 1)
-            least = min(float(run.values[run.speeds_pps >= ARMED * one.speed_pps].min(initial=1023)) for run in seen)
-            if self._scale.generation == 4 or 0 < least <= ROOM_ABOVE:
-                break
-            moved = self._scale.stricter(threshold, PROBE_STEP if least <= 0 else -PROBE_STEP)
+            least = self._least(await self._passes(one, threshold, 1), one, threshold)
+            moved = threshold
+            if not INSIDE[0] <= least <= INSIDE[1]:
+                moved = self._scale.stricter(threshold, PROBE_STEP if least < INSIDE[0] else -PROBE_STEP)
             if moved == threshold:
                 break
             threshold = moved
-        if self._scale.generation == 2 and not self.found.slope:
+        if not self.found.slope:
             await self._find_slope(one, threshold)
-        return await self._passes(one, threshold, MEASURED_FREE), threshold
+        for _ in range(PROBES):
+            runs = await self._passes(one, threshold, MEASURED_FREE)
+            moved = self._scale.stricter(threshold, PROBE_STEP)
+            if self._least(runs, one, threshold) > 0 or moved == threshold:
+                break
+            threshold = moved
+        return runs, threshold
+
+    def _least(self, runs: list[Run], one: StallSpeed, threshold: int) -> float:
+        """The least load value of some runs at speed, as the chip told it at that threshold."""
+        least = min(
+            (value for run in runs if (value := run.least(ARMED * one.speed_pps, False)) is not None), default=0
+        )
+        return least - float(self._scale.at_zero(np.zeros(1), threshold)[0])
 
     async def _find_slope(self, one: StallSpeed, threshold: int) -> None:
         """What one more of the threshold adds to a value: by two thresholds at one speed."""

@@ -1,0 +1,246 @@
+"""StallGuard's threshold on plants drawn from a seed that the study does not know.
+
+The referee takes a chip of its own with the same plant, sets it as the study's axis was and as the study says, and
+counts: 200 free runs and 200 into the stop at each speed that the study answers for, fewer than 1 % wrong of each.
+Where the study says that no threshold does it, the referee tries thresholds all over the range, with and without the
+filter.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app.clock import VirtualClock
+from app.emulators.tmc5xxx import Tmc5xxxOptions
+from app.emulators.tmc5xxx.family import FAMILY
+from app.registers.tmc5xxx.table import TABLES
+from app.studies.ramp_settings import held_of
+from app.studies.record import Held, StudyRecord
+from tests.bench.table import Row
+from tests.plants.stalls import drawn
+from tests.studies.harness import START, studied
+
+FULL = replace(START, stops=False, vmax=102_400, amax=400_000, irun=31, ihold=16)
+"""At the rated current while it moves."""
+NAMES = ("VMAX", "AMAX", "DMAX", "COOLCONF", "SW_MODE", "TCOOLTHRS", "THIGH", "GCONF")
+TABLE = TABLES["tmc5160"]
+FULL_STEP, TURN = 256, 51_200
+CLOCK_HZ = 16e6
+STALL, STEP_S, RUN_FULLSTEPS, PUSH_FULLSTEPS, SHORT_FULLSTEPS = 1 << 6, 0.005, 200.0, 8.0, 3.0
+"""Event of a stop by StallGuard in RAMP_STAT; how often the referee looks [s]; what it counts as the study does."""
+RUNS, WRONG_MOST = 200, 1
+GRID = 4
+"""From one threshold of the referee's search to the next."""
+FOUND_RUNS = 100
+SHARE = 0.95
+
+
+class Referee:
+    """A chip with a plant, set as a study has left its axis but for what is tried."""
+
+    def __init__(self, options: dict[str, Any], words: dict[int, int], seed: int) -> None:
+        """words : by address, what every register of the configuration holds"""
+        self._chip = FAMILY.make("tmc5160", VirtualClock(), Tmc5xxxOptions.model_validate({"motor": {}, **options}))
+        self._end = float(options["stage"]["left_end_fullsteps"])
+        self._t = 0.0
+        self._random = random.Random(seed)
+        for address, word in sorted(words.items()):
+            self._chip.write(address, word, 0.0)
+        self._to("DMAX", 65_535)
+        self._to("RAMPMODE", 1)
+        self._wait(1.0)
+
+    def set(self, registers: Sequence[Held]) -> None:
+        """Set what a study says, and let a stall stop the motor."""
+        for each in registers:
+            row = TABLE.get(each.name, each.axis)
+            self._chip.write(row.address, row.encode(each.value), self._t)
+        row = TABLE.get("SW_MODE", 0)
+        field = row.field_named("sg_stop")
+        assert field is not None
+        self._chip.write(row.address, field.mask, self._t)
+
+    def _to(self, name: str, word: int) -> None:
+        self._chip.write(TABLE.get(name, 0).address, word & 0xFFFFFFFF, self._t)
+
+    def _wait(self, seconds: float) -> None:
+        self._t += seconds
+        self._chip.read(TABLE.get("XACTUAL", 0).address, self._t)
+
+    def _stalled(self) -> bool:
+        return bool(self._chip.read(TABLE.get("RAMP_STAT", 0).address, self._t) & STALL)
+
+    def _truth(self) -> tuple[float, float]:
+        """Where rotor and field are [full steps]."""
+        truth = self._chip.state(self._t).axes[0].truth
+        return truth.rotor_fullsteps, truth.field_fullsteps
+
+    def _turn(self, way: int, speed_pps: float) -> None:
+        self._to("RAMPMODE", 1 if way > 0 else 2)
+        self._to("VMAX", round(speed_pps * 2**24 / CLOCK_HZ))
+
+    def _rest(self) -> None:
+        self._to("VMAX", 0)
+        self._wait(0.1 + 2 * TURN / FULL.amax)
+        self._to("RAMP_STAT", STALL)
+        self._wait(0.01)
+
+    def _away(self, speed_pps: float) -> None:
+        """To where a run into the stop begins, by StallGuard unhindered."""
+        stop = TABLE.get("SW_MODE", 0).address
+        held = self._chip.read(stop, self._t)
+        self._chip.write(stop, 0, self._t)
+        up = (speed_pps**2 / (2 * FULL.amax)) / FULL_STEP
+        begin = self._end + up + 60 + self._random.uniform(0, 4)
+        for _ in range(4000):
+            rotor = self._truth()[0]
+            if abs(rotor - begin) < 4:
+                break
+            self._turn(1 if rotor < begin else -1, 0.5 * TURN)
+            self._wait(STEP_S)
+        self._rest()
+        self._chip.write(stop, held, self._t)
+
+    def missed(self, speed_pps: float, runs: int, most: int) -> tuple[int, int, int]:
+        """(missed, false, runs) of runs into the stop; ended where more than `most` are wrong."""
+        missed = false = 0
+        for index in range(runs):
+            self._away(speed_pps)
+            rotor, field = self._truth()
+            off = field - rotor
+            self._turn(-1, speed_pps)
+            for _ in range(4000):
+                self._wait(STEP_S)
+                beyond = self._end - (self._truth()[1] - off)
+                if self._stalled():
+                    false += beyond < -SHORT_FULLSTEPS
+                    break
+                if beyond > PUSH_FULLSTEPS:
+                    missed += 1
+                    break
+            self._rest()
+            if missed > most or false > most:
+                return missed, false, index + 1
+        return missed, false, runs
+
+    def false(self, speed_pps: float, runs: int, most: int) -> tuple[int, int]:
+        """(false stalls, runs) of runs past nothing; ended where more than `most` are wrong."""
+        false = 0
+        self._away(speed_pps)
+        for index in range(runs):
+            begin = self._truth()[1]
+            self._turn(1 if index % 2 == 0 else -1, speed_pps)
+            for _ in range(4000):
+                self._wait(STEP_S)
+                if self._stalled():
+                    false += 1
+                    break
+                if abs(self._truth()[1] - begin) >= RUN_FULLSTEPS:
+                    break
+            self._rest()
+            if false > most:
+                return false, index + 1
+            if index % 20 == 19 or self._truth()[0] < self._end + 100:
+                self._away(speed_pps)
+        return false, runs
+
+    def holds(self, speeds_pps: Sequence[float], runs: int, most: int) -> str:
+        """What is wrong more than `most` times of so many runs; empty for nothing."""
+        for speed_pps in speeds_pps:
+            missed, early, count = self.missed(speed_pps, runs, most)
+            if missed > most or early > most:
+                return f"{missed} missed, {early} false in {count} runs into the stop at {speed_pps / TURN:g} turns/s"
+            false, count = self.false(speed_pps, runs, most)
+            if false > most:
+                return f"{false} of {count} free runs stopped at {speed_pps / TURN:g} turns/s"
+        return ""
+
+    def finds(self, speeds_pps: Sequence[float], registers: Sequence[Held]) -> str:
+        """A threshold that does it at all of these speeds; empty for none."""
+        sgt, sfilt = (TABLE.get("COOLCONF", 0).field_named(name) for name in ("sgt", "sfilt"))
+        assert sgt is not None
+        assert sfilt is not None
+        armed = round(CLOCK_HZ / (0.9 * min(speeds_pps)))
+        for filtered in (0, 1):
+            for threshold in range(sgt.minimum, sgt.maximum + 1, GRID):
+                word = sfilt.pack(filtered, sgt.pack(threshold))
+                values = {"COOLCONF": word, "TCOOLTHRS": armed}
+                self.set([each.model_copy(update={"value": values.get(each.name, each.value)}) for each in registers])
+                if not self.holds(speeds_pps, 10, 0) and not self.holds(speeds_pps, FOUND_RUNS, 0):
+                    return f"threshold {threshold}{' with the filter' if filtered else ''}"
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """One plant. claims: the study has found a threshold; wrong: why that is not right, empty where it is."""
+
+    claims: bool
+    wrong: str
+    as_before: bool
+    says: str
+
+
+async def _studied(seed: int, folder: Path) -> tuple[StudyRecord, dict[int, int], list[Held], bool]:
+    options, speeds = drawn(seed)
+    async with studied(folder, FULL, **options) as s:
+        before = await s.settings(*NAMES)
+        words = {key[1]: word for key, word in (await held_of(s.device)).words.items() if word is not None}
+        study = {
+            "kind": "stallguard",
+            "within_fullsteps": 450.0,
+            "stop_confirmed": True,
+            "speeds_rps": speeds,
+            "free_runs": 100,
+            "stops": 20,
+        }
+        record = await s.finish(s.begin(s.document(study, budget={"time_s": 20_000.0}, seed=seed)), 20_000)
+        return record, words, list(record.baseline), await s.settings(*NAMES) == before
+
+
+def judged(seed: int) -> Judged:
+    """The study on one plant, and whether it is right."""
+    options, _ = drawn(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        record, words, baseline, as_before = asyncio.run(_studied(seed, Path(folder)))
+    says = record.verdict or record.message
+    found = record.stallguard
+    if record.state != "done" or found is None:
+        return Judged(claims=False, wrong=f"it {record.state}: {says}", as_before=as_before, says=says)
+    referee = Referee(options, words, seed)
+    kept = [each for each in baseline if each.name not in ("VMAX", "AMAX", "DMAX", "V1", "V2")]
+    best, wrong, claimed = record.trial(record.best), "", list[float]()
+    if record.improved and best is not None:
+        claimed = [one.speed_pps for one in found.speeds if not one.why]
+        referee.set(best.registers)
+        wrong = referee.holds(claimed, RUNS, WRONG_MOST)
+        kept = best.registers
+    for one in found.speeds:
+        if one.why and not wrong:
+            there = Referee(options, words, seed).finds(sorted([*claimed, one.speed_pps]), kept)
+            wrong = f"there is one at {one.speed_rps:g} turns/s: {there}" if there else ""
+    return Judged(claims=bool(record.improved), wrong=wrong, as_before=as_before, says=says)
+
+
+def measure(quick: bool) -> Sequence[Row]:
+    """One row; quick: a few plants."""
+    plants = 4 if quick else 100
+    found = [judged(seed) for seed in range(plants)]
+    right = sum(not one.wrong for one in found)
+    return [
+        Row(
+            what=f"StallGuard thresholds on {plants} blind plants: false and missed < 1 %, or none does it",
+            measured=f"{right} right; {sum(one.claims for one in found)} with a threshold",
+            peer=f"{plants}",
+            ratio=right / plants,
+            required=f">= {SHARE:g}, every axis as before",
+            ok=right / plants >= SHARE and all(one.as_before for one in found),
+            notes=tuple(f"plant {seed}: {one.wrong}; {one.says}" for seed, one in enumerate(found) if one.wrong),
+        )
+    ]
