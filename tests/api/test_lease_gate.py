@@ -25,6 +25,7 @@ CALCULATORS = (
     "ramp",
     "coil-current",
     "chopper",
+    "microstep-correction",
     "microstep-table",
     "driver-chain",
     "input-filter",

@@ -10,9 +10,10 @@ from ..policy import Policy, policy_of_all
 from ..tables import mslut as mslut_tables
 from ..tables.mslut_schemas import MslutDesign, MslutResult
 from ..tables.schemas import ChainDesign
-from . import calculators
+from . import calculators, correction
 from . import ramps as ramp_calculators
 from . import units as unit_calculators
+from .correction_schemas import MicrostepCorrection, MicrostepCorrectionResult
 from .schemas import (
     AnyMicrostepDesign,
     ChainRequest,
@@ -99,6 +100,15 @@ def design_microstep_table(body: AnyMicrostepDesign) -> MicrostepResult | MslutR
     For a TMC4361 a wave that cannot be encoded is answered too: with the places and reasons, and the nearest wave.
     """
     return mslut_tables.design(body) if isinstance(body, MslutDesign) else calculators.microstep_table(body)
+
+
+@router.post("/microstep-correction")
+def calculate_microstep_correction(body: MicrostepCorrection) -> MicrostepCorrectionResult:
+    """The microstep table that makes up for a motor's angle error, and what it is expected to leave.
+
+    Where there is an encoder, the study "microstep calibration" measures that error and does the same.
+    """
+    return correction.microstep_correction(body)
 
 
 @router.post("/driver-chain")

@@ -8,12 +8,13 @@ so of what would have to be added to the angle it holds only what is odd and com
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .angle_error import ORDERS, AngleError
+from .angle_error import ORDERS, AngleError, Harmonic
 from .mslut import ENTRIES, POSITIONS, Wave
 from .mslut_nearest import nearest
 
@@ -75,9 +76,20 @@ def quarter_part(turned: FloatArray) -> FloatArray:
     return np.asarray(np.mean([each - each[::-1] for each in quarters], axis=0) / 2)
 
 
-def predicted(motor: MotorError, field: FloatArray) -> FloatArray:
-    """The angle error [rad] on `GRID` with a table of these field angles; mean 0, without what is finer than 16."""
-    return _smooth(field + motor.at(field) - GRID)
+def predicted(motor: MotorError, field: FloatArray, grid: FloatArray = GRID) -> FloatArray:
+    """The angle error [rad] on `grid`, a period in equal steps, with a table of these field angles.
+
+    Its mean is 0, and what is finer than order 16 is left out.
+    """
+    return _smooth(field + motor.at(field) - grid)
+
+
+def motor_of(harmonics: Iterable[Harmonic]) -> MotorError:
+    """A motor of which these are told."""
+    total: FloatArray = np.zeros(POSITIONS)
+    for each in harmonics:
+        total += each.sine * np.sin(each.order * GRID) + each.cosine * np.cos(each.order * GRID)
+    return MotorError(np.radians(total))
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,21 +112,24 @@ def corrected(measured: AngleError, wave: Wave) -> Correction:
 
     Its amplitude is that of `wave`, at most `AMPLITUDE_MAX`. Raises TooUneven.
     """
-    field = field_of(wave)
-    motor = motor_error(measured, field)
-    added = _added(motor)
+    return corrected_for(motor_error(measured, field_of(wave)), wave)
+
+
+def corrected_for(motor: MotorError, wave: Wave) -> Correction:
+    """The same for a motor whose own error is known."""
+    added = added_angle(motor)
     amplitude = min(float(lengths(wave).mean()), AMPLITUDE_MAX)
     wanted = amplitude * np.sin(GRID + added)[:ENTRIES] + wave.mirror / 2
     found = nearest(wanted, wave.mirror).wave
     return Correction(
         wave=found,
-        before=np.degrees(measured.at(GRID)),
+        before=np.degrees(predicted(motor, field_of(wave))),
         after=np.degrees(predicted(motor, field_of(found))),
         beyond=np.degrees(predicted(motor, GRID + added)),
     )
 
 
-def _added(motor: MotorError) -> FloatArray:
+def added_angle(motor: MotorError) -> FloatArray:
     """What a table of any resolution has to add to the angle on `GRID` [rad], so that nothing is left that it holds."""
     if 1 + np.diff(motor.values, append=motor.values[:1]).min() / (GRID[1] - GRID[0]) <= 0:
         raise TooUneven("the rotor would turn back while its field goes on")
@@ -134,4 +149,4 @@ def _smooth(error: FloatArray) -> FloatArray:
     spectrum = np.fft.rfft(error)
     spectrum[0] = 0.0
     spectrum[HIGHEST + 1 :] = 0.0
-    return np.fft.irfft(spectrum, POSITIONS)
+    return np.fft.irfft(spectrum, len(error))

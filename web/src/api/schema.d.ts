@@ -1671,6 +1671,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/microstep-correction": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Microstep Correction
+         * @description The microstep table that makes up for a motor's angle error, and what it is expected to leave.
+         *
+         *     Where there is an encoder, the study "microstep calibration" measures that error and does the same.
+         */
+        post: operations["calculate_microstep_correction"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/driver-chain": {
         parameters: {
             query?: never;
@@ -6515,6 +6537,26 @@ export interface components {
              */
             spoil_next?: number | null;
         };
+        /**
+         * ErrorHarmonic
+         * @description sine * sin(order * angle) + cosine * cos(order * angle): rotor less field, over the field's angle.
+         */
+        ErrorHarmonic: {
+            /** Order */
+            order: number;
+            /**
+             * Sine Deg
+             * @description [deg electrical]
+             * @default 0
+             */
+            sine_deg?: number;
+            /**
+             * Cosine Deg
+             * @description the same
+             * @default 0
+             */
+            cosine_deg?: number;
+        };
         /** Exchange */
         Exchange: {
             /**
@@ -8671,6 +8713,46 @@ export interface components {
              * @default false
              */
             keep: boolean;
+        };
+        /**
+         * MicrostepCorrection
+         * @description A motor's own angle error, measured with a sine: by an encoder, or a laser pointer as DS-TMC428 12.3 has it.
+         */
+        MicrostepCorrection: {
+            /**
+             * Table
+             * @description 64 entries of 6 bits in RAM, or one-bit differences (MSLUT)
+             * @default mslut
+             * @enum {string}
+             */
+            table?: "ram64" | "mslut";
+            /** Harmonics */
+            harmonics: components["schemas"]["ErrorHarmonic"][];
+        };
+        /**
+         * MicrostepCorrectionResult
+         * @description Errors are root mean square [deg electrical]; of tables what they are expected to leave.
+         */
+        MicrostepCorrectionResult: {
+            /**
+             * Values
+             * @description 64 of a table in RAM, 256 of an MSLUT, as PUT /microstep-table takes them
+             */
+            values: number[];
+            /** Left Deg */
+            left_deg: number;
+            /**
+             * Sine Deg
+             * @description with the table of a sine that the data sheet has
+             */
+            sine_deg: number;
+            /**
+             * Beyond Deg
+             * @description what no table of a quarter wave takes away, of any resolution
+             */
+            beyond_deg: number;
+            /** @description of a table in RAM; an MSLUT has no such formula */
+            shaped: components["schemas"]["ShapedTable"] | null;
         };
         /** MicrostepDesign */
         MicrostepDesign: {
@@ -12977,6 +13059,23 @@ export interface components {
              * @default 0
              */
             line_error?: number;
+        };
+        /**
+         * ShapedTable
+         * @description The best table of the formula of DS-TMC428 12.3.
+         */
+        ShapedTable: {
+            /** Sigma */
+            sigma: number;
+            /** Offset */
+            offset: number;
+            /** Values */
+            values: number[];
+            /**
+             * Left Deg
+             * @description what it is expected to leave, root mean square [deg electrical]
+             */
+            left_deg: number;
         };
         /**
          * ShuttleStart
@@ -25210,6 +25309,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MicrostepResult"] | components["schemas"]["MslutResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_microstep_correction: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MicrostepCorrection"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MicrostepCorrectionResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
