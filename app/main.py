@@ -65,6 +65,7 @@ from .settings import Settings
 from .store.audit import AuditLog
 from .store.connections import ConnectionStore
 from .store.database import Database
+from .store.motors import OwnMotors
 from .store.positions import PositionStore
 from .store.profiles import ProfileStore
 from .store.recordings.library import Library
@@ -214,6 +215,7 @@ def create_app(
         Tokens(TokenStore(settings.data_dir), tokens_changed),
         sessions,
         MapShelf(settings.data_dir, manager),
+        OwnMotors(settings.data_dir),
         wiring,
         studies,
     )

@@ -37,6 +37,7 @@ from .links import routes as links
 from .motion import procedure_routes as procedures
 from .motion import routes as axes
 from .motion import stop_routes as stop
+from .motors import routes as motors
 from .positions import routes as extended_position
 from .profiles import routes as profiles
 from .profiles import script_routes as profile_scripts
@@ -80,6 +81,7 @@ SUBJECTS = (
     calc,
     catalog,
     register_maps,
+    motors,
     ports,
     recordings,
     profile_scripts,

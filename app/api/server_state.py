@@ -20,6 +20,7 @@ from ..recording.service import RecordingService
 from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
+from ..store.motors import OwnMotors
 from ..store.profiles import ProfileStore
 from ..store.saver import Saver
 from ..studies.service import StudyService
@@ -65,6 +66,7 @@ class ServerState:
     tokens: Tokens
     sessions: Sessions
     maps: MapShelf
+    motors: OwnMotors
     wiring: EmulatorWiring
     studies: StudyService
     probing: Probing = field(default_factory=Probing)

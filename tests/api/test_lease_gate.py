@@ -51,6 +51,9 @@ FREE = {
     ("DELETE", f"{AXIS}/step-response"),
     ("DELETE", f"{AXIS}/disturbance"),
     ("DELETE", f"{AXIS}/velocity-profile"),
+    # What motors there are moves none.
+    ("PUT", "/motors/{name}"),
+    ("DELETE", "/motors/{name}"),
     # A profile that is only judged moves nothing.
     ("POST", f"{AXIS}/velocity-profile/check"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.

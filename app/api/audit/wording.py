@@ -34,7 +34,7 @@ def taken_apart(method: str, path: str, query: bytes, plain: Container[tuple[str
         elif parts[2:3] == ["registers"] and len(parts) > 3:
             _name(parts, 3, names)
     elif (
-        parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"], ["studies"], ["wiring"])
+        parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"], ["studies"], ["wiring"], ["motors"])
         and len(parts) > 1
     ):
         _name(parts, 1, names)

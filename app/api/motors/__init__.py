@@ -1,0 +1,1 @@
+"""Motors by name."""

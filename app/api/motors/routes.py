@@ -1,0 +1,59 @@
+"""The motor data base: figures of a public list, and the user's own beside them."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query
+
+from ...calc.motors.data_base import OWN, Motor, found, listed
+from ...errors import StoreUnavailable, UnknownThing, UsageError
+from ..audit import wording
+from ..deps import CurrentBench
+from ..http.problems import problems
+from ..policy import policy
+from .schemas import MotorFigures, MotorInfo, MotorList
+
+router = APIRouter(prefix="/motors", tags=["motors"])
+
+PUBLIC_LIST = "github.com/andrewmcgr/klipper_tmc_autotune (a list of users, not checked against the makers' sheets)"
+
+MotorName = Annotated[
+    str, Path(description="as it is called on its plate", min_length=1, max_length=80, pattern=r"^[^/\x00-\x1f]+$")
+]
+
+
+@router.get("")
+async def list_motors(
+    bench: CurrentBench,
+    search: Annotated[str, Query(max_length=100, description="words of the name; all of them")] = "",
+    limit: Annotated[int, Query(ge=1, le=500)] = 50,
+) -> MotorList:
+    """Motors whose names have all these words: your own first, then those of a public list."""
+    own = await asyncio.to_thread(bench.motors.all)
+    names = {motor.name for motor in own}
+    motors = found([*own, *(motor for motor in listed() if motor.name not in names)], search)
+    return MotorList(found=len(motors), motors=[_info(motor) for motor in motors[:limit]])
+
+
+@router.put("/{name}", responses=problems(UsageError, StoreUnavailable))
+@policy(lease="free", words=wording.named("keep motor"))
+async def put_motor(bench: CurrentBench, name: MotorName, body: MotorFigures) -> MotorInfo:
+    """Keep a motor of your own, instead of the one of that name."""
+    motor = Motor(name=name, **body.model_dump())
+    await asyncio.to_thread(bench.motors.put, motor)
+    return _info(motor)
+
+
+@router.delete("/{name}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@policy(lease="free", words=wording.named("delete motor"))
+async def delete_motor(bench: CurrentBench, name: MotorName) -> None:
+    """Forget a motor of your own; one of the list under the same name is there again."""
+    await asyncio.to_thread(bench.motors.delete, name)
+
+
+def _info(motor: Motor) -> MotorInfo:
+    own = motor.source == OWN
+    return MotorInfo(**{**asdict(motor), "source": "kept on this server" if own else PUBLIC_LIST}, own=own)

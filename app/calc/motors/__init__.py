@@ -1,0 +1,1 @@
+"""Stepper motors by name."""
