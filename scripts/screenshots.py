@@ -56,6 +56,7 @@ PAGES = {
     "single-console": ("/console", ONE_AXIS),
     "rotary": ("/rotary", ONE_AXIS),
     "tune": ("/tune", ONE_AXIS),
+    "first-run": ("/first-run", ONE_AXIS),
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
     "health": ("/health", "bench"),

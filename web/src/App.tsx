@@ -13,6 +13,7 @@ const page = (load: () => Promise<{ default: ComponentType }>) => lazily(async (
 const Recordings = page(() => import("./pages/recordings/RecordingsPage"));
 const COMPONENTS: Record<string, ComponentType> = {
   "/": BenchPage, // where most begin: in one file with the shell it packs better than in dozens that others share
+  "/first-run": page(() => import("./pages/firstRun/FirstRunPage")),
   "/registers": page(() => import("./pages/registers/RegistersPage")),
   "/microsteps": page(() => import("./pages/microsteps/MicrostepsPage")),
   "/encoder": page(() => import("./pages/encoder/EncoderPage")),

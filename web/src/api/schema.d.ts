@@ -1671,6 +1671,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/microstep-correction": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Microstep Correction
+         * @description The microstep table that makes up for a motor's angle error, and what it is expected to leave.
+         *
+         *     Where there is an encoder, the study "microstep calibration" measures that error and does the same.
+         */
+        post: operations["calculate_microstep_correction"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/driver-chain": {
         parameters: {
             query?: never;
@@ -5952,6 +5974,11 @@ export interface components {
              */
             enn?: boolean | null;
             /**
+             * Vref V
+             * @description voltage at VREF, or at AIN of a TMC2130 [V]: 2.5 and more is full scale
+             */
+            vref_v?: number | null;
+            /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high; at most half of the clock [Hz]
              */
@@ -5969,6 +5996,16 @@ export interface components {
              * @description DIAG, or DIAG0 or DIAG1, is active: an error of the driver, or a stall
              */
             diag: boolean;
+            /**
+             * Index
+             * @description INDEX is active; null: the chip has no such pin
+             */
+            index?: boolean | null;
+            /**
+             * Vref V
+             * @description voltage at VREF [V]; null: the chip has no such pin
+             */
+            vref_v?: number | null;
             /**
              * Step Hz
              * @description steps a second that come in at STEP, negative with DIR high
@@ -6543,6 +6580,26 @@ export interface components {
              * @description bits of an absolute encoder's next answer that arrive wrong
              */
             spoil_next?: number | null;
+        };
+        /**
+         * ErrorHarmonic
+         * @description sine * sin(order * angle) + cosine * cos(order * angle): rotor less field, over the field's angle.
+         */
+        ErrorHarmonic: {
+            /** Order */
+            order: number;
+            /**
+             * Sine Deg
+             * @description [deg electrical]
+             * @default 0
+             */
+            sine_deg?: number;
+            /**
+             * Cosine Deg
+             * @description the same
+             * @default 0
+             */
+            cosine_deg?: number;
         };
         /** Exchange */
         Exchange: {
@@ -8240,6 +8297,11 @@ export interface components {
              * @description ids of other devices on the same wire
              */
             shared_with: string[];
+            /**
+             * Status Alone
+             * @description the chip's status can be asked for by eight clocks: POST exchange with the frame 00
+             */
+            status_alone: boolean;
         };
         /**
          * LinkTest
@@ -8695,6 +8757,46 @@ export interface components {
              * @default false
              */
             keep: boolean;
+        };
+        /**
+         * MicrostepCorrection
+         * @description A motor's own angle error, measured with a sine: by an encoder, or a laser pointer as DS-TMC428 12.3 has it.
+         */
+        MicrostepCorrection: {
+            /**
+             * Table
+             * @description 64 entries of 6 bits in RAM, or one-bit differences (MSLUT)
+             * @default mslut
+             * @enum {string}
+             */
+            table?: "ram64" | "mslut";
+            /** Harmonics */
+            harmonics: components["schemas"]["ErrorHarmonic"][];
+        };
+        /**
+         * MicrostepCorrectionResult
+         * @description Errors are root mean square [deg electrical]; of tables what they are expected to leave.
+         */
+        MicrostepCorrectionResult: {
+            /**
+             * Values
+             * @description 64 of a table in RAM, 256 of an MSLUT, as PUT /microstep-table takes them
+             */
+            values: number[];
+            /** Left Deg */
+            left_deg: number;
+            /**
+             * Sine Deg
+             * @description with the table of a sine that the data sheet has
+             */
+            sine_deg: number;
+            /**
+             * Beyond Deg
+             * @description what no table of a quarter wave takes away, of any resolution
+             */
+            beyond_deg: number;
+            /** @description of a table in RAM; an MSLUT has no such formula */
+            shaped: components["schemas"]["ShapedTable"] | null;
         };
         /** MicrostepDesign */
         MicrostepDesign: {
@@ -11641,6 +11743,21 @@ export interface components {
             limits: string[];
         };
         /**
+         * Rate
+         * @description How often something went wrong.
+         */
+        Rate: {
+            /** Wrong */
+            wrong: number;
+            /** Runs */
+            runs: number;
+            /**
+             * Most
+             * @description upper bound of the rate, 95 %, one-sided, exact (Clopper and Pearson)
+             */
+            most: number;
+        };
+        /**
          * ReadersHealth
          * @description Who reads a device's samples: telemetry sockets, recordings, the 3D view.
          */
@@ -12522,6 +12639,24 @@ export interface components {
             score: components["schemas"]["Score"] | null;
         };
         /**
+         * RocPoint
+         * @description A level, and what a threshold there would do with the runs that were measured.
+         */
+        RocPoint: {
+            /** Level */
+            level: number;
+            /**
+             * False
+             * @description share of free runs with a stall told
+             */
+            false: number;
+            /**
+             * Missed
+             * @description share of stalls not told
+             */
+            missed: number;
+        };
+        /**
          * RotaryOut
          * @description The turn, and what the application note (AN-001 3.2) calls its two numbers.
          */
@@ -13043,6 +13178,23 @@ export interface components {
             line_error?: number;
         };
         /**
+         * ShapedTable
+         * @description The best table of the formula of DS-TMC428 12.3.
+         */
+        ShapedTable: {
+            /** Sigma */
+            sigma: number;
+            /** Offset */
+            offset: number;
+            /** Values */
+            values: number[];
+            /**
+             * Left Deg
+             * @description what it is expected to leave, root mean square [deg electrical]
+             */
+            left_deg: number;
+        };
+        /**
          * ShuttleStart
          * @description Move back and forth between two positions until stopped.
          */
@@ -13444,6 +13596,212 @@ export interface components {
             right_end_fullsteps?: number | null;
         };
         /**
+         * StallFound
+         * @description What StallGuard tells of this axis.
+         */
+        StallFound: {
+            /**
+             * Generation
+             * @description 2: StallGuard2, with SpreadCycle; 4: StallGuard4, with StealthChop
+             */
+            generation: number;
+            /**
+             * Stop At
+             * @description where the stop is [microsteps]
+             */
+            stop_at: number | null;
+            /**
+             * Slope
+             * @description what one more of the threshold adds to a load value [counts]
+             * @default 0
+             */
+            slope: number;
+            /**
+             * Level
+             * @description of the choice: at it or below a value is a stall
+             */
+            level: number | null;
+            /**
+             * Filtered
+             * @default false
+             */
+            filtered: boolean;
+            /**
+             * From Rps
+             * @description least speed at which the choice does it
+             */
+            from_rps: number | null;
+            /**
+             * To Rps
+             * @description greatest of the asked speeds at which it does
+             */
+            to_rps: number | null;
+            /**
+             * Run Fullsteps
+             * @description what a free run is [full steps]
+             */
+            run_fullsteps: number;
+            /**
+             * Push Fullsteps
+             * @description how far into the stop a stall has to be told [full steps]
+             */
+            push_fullsteps: number;
+            /** Speeds */
+            speeds: components["schemas"]["StallSpeed"][];
+        };
+        /**
+         * StallGuard
+         * @description The threshold by which StallGuard tells a stall from a free run, at each of some speeds; seen by the encoder.
+         *
+         *     It runs into a hard stop, many times: whoever asks for it says that there is one that may be run into.
+         */
+        "StallGuard-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stallguard";
+            /**
+             * Side
+             * @description where the stop is, seen from here
+             * @default left
+             * @enum {string}
+             */
+            side?: "left" | "right";
+            /**
+             * Within Fullsteps
+             * @description how far from here it is at most; it is looked for that far [full steps]
+             */
+            within_fullsteps: number;
+            /**
+             * Stop Confirmed
+             * @description a hard stop is there, and the motor may run into it some dozen times
+             * @default false
+             */
+            stop_confirmed?: boolean;
+            /**
+             * Speeds Rps
+             * @description at which a stall is to be told [turns of the motor a second]
+             * @default [
+             *       0.5,
+             *       1,
+             *       2
+             *     ]
+             */
+            speeds_rps?: number[];
+            /**
+             * Run Fullsteps
+             * @description a free run: a false stall is one in so far a way [full steps]
+             * @default 200
+             */
+            run_fullsteps?: number;
+            /**
+             * Push Fullsteps
+             * @description a stall that is not told so far into the stop is missed [full steps]
+             * @default 8
+             */
+            push_fullsteps?: number;
+            /**
+             * Free Runs
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @default 100
+             */
+            free_runs?: number;
+            /**
+             * Stops
+             * @description runs into the stop of the proof, at each speed
+             * @default 20
+             */
+            stops?: number;
+            /**
+             * Rate Max
+             * @description of false stalls and of missed ones in the proof, more is none that does it
+             * @default 0.01
+             */
+            rate_max?: number;
+            /**
+             * Generation
+             * @description StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now
+             */
+            generation?: (2 | 4) | null;
+        };
+        /**
+         * StallGuard
+         * @description The threshold by which StallGuard tells a stall from a free run, at each of some speeds; seen by the encoder.
+         *
+         *     It runs into a hard stop, many times: whoever asks for it says that there is one that may be run into.
+         */
+        "StallGuard-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stallguard";
+            /**
+             * Side
+             * @description where the stop is, seen from here
+             * @default left
+             * @enum {string}
+             */
+            side: "left" | "right";
+            /**
+             * Within Fullsteps
+             * @description how far from here it is at most; it is looked for that far [full steps]
+             */
+            within_fullsteps: number;
+            /**
+             * Stop Confirmed
+             * @description a hard stop is there, and the motor may run into it some dozen times
+             * @default false
+             */
+            stop_confirmed: boolean;
+            /**
+             * Speeds Rps
+             * @description at which a stall is to be told [turns of the motor a second]
+             * @default [
+             *       0.5,
+             *       1,
+             *       2
+             *     ]
+             */
+            speeds_rps: number[];
+            /**
+             * Run Fullsteps
+             * @description a free run: a false stall is one in so far a way [full steps]
+             * @default 200
+             */
+            run_fullsteps: number;
+            /**
+             * Push Fullsteps
+             * @description a stall that is not told so far into the stop is missed [full steps]
+             * @default 8
+             */
+            push_fullsteps: number;
+            /**
+             * Free Runs
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @default 100
+             */
+            free_runs: number;
+            /**
+             * Stops
+             * @description runs into the stop of the proof, at each speed
+             * @default 20
+             */
+            stops: number;
+            /**
+             * Rate Max
+             * @description of false stalls and of missed ones in the proof, more is none that does it
+             * @default 0.01
+             */
+            rate_max: number;
+            /**
+             * Generation
+             * @description StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now
+             */
+            generation: (2 | 4) | null;
+        };
+        /**
          * StallSearchStart
          * @description Search the end of the stage without a switch: by the stall that the driver measures (StallGuard).
          */
@@ -13480,6 +13838,56 @@ export interface components {
              * @default 3
              */
             hits?: number;
+        };
+        /**
+         * StallSpeed
+         * @description One speed. Load values are those at threshold 0; least: of each run, with the filter where the choice has it.
+         */
+        StallSpeed: {
+            /** Speed Rps */
+            speed_rps: number;
+            /** Speed Pps */
+            speed_pps: number;
+            /**
+             * Free
+             * @description least load value of each free run
+             */
+            free: number[];
+            /**
+             * Stops
+             * @description least load value of each run into the stop
+             */
+            stops: number[];
+            /**
+             * Values
+             * @description edges of the histogram [counts]
+             */
+            values: number[];
+            /**
+             * Free Share
+             * @description of all values of free runs, between two edges
+             */
+            free_share: number[];
+            /**
+             * Stop Share
+             * @description the same against the stop
+             */
+            stop_share: number[];
+            /** Roc */
+            roc: components["schemas"]["RocPoint"][];
+            /**
+             * Why
+             * @description why no threshold does it at this speed; empty where the choice does
+             * @default
+             */
+            why: string;
+            /** @description false stalls in held-out free runs, the motor stopping by them */
+            false: components["schemas"]["Rate"] | null;
+            /** @description stalls missed in held-out runs into the stop */
+            missed: components["schemas"]["Rate"] | null;
+            /** @description the same with the setting before */
+            false_before: components["schemas"]["Rate"] | null;
+            missed_before: components["schemas"]["Rate"] | null;
         };
         /**
          * StartChoice
@@ -13956,7 +14364,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["MicrostepCalibration-Input"];
+            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -13998,7 +14406,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["MicrostepCalibration-Output"];
+            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -14018,7 +14426,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "microstep_calibration";
+            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Device */
@@ -14057,7 +14465,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "microstep_calibration";
+            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Purpose */
@@ -14272,6 +14680,8 @@ export interface components {
              * @description the best on the twin, tried on the axis first
              */
             twin: components["schemas"]["TwinSetting"][];
+            /** @description of a study of StallGuard */
+            stallguard: components["schemas"]["StallFound"] | null;
             /**
              * Next
              * @description what would be worth doing next
@@ -25016,6 +25426,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MicrostepResult"] | components["schemas"]["MslutResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_microstep_correction: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MicrostepCorrection"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MicrostepCorrectionResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */

@@ -29,6 +29,7 @@ describe("pages", () => {
       "Console",
       "Audit log",
       "Health",
+      "First run",
       "Connections",
     ]);
     expect(names("pmul")).toEqual([
@@ -46,6 +47,7 @@ describe("pages", () => {
       "Console",
       "Audit log",
       "Health",
+      "First run",
       "Connections",
     ]);
     expect(names("sixpoint")).toEqual([
@@ -65,6 +67,7 @@ describe("pages", () => {
       "Console",
       "Audit log",
       "Health",
+      "First run",
       "Connections",
     ]);
     for (const own of [
@@ -77,6 +80,7 @@ describe("pages", () => {
       "Console",
       "Audit log",
       "Health",
+      "First run",
       "Connections",
     ])
       expect(names("sramp")).toContain(own);
@@ -92,6 +96,7 @@ describe("pages", () => {
       "Driver chain",
       "Audit log",
       "Health",
+      "First run",
       "Connections",
     ])
       expect(names(null)).toContain(alone);

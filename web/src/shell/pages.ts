@@ -11,6 +11,7 @@ import {
   IconPlugConnected,
   IconRotate360,
   IconRotateClockwise2,
+  IconRoute,
   IconTableColumn,
   IconTargetArrow,
   IconTerminal2,
@@ -47,6 +48,7 @@ export const PAGES: readonly PageEntry[] = [
   page(92, "/console", "Console", "Console", IconTerminal2),
   page(93, "/audit", "Audit log", "Audit", IconHistory, { alone: true }),
   page(94, "/health", "Health", "Health", IconHeartRateMonitor, { alone: true }),
+  page(94.5, "/first-run", "First run", "Set up", IconRoute, { needs: ["motion"], unless: "step_input" }),
   page(95, "/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
   ...FAMILY_PAGES,
 ].sort((one, other) => one.place - other.place);

@@ -17,6 +17,7 @@ import { TryModels } from "./TryModels";
 const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/ramps", "Ramps", "design one and send it"],
   ["/registers", "Registers", "live, bit by bit"],
+  ["/first-run", "First run", "step by step"],
   ["/microsteps", "Microsteps", ""],
   ["/connections", "Connections", ""],
 ];
