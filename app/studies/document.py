@@ -129,7 +129,7 @@ class MicrostepCalibration(Part):
         default=6, description="of the proof: there and back with the old table and with the new one, in turn"
     )
     smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
-        default=0.1, description="what makes the error less than this share smaller is no improvement"
+        default=0.05, description="what makes the error less than this share smaller is no improvement"
     )
     keep: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="leave the new table set where it is shown to be better"

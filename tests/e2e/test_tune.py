@@ -67,3 +67,11 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     expect(verdict).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     page.goto("/connections")  # before the chip is gone
+
+
+def test_the_microsteps_page_leads_to_a_calibration_by_the_encoder(page: Page, slide: Chip) -> None:
+    select(page, slide)
+    page.goto("/microsteps")
+    page.get_by_role("link", name="By the encoder").click()
+    expect(page.get_by_label("The axis shall be")).to_have_value("More exact")
+    expect(page.get_by_test_id("plan")).to_contain_text("the microstep table of axis 0")

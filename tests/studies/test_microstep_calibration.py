@@ -20,6 +20,7 @@ from app.studies.record import AngleFigures, StudyRecord
 from app.studies.report import html_of
 from app.studies.store import StudyStore
 from app.studies.table_settings import with_registers
+from tests.devices.tmc5xxx.harness import bench
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
 from tests.studies.harness import START, Studied, studied
@@ -159,5 +160,17 @@ async def test_the_plan_tells_what_it_does_and_what_is_missing(tmp_path: Path) -
         assert plan.moves_max == 28
         assert plan.position_to is not None
         assert 2 * 51_200 < plan.position_to < 2.2 * 51_200
-        assert "MSLUT[0] of axis 0" in plan.registers
+        assert plan.registers[-1] == "the microstep table of axis 0 (MSLUT)"
         assert plan.time_s == pytest.approx(30 * 41, rel=0.1)
+
+
+async def test_a_table_that_turns_both_motors_is_told_and_calibrated(tmp_path: Path) -> None:
+    async with bench("tmc5072", FULL, motor=UNEVEN, **PLANT) as b:
+        s = Studied(b, StudyStore(tmp_path, aside=False))
+        plan = await KINDS["microstep_calibration"].plan(s.device, 0, s.document(QUICK))
+        assert plan.missing == []
+        assert plan.warnings[0].startswith("both motors of this chip")
+        assert plan.registers[-1] == "the microstep table of both axes (MSLUT)"
+        record = await calibrated(s)
+        assert record.improved, record.verdict or record.message
+        assert await table_of(s) == POWER_ON

@@ -100,7 +100,8 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: MicrostepCalibrati
     told.way_fullsteps = told.moves_max * ground.way / ground.full_step
     ways = 2 * sum(1 / share for share in FIRST_SPEEDS) + 4 * wanted.pairs
     told.time_s = ways * ground.way / ground.ramp[SPEED] + told.moves_max * (SPEED_UP_S + AROUND_S)
-    told.registers = [f"{each.name} of axis {axis}" for each in (*ground.space.before, *ground.table.before)]
+    told.registers = [f"{each.name} of axis {axis}" for each in ground.space.before]
+    told.registers.append(f"the microstep table of {'both axes' if ground.table.shared else f'axis {axis}'} (MSLUT)")
     turns = "a turn" if wanted.turns == 1 else f"{wanted.turns} turns"
     told.steps = [
         f"{turns} there and back at {plain(wanted.velocity_rps)} turns a second, and at half of that: the angle error",

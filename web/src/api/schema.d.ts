@@ -8707,7 +8707,7 @@ export interface components {
             /**
              * Smallest Gain
              * @description what makes the error less than this share smaller is no improvement
-             * @default 0.1
+             * @default 0.05
              */
             smallest_gain?: number;
             /**
@@ -8748,7 +8748,7 @@ export interface components {
             /**
              * Smallest Gain
              * @description what makes the error less than this share smaller is no improvement
-             * @default 0.1
+             * @default 0.05
              */
             smallest_gain: number;
             /**
