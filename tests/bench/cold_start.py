@@ -7,36 +7,25 @@ installation that nobody may write to, whose machine code goes to the user's cac
 from __future__ import annotations
 
 import os
-import re
 import shutil
-import signal
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 import httpx
 from chromium import chromium_flags, find_chromium
 from playwright.sync_api import Error as PageError
 from playwright.sync_api import Page, sync_playwright
-from server_process import free_port
 
 from tests.bench.table import Row
+from tests.installation import install, move, server, until, wheel
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE_WITHIN_S, MOVING_WITHIN_S, LATER_WITHIN_S = 5.0, 10.0, 3.0
 WITHOUT_BYTE_CODE_WITHIN_S = 10.0
 """Python itself compiles 1,900 modules then, 2 s more of a core."""
 COMPILED_WITHIN_S = 600.0
-LOOK_S = 0.02
-READ_ONLY = 'mount --bind "$0" "$0" && mount -o remount,ro,bind "$0" && exec "$@"'
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -51,7 +40,10 @@ def measure(quick: bool) -> Sequence[Row]:
     """`quick` leaves out the starts from machine code on disk, which is a minute or two in the making."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         place = Path(folder)
-        installed_s = installed(place / "venv")
+        built = wheel(place / "wheels")
+        began_s = time.perf_counter()
+        install(built, place / "venv")
+        installed_s = time.perf_counter() - began_s
         page = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags()).new_page()
         rows = []
         for what, read_only, byte_code, page_within_s in (
@@ -65,28 +57,13 @@ def measure(quick: bool) -> Sequence[Row]:
             rows.append(row(f"{what}, first start: a motor moves", first.moving_s, MOVING_WITHIN_S))
             rows += [row(f"{what}, later start: page live", one.page_s, LATER_WITHIN_S) for one in later]
     beside = os.getloadavg()[1] - 1.0
-    told = (
-        f"pip took {installed_s:.0f} s before; some {max(beside, 0.0):.1f} other processes wanted the cores meanwhile"
-    )
+    told = f"pip took {installed_s:.0f} s before; some {max(beside, 0.0):.1f} other processes wanted the cores"
     return [*rows[:-1], replace(rows[-1], notes=(told,))]
 
 
 def row(what: str, seconds: float, limit_s: float) -> Row:
     """One figure against its limit."""
     return Row(what, f"{seconds:.2f} s", f"limit {limit_s:g} s", limit_s / seconds, ">= 1", seconds < limit_s)
-
-
-def installed(venv: Path) -> float:
-    """The wheel of this tree in an environment of its own, as a user installs it; how long pip took [s]."""
-    run = {"check": True, "stdout": subprocess.DEVNULL}
-    wheels = venv.with_name("wheels")
-    subprocess.run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(wheels)], cwd=ROOT, **run)  # type: ignore[call-overload]
-    subprocess.run([sys.executable, "-m", "venv", str(venv)], **run)  # type: ignore[call-overload]
-    began_s = time.perf_counter()
-    constraints = ("--constraint", str(ROOT / "constraints.txt"))
-    (wheel,) = wheels.glob("*.whl")
-    subprocess.run([venv / "bin/python", "-m", "pip", "install", "--quiet", *constraints, wheel], **run)  # type: ignore[call-overload]
-    return time.perf_counter() - began_s
 
 
 def forget_caches(venv: Path, byte_code: bool) -> None:
@@ -114,26 +91,6 @@ def starts(place: Path, page: Page, read_only: bool, count: int) -> Iterator[Sta
                     until(lambda: api.get("health/details").json()["compiling"] is None, COMPILED_WITHIN_S)
 
 
-@contextmanager
-def server(venv: Path, home: Path, read_only: bool) -> Iterator[tuple[str, float]]:
-    """A server that a user with that home starts, its address, and when it was started."""
-    port = free_port()
-    command = [str(venv / "bin/stepscope"), "serve", "--port", str(port)]
-    if read_only and os.geteuid() == 0:  # whom no permission keeps from writing
-        command = ["unshare", "--mount", "sh", "-c", READ_ONLY, str(venv), *command]
-    else:
-        subprocess.run(["chmod", "-R", "u-w" if read_only else "u+w", str(venv)], check=True)
-    mine = re.compile("STEPSCOPE_|XDG_|NUMBA_|PYTHON")
-    environment = {name: value for name, value in os.environ.items() if not mine.match(name)} | {"HOME": str(home)}
-    began_s = time.perf_counter()
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
-    try:
-        yield f"http://127.0.0.1:{port}", began_s
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(30)
-
-
 def live(page: Page, url: str) -> bool:
     """Whether the browser shows samples of the demo bench."""
     try:
@@ -142,21 +99,3 @@ def live(page: Page, url: str) -> bool:
     except PageError:
         return False
     return True
-
-
-def move(api: httpx.Client) -> None:
-    """Send the first axis somewhere, and look until it is on its way."""
-    bench = next(device for device in api.get("devices").raise_for_status().json() if device["name"] == "bench")
-    axis = f"devices/{bench['id']}/axes/0"
-    api.post(f"{axis}/move", json={"target": 2000}).raise_for_status()
-    until(lambda: api.get(axis).raise_for_status().json()["position"])
-
-
-def until(look: Callable[[], T], within_s: float = 60.0) -> T:
-    """What `look` finds as soon as it is something. Raises TimeoutError."""
-    end_s = time.perf_counter() + within_s
-    while time.perf_counter() < end_s:
-        if found := look():
-            return found
-        time.sleep(LOOK_S)
-    raise TimeoutError(f"not within {within_s:g} s")
