@@ -20,7 +20,7 @@ from chromium import chromium_flags, find_chromium
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 from server_process import ServerProcess
 
-MODULE, SERVO, TWO_AXES, ONE_AXIS = "module", "servo", "pair", "single"
+MODULE, SERVO, TWO_AXES, ONE_AXIS, DRIVER = "module", "servo", "pair", "single", "driver"
 PAGES = {
     "bench": ("/", "bench"),
     "registers": ("/registers", "bench"),
@@ -54,6 +54,7 @@ PAGES = {
     "single-encoder": ("/encoder", ONE_AXIS),
     "single-stallguard": ("/stallguard", ONE_AXIS),
     "single-console": ("/console", ONE_AXIS),
+    "driver-current": ("/driver-current", DRIVER),
     "rotary": ("/rotary", ONE_AXIS),
     "tune": ("/tune", ONE_AXIS),
     "first-run": ("/first-run", ONE_AXIS),
@@ -114,6 +115,7 @@ def add_devices(url: str, count: int) -> None:
         (SERVO, "tmc4361", 1, SERVO_RAMP),
         (TWO_AXES, "tmc5072", 2, SIXPOINT_RAMP),
         (ONE_AXIS, "tmc5160", 1, SIXPOINT_RAMP | SIXPOINT_ENCODER),
+        (DRIVER, "tmc2660", 1, {"DRVCONF": 0x60, "SGCSCONF": 0x10014, "CHOPCONF": 0x101B5}),
     )
     gear = {"microsteps_per_motor_turn": 51_200, "motor_teeth": 3, "driven_teeth": 7}
     for name, model, axes, ramp in ramps:
@@ -127,8 +129,10 @@ def add_devices(url: str, count: int) -> None:
 
 
 def shuttle(url: str) -> None:
-    """Send every axis of every device back and forth."""
+    """Send every axis of every device back and forth that can be sent somewhere."""
     for device in _call(f"{url}/api/v1/devices"):
+        if device["id"] == DRIVER:
+            continue
         for axis in device["axes"]:
             address = f"{url}/api/v1/devices/{device['id']}/axes/{axis['index']}"
             here = _call(address)["position"]

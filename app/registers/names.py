@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     MslutName = str
     DriverName = str
     ChopperName = str
+    ScaleName = str
 else:
     ModelName = _of(*MODELS)
     AnyModelName = ModelName | ListedName
@@ -53,3 +54,4 @@ else:
     MslutName = _that_can("microsteps.mslut")
     DriverName = _that_can("step_input")
     ChopperName = _that_can("chopper", "registers")
+    ScaleName = _that_can("current.scale")

@@ -323,3 +323,17 @@ async def test_v_min_as_a_start_stop_speed(client: httpx.AsyncClient) -> None:
     assert answer["duration_s"] == answer["duration_least_s"]
     refused = await client.post("calc/start-stop", json={**body, "motor": {"inertia_kgm2": 0}})
     assert refused.status_code == 422
+
+
+async def test_current_of_a_driver_with_one_scale(client: httpx.AsyncClient) -> None:
+    body = {"model": "tmc2660", "sense_resistor_ohm": 0.1, "scale": 31, "vsense": 0, "toff": 5, "tbl": 2}
+    answer = (await client.post("calc/scale-current", json=body)).json()
+    assert answer["rms_a"] == pytest.approx(2.192, abs=1e-3)
+    assert answer["full_scale_rms_a"] == answer["rms_a"]
+    assert answer["nearest"] == []
+    assert answer["warnings"] == []
+    wanted = {**body, "sense_resistor_ohm": 0.05, "toff": 0, "wanted_rms_a": 1.0}
+    answer = (await client.post("calc/scale-current", json=wanted)).json()
+    assert (answer["nearest"][0]["vsense"], answer["off_s"]) == (1, None)
+    assert len(answer["warnings"]) == 2
+    assert (await client.post("calc/scale-current", json={**body, "model": "tmc5160"})).status_code == 422

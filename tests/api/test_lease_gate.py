@@ -32,6 +32,7 @@ CALCULATORS = (
     "serial-encoder",
     "target-sequence",
     "current-scales",
+    "scale-current",
     "drive-current",
     "pwm-duty",
     "driver-sync",

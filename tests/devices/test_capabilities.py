@@ -108,6 +108,7 @@ async def can(made: Bench) -> set[Capability]:
         "chopper": _has_row(model, "CHOPCONF", "IHOLD_IRUN"),
         "current": _keeps_current_limits(model),
         "current.ramp": _has_row(model, "CURRENT_CONF", "SCALE_VALUES"),
+        "current.scale": _has_row(model, "SGCSCONF", "CHOPCONF"),
         "encoder": _every_axis(device, "encoder_position"),
         "closed_loop": await _can_calibrate(made),
         "serial_encoder": _has_row(model, "ENC_IN_DATA", "ENC_OUT_DATA"),

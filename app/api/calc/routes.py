@@ -41,6 +41,7 @@ from .tmc4361.sequence_schemas import TargetSequence, TargetSequenceResult
 from .tmc4361.serial_encoder import serial_encoder
 from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
 from .tmc4361.sync_schemas import DriverSync, DriverSyncResult
+from .tmcdrivers.scale_current import ScaleCurrent, ScaleCurrentResult, scale_current
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 
@@ -73,6 +74,12 @@ def calculate_ramp(body: Ramp) -> RampResult:
 def calculate_coil_current(body: CoilCurrent) -> CoilCurrentResult:
     """Motor current of a TMC5xxx from its settings, or the nearest settings for a wanted current, and its delays."""
     return motor_calculators.coil_current(body)
+
+
+@router.post("/scale-current")
+def calculate_scale_current(body: ScaleCurrent) -> ScaleCurrentResult:
+    """Motor current and chopper times of a driver with one current scale, or the nearest scale for a wanted current."""
+    return scale_current(body)
 
 
 @router.post("/current-scales")

@@ -1589,6 +1589,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/scale-current": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Scale Current
+         * @description Motor current and chopper times of a driver with one current scale, or the nearest scale for a wanted current.
+         */
+        post: operations["calculate_scale_current"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/current-scales": {
         parameters: {
             query?: never;
@@ -3812,7 +3832,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
+            name: "registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "current.scale" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity";
             /**
              * Title
              * @description those that can, in the plural: "chips with S-ramps"
@@ -3877,7 +3897,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "current.scale" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -3971,7 +3991,7 @@ export interface components {
              * Capabilities
              * @description what it can, by the words of `GET /catalog/capabilities`
              */
-            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
+            capabilities: ("registers" | "parameters" | "motion" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "current.ramp" | "current.scale" | "encoder" | "closed_loop" | "serial_encoder" | "start_pin" | "driver_sync" | "stallguard" | "stallguard.behind" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store" | "programs" | "step_input" | "own_velocity")[];
             /** Wires */
             wires: components["schemas"]["WireRow"][];
             /**
@@ -12711,6 +12731,90 @@ export interface components {
             velocity_pps: number;
             /** Warnings */
             warnings: string[];
+        };
+        /**
+         * ScaleCurrent
+         * @description The fields of current and chopper, and how the board measures; with `wanted_rms_a` the nearest settings, too.
+         */
+        ScaleCurrent: {
+            /**
+             * Model
+             * @constant
+             */
+            model: "tmc2660";
+            /**
+             * Clock Hz
+             * @default 15000000
+             */
+            clock_hz?: number;
+            /** Sense Resistor Ohm */
+            sense_resistor_ohm: number;
+            /**
+             * Scale
+             * @description CS
+             */
+            scale: number;
+            /**
+             * Vsense
+             * @default 0
+             */
+            vsense?: number;
+            /**
+             * Toff
+             * @default 0
+             */
+            toff?: number;
+            /**
+             * Tbl
+             * @default 0
+             */
+            tbl?: number;
+            /** Wanted Rms A */
+            wanted_rms_a?: number | null;
+        };
+        /** ScaleCurrentResult */
+        ScaleCurrentResult: {
+            /** Rms A */
+            rms_a: number;
+            /** Peak A */
+            peak_a: number;
+            /**
+             * Full Scale Rms A
+             * @description at CS 31 and this vsense
+             */
+            full_scale_rms_a: number;
+            /**
+             * Sense Power W
+             * @description of one sense resistor, at rest at the peak of the wave
+             */
+            sense_power_w: number;
+            /**
+             * Off S
+             * @description slow decay; null: TOFF 0, the bridges are off
+             */
+            off_s: number | null;
+            /** Blank S */
+            blank_s: number;
+            /** Chopper Max Hz */
+            chopper_max_hz: number | null;
+            /**
+             * Nearest
+             * @description the best of each vsense, the nearest first; else empty
+             */
+            nearest: components["schemas"]["ScaleCurrentSetting"][];
+            /** Source */
+            source: string;
+            /** Warnings */
+            warnings: string[];
+        };
+        /** ScaleCurrentSetting */
+        ScaleCurrentSetting: {
+            /** Scale */
+            scale: number;
+            /** Vsense */
+            vsense: number;
+            /** Rms A */
+            rms_a: number;
         };
         /**
          * ScaleStretch
@@ -25186,6 +25290,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CoilCurrentResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_scale_current: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ScaleCurrent"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ScaleCurrentResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
