@@ -1,7 +1,8 @@
 """Which pins of this server's emulators are wired together: made of the nets that their options name.
 
-A net is the same name at pins of several emulators. START pins go with START pins, and one step output with any number
-of step inputs. What cannot be wired is left open, and says why. Wires may come and go while the emulators live on.
+A net is the same name at pins of several emulators. START pins go with START pins, one step output with any number of
+step inputs, and DIAG of one driver with inputs for stop switches. What cannot be wired is left open, and says why.
+Wires may come and go while the emulators live on.
 """
 
 from __future__ import annotations
@@ -12,10 +13,18 @@ from typing import Any, Literal
 
 from ..errors import UnknownThing, UsageError
 from .core.base import EmulatorBase
-from .core.coupling import Coupling, Pin, Sampler, groups
+from .core.coupling import SIGNAL_S, Coupling, Pin, Sampler, groups
 from .core.pins import PinWire, WiredChip
 
-Role = Literal["level", "output", "input"]
+Role = Literal["level", "output", "input", "signal", "sense"]
+_KINDS: dict[Role, str] = {
+    "level": "START",
+    "output": "steps",
+    "input": "steps",
+    "signal": "signals",
+    "sense": "signals",
+}
+"""What goes over a wire, of which no two go over one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +65,11 @@ class NetState:
     equal_clocks: bool
     seen_within_s: float
     """How far apart an edge is seen at the most [s]."""
+
+    @property
+    def kind(self) -> str:
+        """What goes over it."""
+        return _KINDS[self.pins[0].role]
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,8 +129,9 @@ class EmulatorWiring:
                 pins = {net: [Pin(members.index(number), pin) for number, pin in good[net]] for net in nets}
                 self._couplings[made_of] = Coupling(
                     [(there[n].emulator, there[n].chip, there[n].sampler) for n in members],
-                    [(net, pins[net]) for net in nets if states[net].pins[0].role == "level"],
-                    [_steps(states[net], pins[net]) for net in nets if states[net].pins[0].role != "level"],
+                    [(net, pins[net]) for net in nets if states[net].kind == "START"],
+                    [_from_one(states[net], pins[net]) for net in nets if states[net].kind == "steps"],
+                    [_from_one(states[net], pins[net]) for net in nets if states[net].kind == "signals"],
                 )
         self._nets = tuple(states[net] for net in sorted(states))
 
@@ -153,18 +168,24 @@ class EmulatorWiring:
 
 
 def _pins(chip: WiredChip) -> tuple[str, ...]:
-    return (*chip.levels, *chip.outputs, *chip.inputs)
+    return (*chip.levels, *chip.outputs, *chip.inputs, *chip.signals, *chip.senses)
 
 
 def _role(chip: WiredChip, pin: str) -> Role:
-    return "level" if pin in chip.levels else "output" if pin in chip.outputs else "input"
+    of_role: tuple[tuple[Role, tuple[str, ...]], ...] = (
+        ("level", chip.levels),
+        ("output", chip.outputs),
+        ("signal", chip.signals),
+        ("sense", chip.senses),
+    )
+    return next((role for role, pins in of_role if pin in pins), "input")
 
 
-def _steps(state: NetState, pins: Sequence[Pin]) -> tuple[Pin, list[Pin]]:
-    """The output of a net of steps, and its inputs."""
+def _from_one(state: NetState, pins: Sequence[Pin]) -> tuple[Pin, list[Pin]]:
+    """The output of a net of steps or of a signal, and its inputs."""
     by_role = list(zip(state.pins, pins, strict=True))
-    output = next(pin for told, pin in by_role if told.role == "output")
-    return output, [pin for told, pin in by_role if told.role == "input"]
+    output = next(pin for told, pin in by_role if told.role in ("output", "signal"))
+    return output, [pin for told, pin in by_role if told.role in ("input", "sense")]
 
 
 def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -> NetState:
@@ -176,6 +197,7 @@ def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -
         if pin not in _pins(chip):
             missing = f"{there[number].key} has no pin {pin}"
     members = [number for number, _ in pins]
+    kinds = [kind for kind in dict.fromkeys(_KINDS.values()) if kind in {_KINDS[role] for role in roles}]
     why: str | None = None
     if missing:
         why = missing
@@ -183,12 +205,15 @@ def _judge(net: str, pins: Sequence[tuple[int, str]], there: Sequence[_Wired]) -
         why = "it has two pins of one device"
     elif len(members) < 2:
         why = "no other pin is on it"
-    elif "level" in roles and set(roles) != {"level"}:
-        why = "START and steps are not wired together"
-    elif "level" not in roles and roles.count("output") != 1:
+    elif len(kinds) > 1:
+        why = f"{' and '.join(kinds)} are not wired together"
+    elif kinds == ["steps"] and roles.count("output") != 1:
         why = f"steps come from one output, and it has {roles.count('output')}"
+    elif kinds == ["signals"] and roles.count("signal") != 1:
+        why = f"a signal comes from one output, and it has {roles.count('signal')}"
     shown = tuple(NetPin(there[number].key, pin, role) for (number, pin), role in zip(pins, roles, strict=True))
     chips = [there[number].chip for number in members]
-    equal = len({chip.clock_hz for chip in chips}) == 1
-    within_s = 0.0 if equal else max((chip.tick_clocks + 1) / chip.clock_hz for chip in chips)
+    looked_at_s = SIGNAL_S if kinds == ["signals"] else 0.0
+    equal = len({chip.clock_hz for chip in chips}) == 1 and not looked_at_s
+    within_s = 0.0 if equal else looked_at_s + max((chip.tick_clocks + 1) / chip.clock_hz for chip in chips)
     return NetState(net, shown, why, equal, within_s)

@@ -1,7 +1,8 @@
 """Reference search by a stop switch: both edges as the chip latches them, and zero in the middle.
 
-The motor runs into the switch, which stops it, and comes back out; the latch has both edges. What the chips call the
-bits that this takes is in `Latching`.
+The motor runs into the switch, which stops it, and comes back out; the latch has both edges. A contact that is gone
+before anybody looks, as the output of a driver that tells of stalls, is known by the latch alone. What the chips call
+the bits that this takes is in `Latching`.
 """
 
 from __future__ import annotations
@@ -119,27 +120,34 @@ class StopSearch(Search):
             self._phase = "leave"
             await self._go(-way, lambda state: not met(state), f"the {side} switch stays active")
         self._phase = "first edge"
-        await self._go(way, met, f"no edge of the {side} switch")
-        self._edges.append((await self.device.registers.read(latching.latch, self.axis)).value)
+        await self._go(way, met, f"no edge of the {side} switch", latched=True)
+        self._edges.append(await self._latch())
         self._phase = "second edge"
         await self._go(-way, lambda state: not met(state), f"the {side} switch stays active")
-        self._edges.append((await self.device.registers.read(latching.latch, self.axis)).value)
+        self._edges.append(await self._latch())
 
-    async def _go(self, way: int, done: Callable[[AxisState], bool], failure: str) -> None:
-        """Go `way` until `done`, and stop. Raises Failed where that does not come."""
+    async def _go(self, way: int, done: Callable[[AxisState], bool], failure: str, *, latched: bool = False) -> None:
+        """Go `way` until `done`, or with `latched` until the latch has another edge, and stop.
+
+        Raises Failed where that does not come.
+        """
         began = (await self._read_axis()).position
+        before = await self._latch() if latched else 0
         await self.device.motion.rotate(self.axis, way * self._speed_pps)
         deadline_s = self._deadline()
         while True:
             await self.clock.sleep(POLL_S)
             state = await self._read_axis()
-            if done(state):
+            if done(state) or (latched and await self._latch() != before):
                 break
             if not state.moving:
                 raise Failed(f"{failure}: the motor stands at {state.position}, {_blocker(state)}")
             if abs(state.position - began) > self._max_travel or self.device.device_time_s() > deadline_s:
                 raise Failed(f"{failure} within {abs(state.position - began)} microsteps")
         await self._halt()
+
+    async def _latch(self) -> int:
+        return (await self.device.registers.read(self.latching.latch, self.axis)).value
 
     async def _finish(self) -> None:
         self._phase = "to the centre"

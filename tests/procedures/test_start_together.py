@@ -18,7 +18,7 @@ from app.devices.core.device import Device
 from app.devices.core.results import AxisMove
 from app.devices.manager import DeviceChange, DeviceManager
 from app.devices.tmc428.start_up import AxisStart, start_up
-from app.emulators.build import build_emulator, options_of
+from app.emulators.build import build_emulator, family_of, options_of
 from app.emulators.tmc4361 import EmulatedTmc4361
 from app.emulators.wiring import EmulatorWiring, Present
 from app.errors import BenchError, LinkTimeout, SoftLimit, UsageError, WrongState
@@ -84,6 +84,17 @@ class Bench:
             StartNet([pin.key for pin in net.pins], net.seen_within_s) for net in self.wiring.nets if net.open is None
         ]
 
+    def wire(self, net: str, *pins: tuple[str, str]) -> None:
+        """Have these pins on a net."""
+        self.wiring.assign(net, pins)
+        sync(self.wiring, self.manager)
+
+    def touch(self, name: str, *, left: bool) -> None:
+        """Have the left switch of the first axis closed or open."""
+        wire: Any = self.port(name).wire
+        switches: Any = {"left": left} if self.device(name).model == "tmc4361" else [{"axis": 0, "left": left}]
+        wire.patch(family_of(wire.model).patch.model_validate({"switches": switches}))
+
     async def start(self, targets: dict[tuple[str, int], int], **options: Any) -> TogetherStart:
         """Let time pass until they have started."""
         moves = [TogetherMove(self.device(name), AxisMove(axis, at)) for (name, axis), at in targets.items()]
@@ -114,6 +125,11 @@ class Bench:
         return task.result()
 
 
+def sync(wiring: EmulatorWiring, manager: DeviceManager) -> None:
+    ports = [(device.id, cast("EmulatorPort", device.session.port)) for device in manager.devices]
+    wiring.sync([Present(key, port.wire, port) for key, port in ports])
+
+
 @asynccontextmanager
 async def bench(*models: str, takes_s: tuple[float, ...] = (), wired: bool = False) -> AsyncIterator[Bench]:
     """Devices `a`, `b`, ... that are set up to move."""
@@ -124,8 +140,7 @@ async def bench(*models: str, takes_s: tuple[float, ...] = (), wired: bool = Fal
         return SlowPort(build_emulator(model, clock, options), clock, 0.0)
 
     def changed() -> None:
-        ports = [(device.id, cast("EmulatorPort", device.session.port)) for device in manager.devices]
-        wiring.sync([Present(key, port.wire, port) for key, port in ports])
+        sync(wiring, manager)
 
     manager = DeviceManager({"emulator": port}, clock, on_change=changed)
     for name, model in zip("abcdef", models, strict=False):

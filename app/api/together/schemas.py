@@ -18,8 +18,14 @@ class NetPin(Answer):
     """A pin on a net."""
 
     device: str = Field(validation_alias="key", description="id of the device")
-    pin: str = Field(description="START, or STEP1 to STEP3: step and direction of an axis")
-    role: Literal["level", "output", "input"] = Field(description="level: either way, as the chip is set")
+    pin: str = Field(
+        description="START; STEP1 to STEP3: step and direction of an axis; DIAG of a driver; STOPL, STOPR, REF1 to "
+        "REF3: inputs for stop switches"
+    )
+    role: Literal["level", "output", "input", "signal", "sense"] = Field(
+        description="level: either way, as the chip is set; output and input of steps; signal: a level that goes out, "
+        "and sense: one that is taken"
+    )
 
 
 class WirablePin(NetPin):

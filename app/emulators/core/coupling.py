@@ -2,7 +2,8 @@
 
 Their times are one from the moment on that they are wired. Those of equal clocks have their ticks at the same instants:
 each is put on by less than a tick of `ALIGNED_CLOCKS` for it. Where clocks differ an edge is seen rounded to a clock of
-whoever sees it, and in any case at that one's next tick.
+whoever sees it, and in any case at that one's next tick. Signals, such as DIAG, are looked at every `SIGNAL_S`: they
+come of a motor that moves by the steps of whoever hears of it.
 
 Nothing is tried and taken back. Only who drives a level may change it by itself, which a chip tells before
 (`may_change`): it goes first, as far as its first edge, and the others follow it there. While several might, all go
@@ -32,6 +33,8 @@ ALIGNED_CLOCKS = 256
 """What the ticks of all chips divide."""
 POINTS = 1024
 """Times at most by which steps are counted before they are handed on: 16 ms at 16 MHz."""
+SIGNAL_S = 5e-4
+"""How often a signal is looked at while something moves [s]."""
 SAMPLES_WITHIN_S = 0.03
 """How long the due samples of the others may keep one waiting [s of processor time]; the rest are given up."""
 
@@ -75,6 +78,15 @@ class StepNet:
     source: Pin
     sinks: tuple[Pin, ...]
     sent: int = 0
+
+
+@dataclass(slots=True)
+class SignalNet:
+    """A level of one output that inputs take. `high` is what they were told last."""
+
+    source: Pin
+    sinks: tuple[Pin, ...]
+    high: bool | None = None
 
 
 class _Member:
@@ -123,8 +135,10 @@ class Coupling:
         emulators: Sequence[tuple[EmulatorBase[Any, Any], WiredChip, Sampler | None]],
         nets: Iterable[tuple[str, Sequence[Pin]]],
         steps: Iterable[tuple[Pin, Sequence[Pin]]] = (),
+        signals: Iterable[tuple[Pin, Sequence[Pin]]] = (),
     ) -> None:
-        """Wire them from now on, all at the time scale of the slowest. `steps`: outputs, and the inputs of each."""
+        """Wire them from now on, all at the time scale of the slowest. `steps` and `signals`: outputs, and the inputs
+        of each."""
         self._lock = threading.RLock()
         for emulator, _, _ in emulators:
             emulator.catch_up(float("inf"))
@@ -135,6 +149,7 @@ class Coupling:
             member.count_against(self.clock_hz)
         self._nets = [Net(name, tuple(pins)) for name, pins in nets]
         self._steps = [StepNet(source, tuple(sinks), self._chip(source).sent(source.name)) for source, sinks in steps]
+        self._signals = [SignalNet(source, tuple(sinks)) for source, sinks in signals]
         self._sources = {net.source.member for net in self._steps}
         self._sinks = {pin.member for net in self._steps for pin in net.sinks}
         self._at = 0
@@ -171,6 +186,8 @@ class Coupling:
             self.reach(self._members[0].emulator, None)
             for sink in self._inputs:
                 self._chip(sink).connect(sink.name, False)
+            for listener in [pin for net in self._signals for pin in net.sinks]:
+                self._chip(listener).receive(listener.name, None)
             for member in self._members:
                 before = member.emulator.clock
                 clock = ScaledClock(before.base, before.scale, before.now())
@@ -248,6 +265,8 @@ class Coupling:
             if len(first) > 1:
                 tick = min(self._members[number].tick for number in first)
                 until = min(goal, (self._at // tick + 1) * tick)
+            if self._signals and not self._quiet:
+                until = min(until, self._at + max(1, int(SIGNAL_S * self.clock_hz)))
             points = self._points(until)
             until = int(points[-1])
             recorded: dict[int, dict[str, Cells]] = {}
@@ -297,6 +316,12 @@ class Coupling:
 
     def _propagate(self) -> None:
         """Have each pin hear what the others on its net drive; what comes of it too, as far as it settles."""
+        for net in self._signals:
+            high = self._chip(net.source).signal(net.source.name)
+            if high != net.high:
+                net.high = high
+                for pin in net.sinks:
+                    self._chip(pin).receive(pin.name, high)
         for _ in range(4 * len(self._nets)):
             if not any(self._tell(net) for net in self._nets):
                 return

@@ -17,6 +17,10 @@ WIRES_MAX = 8
 START = "START"
 STEPS = ("STEP1", "STEP2", "STEP3")
 """Step and direction of an axis; a driver has only the first, as an input."""
+DIAG = "DIAG"
+STOPS = ("STOPL", "STOPR")
+REFERENCES = ("REF1", "REF2", "REF3")
+"""What a left switch of each axis is wired to otherwise."""
 
 
 class PinWire(BaseModel):
@@ -24,8 +28,9 @@ class PinWire(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    pin: Literal["START", "STEP1", "STEP2", "STEP3"] = Field(
-        description="STEP1: step and direction of the first axis, of a driver its inputs"
+    pin: Literal["START", "STEP1", "STEP2", "STEP3", "DIAG", "STOPL", "STOPR", "REF1", "REF2", "REF3"] = Field(
+        description="STEP1: step and direction of the first axis, of a driver its inputs; DIAG of a driver goes to an "
+        "input for a stop switch, in place of that"
     )
     net: NetName = Field(description="small letters, digits and dashes")
 
@@ -53,6 +58,10 @@ class WiredChip(Protocol):
     """Pins that take steps."""
     levels: tuple[str, ...] = ()
     """Pins that have a level, either way."""
+    signals: tuple[str, ...] = ()
+    """Pins whose level others may take, and that never take one. They are looked at every `coupling.SIGNAL_S`."""
+    senses: tuple[str, ...] = ()
+    """Pins that take such a level."""
 
     @property
     def clock(self) -> int:
@@ -81,6 +90,11 @@ class WiredChip(Protocol):
     def receive(self, pin: str, high: bool | None, /) -> None:
         """The level of the net from now on, whoever drives it; None: nobody does."""
         del pin, high
+
+    def signal(self, pin: str, /) -> bool:
+        """Whether one of `signals` is high."""
+        del pin
+        return False
 
     def sent(self, pin: str, /) -> int:
         """Steps forwards less those backwards that an output has given so far."""

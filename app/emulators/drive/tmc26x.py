@@ -159,6 +159,11 @@ class Tmc26x:
         """Whether SG_TST is active: a stall."""
         return bool(self.flags & SG_FLAG)
 
+    @property
+    def diag_high(self) -> bool:
+        """The level of SG_TST, which is high while it is active."""
+        return self.diag
+
     # --- steps -----------------------------------------------------------------------------------
 
     @property

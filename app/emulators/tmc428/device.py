@@ -34,9 +34,8 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
         self._chip = CHIPS[model](options)
         self._options = options
         self._noise = random.Random(options.seed)
-        step_dir = isinstance(self._chip, StepDirChip)
         self.wires = options.wires
-        self.wired = Wires(self._chip, options.clock_hz, lambda: self.brought_to_s) if step_dir else None
+        self.wired: Wires = Wires(self._chip, options.clock_hz, lambda: self.brought_to_s)
 
     @property
     def model(self) -> str:
@@ -88,6 +87,7 @@ class EmulatedDevice(EmulatorBase[EmulatorPatch, EmulatorState]):
             stage.change(chip.axes[moved.axis], moved, chip.stage_units)
         for forced in change.switches:
             stage.force(chip.axes[forced.axis], forced)
+            stage.wire(chip.axes[forced.axis], self.wired.held.get(forced.axis))
         if isinstance(chip, Tmc428):
             for driver in change.drivers:
                 if driver.status is not None:

@@ -218,7 +218,7 @@ def _guard(a: Cells, chip: Cells, direction: int) -> int:
 def _physical(a: Cells) -> int:
     """The three switches of a stage: 1 left, 2 right, 4 reference."""
     here = a[MECH]
-    left = a[FORCE_L] if a[FORCE_L] >= 0 else int(here <= a[LEFT_AT])
+    left = a[FORCE_L] & 1 if a[FORCE_L] >= 0 else int(here <= a[LEFT_AT])  # 2 and 3 are a wire's
     right = a[FORCE_R] if a[FORCE_R] >= 0 else int(here >= a[RIGHT_AT])
     reference = a[FORCE_REF] if a[FORCE_REF] >= 0 else int(a[REF_FROM] <= here <= a[REF_TO])
     return left | right << 1 | reference << 2

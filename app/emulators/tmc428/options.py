@@ -59,8 +59,8 @@ class StageOptions(Closed):
         return self
 
 
-class StepOutputWire(PinWire):
-    pin: Literal["STEP1", "STEP2", "STEP3"]
+class RampChipWire(PinWire):
+    pin: Literal["STEP1", "STEP2", "STEP3", "REF1", "REF2", "REF3"]
 
 
 class ChainDriverOptions(Closed):
@@ -133,8 +133,10 @@ class EmulatorOptions(Closed):
         title="Stages: switches and carriage",
         description="one stage an axis; axes beyond the list have the default stage",
     )
-    wires: Annotated[list[StepOutputWire], Field(max_length=3)] = rest_only(
-        [], "TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server"
+    wires: Annotated[list[RampChipWire], Field(max_length=6)] = rest_only(
+        [],
+        "pins that are wired to emulated drivers of this server: STEP1 to STEP3 of a TMC4210, or of a TMC429 with "
+        "en_sd, to their steps; REF1 to REF3 to DIAG, in place of the left switch of an axis",
     )
     drivers: Annotated[list[ChainDriverOptions], Field(max_length=3)] = Field(
         default_factory=list,

@@ -20,6 +20,8 @@ _EDGES = {
     "ref_to_fullsteps": kernel.REF_TO,
 }
 _FORCES = {"left": kernel.FORCE_L, "right": kernel.FORCE_R, "reference": kernel.FORCE_REF}
+WIRED = 2
+"""Added to the level of a switch that a wire holds; one that is forced is 0 or 1."""
 KEPT_WITHOUT_POWER = (kernel.MECH, kernel.NET, *_EDGES.values(), *_FORCES.values())
 """Columns that belong to the mechanics, not to the chip, and what has gone out over step/direction."""
 
@@ -61,13 +63,19 @@ def force(axis: Cells, wanted: SwitchChange) -> None:
             axis[column] = -1 if forced == "auto" else int(forced)
 
 
+def wire(axis: Cells, high: bool | None) -> None:
+    """Another chip holds the input of the left switch at a level, unless that is forced; None: no more."""
+    if int(axis[kernel.FORCE_L]) not in (0, 1):
+        axis[kernel.FORCE_L] = -1 if high is None else WIRED + high
+
+
 def describe(index: int, axis: Cells, units: int) -> AxisState:
     """The stage of one axis as the API tells it."""
     physical = int(axis[kernel.PHYS])
 
     def switch(name: str, bit: int) -> SwitchState:
         forced = int(axis[_FORCES[name]])
-        return SwitchState(active=bool(physical >> bit & 1), forced=None if forced < 0 else bool(forced))
+        return SwitchState(active=bool(physical >> bit & 1), forced=bool(forced) if forced in (0, 1) else None)
 
     return AxisState(
         axis=index,

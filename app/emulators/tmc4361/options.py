@@ -25,7 +25,7 @@ FaultsChange = ChipFaultsChange
 
 
 class Tmc4361Wire(PinWire):
-    pin: Literal["START", "STEP1"]
+    pin: Literal["START", "STEP1", "STOPL", "STOPR"]
 
 
 class Tmc4361Options(MotorDocument):
@@ -55,7 +55,9 @@ class Tmc4361Options(MotorDocument):
     )
 
     wires: Annotated[list[Tmc4361Wire], Field(max_length=WIRES_MAX)] = rest_only(
-        [], "pins that are wired to other emulators of this server: START, and STEP1, its step and direction output"
+        [],
+        "pins that are wired to other emulators of this server: START; STEP1, its step and direction output; STOPL and "
+        "STOPR to DIAG of a driver, in place of switches",
     )
 
     def feedback(self) -> FeedbackOptions:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from ..core.base import Times
-from ..drive.documents import ChipFaultsState, Forced, StageState, check_stage
+from ..drive.documents import ChipFaultsState, StageState, check_stage
 from ..drive.options import StageSwitches
 from . import layout as c
 from .dcstep import dcstep_acts
@@ -63,12 +63,12 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
         (c.PIN_STOPR, wanted.switches.right),
         (c.PIN_HOME, wanted.switches.home),
         (c.PIN_FREEZE, wanted.pins.freeze),
+        (c.PIN_START, wanted.pins.start),
     ):
-        if forced is not None:
-            _force(chip, pin, forced)
-    if wanted.pins.start is not None:
-        chip.start_forced = None if wanted.pins.start == "auto" else wanted.pins.start
-        chip.hold_start()
+        if forced == "auto":
+            chip.forced.pop(pin, None)
+        elif forced is not None:
+            chip.forced[pin] = forced
     if wanted.step_dir is not None:
         chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
         chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
@@ -76,7 +76,7 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
         chip.feedback.listen(int(chip.s[c.CLOCK]), wanted.listen.clocks, clock_hz / wanted.listen.rate_hz)
     # the shaft may have been turned by hand, and the switches look at it at once
     chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.plant_state.rotor_fullsteps
-    chip.settle()
+    chip.hold_pins()
 
 
 def _driver(chip: Chip) -> DriverBehindState | None:
@@ -94,22 +94,13 @@ def _driver(chip: Chip) -> DriverBehindState | None:
     )
 
 
-def _force(chip: Chip, pin: int, forced: Forced) -> None:
-    s = chip.s
-    s[c.FORCE] = int(s[c.FORCE]) & ~pin if forced == "auto" else int(s[c.FORCE]) | pin
-    s[c.FORCED] = int(s[c.FORCED]) | pin if forced is True else int(s[c.FORCED]) & ~pin
-
-
 def describe(chip: Chip, faults: ChipFaultsState, times: Times, clock_hz: float) -> Tmc4361State:
     """The chip and its bench as the API tells them."""
     r, s, f = chip.r, chip.s, chip.f
     behind = chip.feedback.describe()
 
     def level(pin: int) -> LevelState:
-        forced = bool(int(s[c.FORCED]) & pin) if int(s[c.FORCE]) & pin else None
-        if pin == c.PIN_START:  # which wires may hold too
-            forced = chip.start_forced
-        return LevelState(active=bool(int(s[c.INPUTS]) & pin), forced=forced)
+        return LevelState(active=bool(int(s[c.INPUTS]) & pin), forced=chip.forced.get(pin))
 
     return Tmc4361State(
         model="tmc4361",

@@ -90,10 +90,10 @@ class Chip:
             c.VERSION: lambda: VERSION_NO,
         }
         self._cover_answer = 0
-        self.start_forced: bool | None = None
-        """The level that the bench holds START at; None: it does not."""
-        self.start_wired: bool | None = None
-        """The level that wires to other chips put there."""
+        self.forced: dict[int, bool] = {}
+        """Levels that the bench holds pins at."""
+        self.wired: dict[int, bool] = {}
+        """Those that wires to other chips put there."""
         self.reset()
 
     # --- power and time --------------------------------------------------------------------------
@@ -161,11 +161,10 @@ class Chip:
         clock = int(self.s[c.CLOCK])
         kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock, 2 if ramp else 1)
 
-    def hold_start(self) -> None:
-        """START has another level from outside: what the bench forces, else what other chips drive."""
-        s, level = self.s, self.start_wired if self.start_forced is None else self.start_forced
-        s[c.FORCE] = int(s[c.FORCE]) & ~c.PIN_START if level is None else int(s[c.FORCE]) | c.PIN_START
-        s[c.FORCED] = int(s[c.FORCED]) | c.PIN_START if level else int(s[c.FORCED]) & ~c.PIN_START
+    def hold_pins(self) -> None:
+        """Pins have other levels from outside: what the bench forces, else what other chips drive."""
+        held = self.wired | self.forced
+        self.s[c.FORCE], self.s[c.FORCED] = sum(held), sum(pin for pin, high in held.items() if high)
         self.settle()
 
     # --- datagrams -------------------------------------------------------------------------------

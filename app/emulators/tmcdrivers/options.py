@@ -10,7 +10,7 @@ from ...errors import OutOfRange, WrongState
 from ...form_hints import form, rest_only, shown
 from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Flag, Supply, TimeScale
-from ..drive.options import DriveOptions
+from ..drive.options import DriveOptions, FullSteps, StageSwitches
 from ..motor_documents import LoadChange, MotorDocument, NoiseSeed, require_physics
 
 STEP_HZ_MAX = 9e6
@@ -18,8 +18,8 @@ DriverModel = Literal["tmc2130", "tmc2209", "tmc2240", "tmc2660"]
 MODELS: tuple[DriverModel, ...] = get_args(DriverModel)
 
 
-class StepInputWire(PinWire):
-    pin: Literal["STEP1"]
+class DriverWire(PinWire):
+    pin: Literal["STEP1", "DIAG"]
 
 
 class TmcDriverOptions(MotorDocument):
@@ -42,8 +42,16 @@ class TmcDriverOptions(MotorDocument):
         None, "peak coil current at current scale 31 and vsense 0; null: as the chip's evaluation board has it [A]"
     )
 
-    wires: Annotated[list[StepInputWire], Field(max_length=1)] = rest_only(
-        [], "STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net"
+    wires: Annotated[list[DriverWire], Field(max_length=2)] = rest_only(
+        [],
+        "pins that are wired to an emulated controller of this server: STEP1, STEP and DIR, to its step output; DIAG, "
+        "of a TMC2660 SG_TST, to an input for a stop switch",
+    )
+    left_end_fullsteps: FullSteps | None = rest_only(
+        None, "the load can be turned no further to the left than here [full steps]; null: no hard end"
+    )
+    right_end_fullsteps: FullSteps | None = rest_only(
+        None, "the load can be turned no further to the right than here [full steps]; null: no hard end"
     )
 
     def for_clock(self, clock_hz: float) -> TmcDriverOptions:
@@ -59,6 +67,9 @@ class TmcDriverOptions(MotorDocument):
             supply_v=self.supply_v,
             full_scale_a=self.full_scale_a or full_scale_a,
             start_fullsteps=self.start_fullsteps,
+            stage=StageSwitches(
+                left_end_fullsteps=self.left_end_fullsteps, right_end_fullsteps=self.right_end_fullsteps
+            ),
             seed=self.seed,
             rigid=self.rigid,
         )

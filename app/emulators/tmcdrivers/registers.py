@@ -302,6 +302,13 @@ class Chip:
         return any(shows[name] and cause for name, cause in causes)
 
     @property
+    def diag_high(self) -> bool:
+        """The level of DIAG; of a chip with two such pins that of both together: low as long as they are open drain
+        and one is active, unless GCONF has both push-pull (DS-TMC2130 5.1)."""
+        drivers = [bool(value) for name, value in self._gconf().items() if name.endswith("pushpull")]
+        return self.diag == all(drivers)
+
+    @property
     def step_hz(self) -> float:
         """Steps a second that come in at STEP, negative with DIR high."""
         return self._step_hz

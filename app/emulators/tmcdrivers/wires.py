@@ -1,10 +1,10 @@
-"""STEP and DIR of an emulated driver, as an input that is wired to a controller's step output."""
+"""STEP and DIR of an emulated driver, as an input that is wired to a controller's step output, and DIAG."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from ..core.pins import STEPS, Cells, WiredChip
+from ..core.pins import DIAG, STEPS, Cells, WiredChip
 from ..drive import TICK_CLOCKS
 
 
@@ -12,6 +12,11 @@ class SteppedChip(Protocol):
     """What a driver does with steps that come one by one."""
 
     stepped: bool
+
+    @property
+    def diag_high(self) -> bool:
+        """The level of DIAG."""
+        ...
 
     @property
     def clock(self) -> int: ...
@@ -29,6 +34,7 @@ class Wires(WiredChip):
 
     tick_clocks = TICK_CLOCKS
     inputs = STEPS[:1]
+    signals = (DIAG,)
 
     def __init__(self, chip: SteppedChip, clock_hz: float) -> None:
         self._chip = chip
@@ -45,6 +51,10 @@ class Wires(WiredChip):
     def advance(self, clock: int) -> int:
         self._chip.advance(clock)
         return clock
+
+    def signal(self, pin: str) -> bool:
+        del pin
+        return self._chip.diag_high
 
     def connect(self, pin: str, connected: bool) -> None:
         del pin

@@ -19,6 +19,9 @@ from ...errors import WrongState
 from ..procedure import POLL_S, Failed
 from ..search import SLACK_S, Switch
 
+STOPPED_PART = 0.9
+"""What is slower than this part of the fastest that was seen, and has an edge in its latch, was stopped by it [-]."""
+
 
 class EdgeFinder:
     """One axis on its search for the edges of one switch, at `speed` chip units, `max_travel` microsteps a phase."""
@@ -35,6 +38,8 @@ class EdgeFinder:
         self.switch = switch
         self.max_travel = max_travel
         self.speed = 1
+        self.momentary = False
+        """Whether the contact has stopped the motor and was gone by that, as DIAG of a driver is after a stall."""
         self.shift = 0
         """What was added to positions of before the search to get those of now."""
         self._clock = clock
@@ -81,9 +86,11 @@ class EdgeFinder:
         deadline_s = self._deadline(self._seconds_for(self.max_travel))
         rises_s = self._seconds_to_first_unit()
         stands_since_s: float | None = None
+        fastest_pps = 0.0
         while True:
             await self._clock.sleep(POLL_S)
             state = await self.state()
+            fastest_pps = max(fastest_pps, abs(state.velocity_pps))
             latched = not state.flags[self._rows.latch_waiting.name]
             if state.moving:
                 stands_since_s = None
@@ -96,6 +103,12 @@ class EdgeFinder:
                     await self.device.registers.read(self._rows.x_latched.name, self.axis)
                 ).value - self.shift, state
             if latched and not self.active(state):
+                if stopped_by_switch and abs(state.velocity_pps) < STOPPED_PART * fastest_pps:
+                    # Its chip stops for as long as the contact is there: it goes on already.
+                    self.momentary = True
+                    edge = (await self.device.registers.read(self._rows.x_latched.name, self.axis)).value
+                    await self.halt()
+                    return edge - self.shift, state
                 await self._arm()
             if stands:
                 return None, state

@@ -1,7 +1,8 @@
 """Reference search: both edges of a switch by the position latch, and zero in the middle (DS-TMC428 9.9).
 
 Three switches are meant. "left" and "right" are end switches: the motor runs into the switch, which
-stops it, and comes back out; the two edges differ by the switch's hysteresis. "reference" is the
+stops it, and comes back out; the two edges differ by the switch's hysteresis. A contact that is gone as soon as the
+motor stands, as DIAG of a driver is, has one edge. "reference" is the
 switch between them that shares the left input (wired or, DS-TMC428 9.8), and is crossed.
 
 Which of the two switches on the shared input is active, the chip cannot tell. Going right it can
@@ -107,7 +108,7 @@ class ReferenceSearch(Search):
         self._phase = "first edge"
         self._edges.append(await finder.edge(way, stopped_by_switch=True))
         self._phase = "second edge"
-        self._edges.append(await finder.edge(-way))
+        self._edges.append(self._edges[0] if finder.momentary else await finder.edge(-way))
         await finder.halt()
 
     async def _cross(self) -> None:

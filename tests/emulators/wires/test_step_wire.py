@@ -262,3 +262,46 @@ def test_nets_that_cannot_be_say_why() -> None:
     assert why(emulator("tmc4210", clock, wires=[{"pin": "STEP2", "net": "x"}]), emulator("tmc2209", clock, **net)) == (
         "0 has no pin STEP2"
     )
+
+
+def test_a_signal_is_taken_in_place_of_the_switch_and_given_back() -> None:
+    clock = VirtualClock()
+    net = {"wires": [{"pin": "DIAG", "net": "d"}]}
+    driver = emulator("tmc2130", clock, **net)
+    stop = emulator("tmc4361", clock, wires=[{"pin": "STOPL", "net": "d"}])
+    reference = emulator("tmc428", clock, wires=[{"pin": "REF2", "net": "d"}])
+    wiring = wire(driver, stop, reference)
+    assert [(pin.pin, pin.role) for pin in wiring.nets[0].pins] == [
+        ("DIAG", "signal"),
+        ("STOPL", "sense"),
+        ("REF2", "sense"),
+    ]
+
+    def levels() -> list[bool]:
+        return [stop.state().switches.left.active, reference.state().axes[1].switches.left.active]
+
+    assert levels() == [True, True], "open drain, and not active"
+    gconf = MODELS["tmc2130"].table.get("GCONF")
+    driver.write(gconf.address, 0x3000)
+    assert levels() == [False, False], "push-pull, and not active"
+    stop.patch(Tmc4361Patch.model_validate({"switches": {"left": True}}))
+    assert levels() == [True, False], "what the bench forces goes before"
+    stop.patch(Tmc4361Patch.model_validate({"switches": {"left": "auto"}}))
+    driver.write(gconf.address, 0)
+    assert levels() == [True, True]
+    assert [state.switches.left.forced for state in reference.state().axes] == [None] * 3
+    wiring.sync([])
+    assert levels() == [False, False]
+
+
+def test_signals_have_one_source_and_go_with_nothing_else() -> None:
+    clock = VirtualClock()
+
+    def why(*wired: tuple[str, str]) -> str | None:
+        made = [emulator(model, clock, wires=[{"pin": pin, "net": "x"}]) for model, pin in wired]
+        return wire(*made).nets[0].open
+
+    assert why(("tmc2209", "DIAG"), ("tmc2130", "DIAG")) == "a signal comes from one output, and it has 2"
+    assert why(("tmc4361", "STOPL"), ("tmc428", "REF1")) == "a signal comes from one output, and it has 0"
+    assert why(("tmc2209", "DIAG"), ("tmc4361", "START")) == "START and signals are not wired together"
+    assert why(("tmc2209", "STEP1"), ("tmc4361", "STOPR")) == "steps and signals are not wired together"

@@ -4305,7 +4305,7 @@ export interface components {
             stall_threshold?: number;
             /**
              * Wires
-             * @description pins that are wired to other emulators of this server: START, and STEP1, its step and direction output
+             * @description pins that are wired to other emulators of this server: START; STEP1, its step and direction output; STOPL and STOPR to DIAG of a driver, in place of switches
              * @default []
              */
             wires?: components["schemas"]["Tmc4361Wire"][];
@@ -5950,10 +5950,20 @@ export interface components {
             full_scale_a?: number | null;
             /**
              * Wires
-             * @description STEP and DIR, wired to the step output of an emulated controller of this server: pin STEP1 and its net
+             * @description pins that are wired to an emulated controller of this server: STEP1, STEP and DIR, to its step output; DIAG, of a TMC2660 SG_TST, to an input for a stop switch
              * @default []
              */
-            wires?: components["schemas"]["StepInputWire"][];
+            wires?: components["schemas"]["DriverWire"][];
+            /**
+             * Left End Fullsteps
+             * @description the load can be turned no further to the left than here [full steps]; null: no hard end
+             */
+            left_end_fullsteps?: number | null;
+            /**
+             * Right End Fullsteps
+             * @description the load can be turned no further to the right than here [full steps]; null: no hard end
+             */
+            right_end_fullsteps?: number | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -6236,6 +6246,19 @@ export interface components {
              */
             writes: number;
         };
+        /** DriverWire */
+        DriverWire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "STEP1" | "DIAG";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
+        };
         /**
          * EmulatorHealth
          * @description An emulated device within this server.
@@ -6303,10 +6326,10 @@ export interface components {
             stages?: components["schemas"]["StageOptions"][];
             /**
              * Wires
-             * @description TMC4210, TMC429 with en_sd: step and direction outputs that are wired to emulated drivers of this server
+             * @description pins that are wired to emulated drivers of this server: STEP1 to STEP3 of a TMC4210, or of a TMC429 with en_sd, to their steps; REF1 to REF3 to DIAG, in place of the left switch of an axis
              * @default []
              */
-            wires?: components["schemas"]["StepOutputWire"][];
+            wires?: components["schemas"]["RampChipWire"][];
             /**
              * Drivers of the chain
              * @description TMC428, TMC429: drivers of the chain, one an axis, the first next to SDI_S; none: three tmc236
@@ -10019,15 +10042,15 @@ export interface components {
             device: string;
             /**
              * Pin
-             * @description START, or STEP1 to STEP3: step and direction of an axis
+             * @description START; STEP1 to STEP3: step and direction of an axis; DIAG of a driver; STOPL, STOPR, REF1 to REF3: inputs for stop switches
              */
             pin: string;
             /**
              * Role
-             * @description level: either way, as the chip is set
+             * @description level: either way, as the chip is set; output and input of steps; signal: a level that goes out, and sense: one that is taken
              * @enum {string}
              */
-            role: "level" | "output" | "input";
+            role: "level" | "output" | "input" | "signal" | "sense";
         };
         /**
          * NetPins
@@ -11374,6 +11397,19 @@ export interface components {
             samples?: number;
             /** @description s_ramp, sixpoint and trapezoid: a motor to compare with */
             motor?: components["schemas"]["RampMotor"] | null;
+        };
+        /** RampChipWire */
+        RampChipWire: {
+            /**
+             * Pin
+             * @enum {string}
+             */
+            pin: "STEP1" | "STEP2" | "STEP3" | "REF1" | "REF2" | "REF3";
+            /**
+             * Net
+             * @description small letters, digits and dashes
+             */
+            net: string;
         };
         /**
          * RampFinding
@@ -14236,19 +14272,6 @@ export interface components {
             /** Pulse Clocks */
             pulse_clocks: number;
         };
-        /** StepInputWire */
-        StepInputWire: {
-            /**
-             * Pin
-             * @constant
-             */
-            pin: "STEP1";
-            /**
-             * Net
-             * @description small letters, digits and dashes
-             */
-            net: string;
-        };
         /**
          * StepOutputState
          * @description The step output since power-on.
@@ -14278,19 +14301,6 @@ export interface components {
              * @description microsteps sent, in 1/256 full step
              */
             microsteps_256: number;
-        };
-        /** StepOutputWire */
-        StepOutputWire: {
-            /**
-             * Pin
-             * @enum {string}
-             */
-            pin: "STEP1" | "STEP2" | "STEP3";
-            /**
-             * Net
-             * @description small letters, digits and dashes
-             */
-            net: string;
         };
         /**
          * StepResponseStart
@@ -15177,7 +15187,7 @@ export interface components {
              * Pin
              * @enum {string}
              */
-            pin: "START" | "STEP1";
+            pin: "START" | "STEP1" | "STOPL" | "STOPR";
             /**
              * Net
              * @description small letters, digits and dashes
@@ -16401,15 +16411,15 @@ export interface components {
             device: string;
             /**
              * Pin
-             * @description START, or STEP1 to STEP3: step and direction of an axis
+             * @description START; STEP1 to STEP3: step and direction of an axis; DIAG of a driver; STOPL, STOPR, REF1 to REF3: inputs for stop switches
              */
             pin: string;
             /**
              * Role
-             * @description level: either way, as the chip is set
+             * @description level: either way, as the chip is set; output and input of steps; signal: a level that goes out, and sense: one that is taken
              * @enum {string}
              */
-            role: "level" | "output" | "input";
+            role: "level" | "output" | "input" | "signal" | "sense";
             /**
              * Nets
              * @description the nets it is on

@@ -140,7 +140,8 @@ function Connect({ nets, pins, names }: Props) {
         </Button>
       </Group>
       <Text size="xs" c="dimmed" mt={4}>
-        START goes with START; a step output with the step inputs of drivers. The devices go on meanwhile.
+        START goes with START; a step output with the step inputs of drivers; DIAG of a driver with inputs of stop
+        switches. The devices go on meanwhile.
       </Text>
       <ProblemAlert error={connect.error} doing="Connecting the pins" onClose={() => connect.reset()} />
     </>
