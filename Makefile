@@ -130,8 +130,7 @@ $(STAMPS)/venv:
 # Each module is compiled when it is first imported, which of many never happens.
 # The UI first, then the package: so that pip's build finds it done, and fetches no second Node.js for it.
 $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
-	@echo "installing stepscope into .venv (the first time takes a minute or two)"
-	@STEPSCOPE_NO_HELP=1 $(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
+	@STEPSCOPE_NO_HELP=1 $(PY) scripts/pip_with_bar.py "installing stepscope into .venv" install --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
 	@touch $@
 
 # Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
@@ -142,6 +141,5 @@ $(STAMPS)/kernels: $(STAMPS)/app
 
 # Behind the package: two of pip at once in one environment overwrite each other's files.
 $(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS) | $(STAMPS)/app
-	@echo "installing the development tools into .venv"
-	@$(PIP) install --quiet --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --group test
+	@$(PY) scripts/pip_with_bar.py "installing the development tools into .venv" install --no-compile $(addprefix --constraint ,$(CONSTRAINTS)) --group test
 	@touch $@
