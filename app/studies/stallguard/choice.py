@@ -14,9 +14,9 @@ import numpy as np
 from ...telemetry.sampling import FloatArray
 from .scale import Scale
 
-APART = 2.6
-"""How many standard deviations of the least values a level has to be from their mean, on either side: a normal one is
-beyond that once in 200."""
+APART = 2.0
+"""How many standard deviations of the least values a level has to be from their mean, on either side, to be tried: of
+a normal one once in 44 is beyond that. What holds, the proof tells."""
 CENTRE = 0.2
 """Share of the gap between free runs and stalls that a level keeps from its ends."""
 FILTERED = 4

@@ -83,7 +83,7 @@ async def look(device: Device, axis: int, wanted: StallGuard) -> Looked[Ground]:
     most = min(limits.velocity_max_pps or float("inf"), device.motion.speed_limit_pps(axis), found.space.most(SPEED))
     if speeds[-1] > most:
         say(f"{plain(speeds[-1])} pps is faster than the axis may go, {plain(most)}")
-    looked.warnings += [f"{line}; it is so during the study, and with what is found" for line in stall.ready()]
+    looked.warnings += [f"{line}: it is during the study, and with what is found" for line in stall.unfit()]
     looked.ground = Ground(
         found.space, stall, state.position, limit, way, found.full_step, found.turn, speeds, acceleration
     )
@@ -134,7 +134,10 @@ def _tell(told: StudyPlan, ground: Ground, wanted: StallGuard) -> None:
         + (MEASURED_STOPS + wanted.stops) * (2.0 + 4 * speed / ground.acceleration_pps2)
         for speed in ground.speeds_pps
     )
-    told.registers = [f"{each.name} of axis {each.axis}" for each in (*ground.ramp.before, *ground.stall.before)]
+    told.registers = [
+        each.name if each.axis is None else f"{each.name} of axis {each.axis}"
+        for each in (*ground.ramp.before, *ground.stall.before)
+    ]
     speeds = ", ".join(plain(speed) for speed in wanted.speeds_rps)
     measured = (
         f"at {speeds} turns a second each: {MEASURED_FREE} free runs between here and the stop, and {MEASURED_STOPS} "

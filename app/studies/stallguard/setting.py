@@ -111,25 +111,28 @@ class StallSpace:
     def now(self) -> StallSetting:
         """As the axis had it before; a threshold of speed of 0 clocks is one that is never passed."""
         armed = self._words[key_of(self._armed)]
-        return StallSetting(
-            self._of(self._threshold), bool(self._filter and self._of(self._filter)), self._speed(armed)
-        )
+        filtered = self._filter is not None and bool(self._of(self._filter))
+        return StallSetting(self._of(self._threshold), filtered, self._speed(armed))
 
     @property
     def misfits(self) -> int:
         """How much would have to be other than it was before for this StallGuard to measure."""
         return sum(self._of(at) != value for at, value in self._fixed)
 
-    def ready(self) -> list[str]:
-        """What keeps StallGuard from measuring or from stopping as the axis was set before, in words."""
-        told = [
+    def unfit(self) -> list[str]:
+        """What was set so before that the load value would mean nothing, in words."""
+        return [
             f"{row.name}{f'.{field.name}' if field else ''} was {self._of((row, field))}, and has to be {value}"
             for (row, field), value in self._fixed
             if self._of((row, field)) != value
         ]
-        return told + (
-            [f"{self._armed.name} was 0: it never stopped the motor"] if not self._words[key_of(self._armed)] else []
-        )
+
+    def in_the_way(self) -> list[str]:
+        """What kept a stall from being measured, or from stopping the motor, as it was set before, in words."""
+        told = self.unfit()
+        if not self._words[key_of(self._armed)]:
+            told.append(f"{self._armed.name} was 0: it never stopped the motor")
+        return told
 
     def _of(self, at: tuple[Register, Field | None]) -> int:
         row, field = at

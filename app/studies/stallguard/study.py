@@ -12,7 +12,7 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import StallGuard
 from ..proof import LEVEL, rate_bound
-from ..ramp_settings import SPEED
+from ..ramp_settings import ACCELERATION, SPEED
 from ..ramp_settings import UNITS as RAMP_UNITS
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
@@ -134,10 +134,11 @@ class StallGuardStudy(StudyRun):
         begin = self._stop_at - ground.way * round(up + jitter)
         return begin if ground.way * (begin - ground.start) >= 0 else None
 
-    @property
-    def _behind(self) -> int:
-        """As far as a run into the stop goes."""
-        return self._stop_at + self._ground.way * round(self.wanted.push_fullsteps * self._ground.full_step)
+    def _behind(self, speed_pps: float) -> int:
+        """As far as a run into the stop goes: so far at its speed, and what it takes to brake as hard as it can."""
+        ground = self._ground
+        brake = speed_pps**2 / (2 * ground.ramp.most(ACCELERATION))
+        return self._stop_at + ground.way * round(self.wanted.push_fullsteps * ground.full_step + brake)
 
     async def _set(self, speed_pps: float, setting: StallSetting, *, stops: bool = False, hard: bool = False) -> None:
         """Hard : brake as fast as the chip can, for a run that ends behind the stop."""
@@ -266,7 +267,7 @@ class StallGuardStudy(StudyRun):
             while len(runs) < MEASURED_STOPS:
                 self._count()
                 await self._runs.back_to(begin)
-                samples = await self._runs.measured(self._behind, one.speed_pps)
+                samples = await self._runs.measured(self._behind(one.speed_pps), one.speed_pps)
                 await self._runs.back_to(begin)
                 await self._runs.mend()
                 begin = self._approach(one.speed_pps)
@@ -390,7 +391,7 @@ class StallGuardStudy(StudyRun):
             begin = self._approach(one.speed_pps)
             assert begin is not None
             false += await self._runs.armed(begin)
-            lost, before = await self._runs.into_stop(self._behind, self._stop_at)
+            lost, before = await self._runs.into_stop(self._behind(one.speed_pps), self._stop_at)
             stops, missed, false = stops + 1, missed + lost, false + before
             false += await self._runs.armed(begin)
             await self._runs.mend()
@@ -427,8 +428,11 @@ class StallGuardStudy(StudyRun):
                 f"it is armed above {plain(found.to_rps)} turns/s too: no moves faster than that while stalls stop it"
             )
         else:
-            record.next = "more runs bound the rates closer: 299 without a wrong one show less than 1 %"
-        before = self._ground.stall.ready()
+            record.next = (
+                "home by it, or let a stall stop the motor (sg_stop, which stays as it is); more runs bound the rates "
+                "closer: 299 without a wrong one show less than 1 %"
+            )
+        before = self._ground.stall.in_the_way()
         if before:
             record.improved = True
             record.verdict = f"{words}; as it was set before it could not ({before[0]})"

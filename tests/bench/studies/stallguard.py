@@ -198,7 +198,7 @@ async def _studied(seed: int, folder: Path) -> tuple[StudyRecord, dict[int, int]
             "stop_confirmed": True,
             "speeds_rps": speeds,
             "free_runs": 100,
-            "stops": 20,
+            "stops": 30,
         }
         record = await s.finish(s.begin(s.document(study, budget={"time_s": 20_000.0}, seed=seed)), 20_000)
         return record, words, list(record.baseline), await s.settings(*NAMES) == before

@@ -121,12 +121,12 @@ function ChipLoad({ device, axis }: Props) {
       accelerationPps2={amax ? (amax * clockHz ** 2) / 2 ** 41 : null}
       thresholds={
         <>
-          <ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />
           {can(device, "encoder") && (
             <Anchor component={Link} href="/tune?kind=stallguard" size="sm">
               Find the threshold by itself
             </Anchor>
           )}
+          <ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />
         </>
       }
       notice={<ChipNotices chip={chip} device={device} />}

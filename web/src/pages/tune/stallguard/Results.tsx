@@ -85,7 +85,15 @@ function Distributions({ speed, level }: { speed: StallSpeed; level: number | nu
         <Plot
           label={`Missed over false stalls at ${name}`}
           height={150}
-          series={[{ label: "each threshold", color: colorOf("load_value", scheme), dots: 5, line: true }]}
+          legend
+          series={[
+            {
+              label: "missed stalls, share: each threshold",
+              color: colorOf("load_value", scheme),
+              dots: 5,
+              line: true,
+            },
+          ]}
           x={{ label: "false stalls, share of free runs" }}
           scales={{ y: { label: "missed", include: [0, 1] } }}
           data={rocOf(speed)}
