@@ -162,6 +162,7 @@ async def test_the_plan_tells_what_it_does_and_what_is_missing(tmp_path: Path) -
         assert 2 * 51_200 < plan.position_to < 2.2 * 51_200
         assert plan.registers[-1] == "the microstep table of axis 0 (MSLUT)"
         assert plan.time_s == pytest.approx(30 * 41, rel=0.1)
+        assert plan.warnings[-1] == "its time of 900 s ends before the proof: it needs more"
 
 
 async def test_a_table_that_turns_both_motors_is_told_and_calibrated(tmp_path: Path) -> None:

@@ -89,6 +89,8 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
     def tell(told: StudyPlan, ground: Ground) -> None:
         _tell(told, ground, axis, wanted)
+        if told.time_s > document.budget.time_s:
+            told.warnings.append(f"its time of {plain(document.budget.time_s)} s ends before the proof: it needs more")
 
     return await planned("Microstep calibration", look(device, axis, wanted), tell)
 

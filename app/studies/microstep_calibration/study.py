@@ -27,7 +27,7 @@ from .plan import FIRST_SPEEDS, Ground, look
 
 SAMPLES_A_PERIOD = 20.618
 """No whole number: each period is sampled at other places, so no order looks like another."""
-ENOUGH, ATTEMPTS = 0.5, 3
+ENOUGH, ATTEMPTS = 0.15, 3
 """A run with less than this share of its samples is made again, so often at most in all."""
 LEAST_GAIN_DEG = 0.05
 """A table is not changed for less [deg electrical]: that is a seventh of a microstep of 1/256."""
