@@ -40,13 +40,16 @@ export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
 
 export type ExtendedAxis = ReturnType<typeof useExtended>;
 
-/** Where the axis' compare register tells, as its counter counts; null where it does not. Asked for now and then. */
+/**
+ * Where the axis' compare register tells, as its counter counts; null where it does not. Asked for once, and again and
+ * again only while a compare is armed: its place moves with the counter. One that is armed on this page is known at once.
+ */
 export function useCompareCount({ device, axis }: AxisAddress, enabled: boolean): number | null {
   const query = useQuery({
     queryKey: ["extended-position", device, axis],
     queryFn: () => api.GET(ROUTE, { path: { device, axis } }),
     enabled,
-    refetchInterval: COMPARE_PERIOD_MS,
+    refetchInterval: (asked) => (asked.state.data?.compare?.armed === true ? COMPARE_PERIOD_MS : false),
     retry: false,
   });
   return enabled && query.data ? compareCount(query.data) : null;
