@@ -83,7 +83,7 @@ function Outcome({ study, changes }: { study: Study; changes: Changes }) {
           ))}
         </Alert>
       )}
-      {best && (
+      {best && Object.keys(study.units).length > 0 && (
         <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Before and best">
           <Table.Thead>
             <Table.Tr>
