@@ -169,7 +169,8 @@ class StallGuard(Part):
         default=20, description="runs into the stop of the proof, at each speed"
     )
     rate_max: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
-        default=0.01, description="of false stalls and of missed ones in the proof, more is none that does it"
+        default=0.01,
+        description="of false stalls and of missed ones: one in the proof is too many unless its runs bound it below",
     )
     generation: Literal[2, 4] | None = Field(
         default=None, description="StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now"

@@ -372,7 +372,7 @@ class StallGuardStudy(StudyRun):
             await self.keeper.save(record)
             wrong: Literal["false", "missed"]
             for rate, wrong in ((one.false, "false"), (one.missed, "missed")):
-                if rate.wrong > self.wanted.rate_max * rate.runs:
+                if rate.wrong and rate.most > self.wanted.rate_max:
                     trial.state = "infeasible"
                     trial.why = f"{rate.wrong} of {rate.runs} stalls {wrong} at {plain(one.speed_rps)} turns/s"
                     one.why = f"threshold {choice.threshold}: {trial.why}"

@@ -172,7 +172,8 @@ class Referee:
                 word = sfilt.pack(filtered, sgt.pack(threshold))
                 values = {"COOLCONF": word, "TCOOLTHRS": armed}
                 self.set([each.model_copy(update={"value": values.get(each.name, each.value)}) for each in registers])
-                if not self.holds(speeds_pps, 10, 0) and not self.holds(speeds_pps, FOUND_RUNS, 0):
+                # Of many thresholds one may pass by luck: it has to do so again.
+                if not any(self.holds(speeds_pps, *each) for each in ((10, 0), (FOUND_RUNS, 0), (RUNS, WRONG_MOST))):
                     return f"threshold {threshold}{' with the filter' if filtered else ''}"
         return ""
 

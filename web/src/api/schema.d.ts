@@ -13855,7 +13855,7 @@ export interface components {
             stops?: number;
             /**
              * Rate Max
-             * @description of false stalls and of missed ones in the proof, more is none that does it
+             * @description of false stalls and of missed ones: one in the proof is too many unless its runs bound it below
              * @default 0.01
              */
             rate_max?: number;
@@ -13931,7 +13931,7 @@ export interface components {
             stops: number;
             /**
              * Rate Max
-             * @description of false stalls and of missed ones in the proof, more is none that does it
+             * @description of false stalls and of missed ones: one in the proof is too many unless its runs bound it below
              * @default 0.01
              */
             rate_max: number;
