@@ -25,8 +25,8 @@ from .setting import UNITS, StallSetting
 
 ARMED = 0.9
 """Share of the least speed from which on a stall stops the motor: a ramp's end is not cut off."""
-TRIED_MOST = 3
-"""Thresholds of a choice that are tried: each a step further from what the one before got wrong."""
+TRIED_MOST = 4
+"""Thresholds of a choice that are tried: away from what the one before got wrong, by one step, by two, by three."""
 CHOICES_MOST = 4
 """Other choices that are tried after one that failed."""
 GIVEN_UP = 5
@@ -312,12 +312,12 @@ class StallGuardStudy(StudyRun):
             if number >= CHOICES_MOST:
                 break
             tried = choice
-            for _ in range(TRIED_MOST):
+            for far in range(1, TRIED_MOST + 1):
                 wrong = await self._prove(measured, tried)
                 if not wrong:
                     await self._decide(measured, tried)
                     return
-                moved = self._scale.stricter(tried.threshold, 1 if wrong == "false" else -1)
+                moved = self._scale.stricter(tried.threshold, far if wrong == "false" else -far)
                 tried = replace(tried, threshold=moved)
         record.improved = False
         for one, of in self._of(measured):
