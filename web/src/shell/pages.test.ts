@@ -96,7 +96,6 @@ describe("pages", () => {
       "Driver chain",
       "Audit log",
       "Health",
-      "First run",
       "Connections",
     ])
       expect(names(null)).toContain(alone);
