@@ -119,6 +119,7 @@ def with_real_names(schema: dict[str, Any], recording: str) -> dict[str, Any]:
         },
         "recording": {"type": "string", "enum": [recording]},
         "study": {"type": "string", "enum": ["20260101-120000"]},
+        "net": {"type": "string", "enum": ["start", "none"]},
         "profile": {"type": "integer", "enum": [1, 2]},
         "model": {"type": "string", "enum": ["tmc428", "tmc4210", *ADDED.values(), "tmc5160"]},
     }
@@ -126,7 +127,7 @@ def with_real_names(schema: dict[str, Any], recording: str) -> dict[str, Any]:
         for operation in operations.values():
             for parameter in operation.get("parameters", ()):
                 if parameter["in"] == "path":
-                    parameter["schema"] = names[parameter["name"]]
+                    parameter["schema"] = names.get(parameter["name"], parameter["schema"])
     # The devices have to stay under the names that the paths use.
     del schema["components"]["schemas"]["DeviceChange"]["properties"]["name"]
     return schema

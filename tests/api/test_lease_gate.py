@@ -53,8 +53,8 @@ FREE = {
     ("DELETE", f"{AXIS}/disturbance"),
     ("DELETE", f"{AXIS}/velocity-profile"),
     # What motors there are moves none.
-    ("PUT", "/motors/{name}"),
-    ("DELETE", "/motors/{name}"),
+    ("PUT", "/motors/{motor}"),
+    ("DELETE", "/motors/{motor}"),
     # A profile that is only judged moves nothing.
     ("POST", f"{AXIS}/velocity-profile/check"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.

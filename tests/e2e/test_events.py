@@ -137,4 +137,4 @@ def test_the_registers_page_does_not_read_events_away(page: Page, chip: Loop) ->
     help_text = page.get_by_role("complementary")
     expect(help_text).to_contain_text("REV_CNT when read, if circular_cnt_as_xlatch is on; X_RANGE when written")
     expect(page.locator("tr[data-row='0/REV_CNT']")).to_contain_text("if circular_cnt_as_xlatch is on")
-    expect(page.locator("tr[data-row='0/DAC_ADDR']")).to_contain_text("stored only")
+    expect(page.locator("tr[data-row='0/SPI_SWITCH_VEL']")).to_contain_text("stored only")

@@ -38,20 +38,20 @@ async def list_motors(
     return MotorList(found=len(motors), motors=[_info(motor) for motor in motors[:limit]])
 
 
-@router.put("/{name}", responses=problems(UsageError, StoreUnavailable))
+@router.put("/{motor}", responses=problems(UsageError, StoreUnavailable))
 @policy(lease="free", words=wording.named("keep motor"))
-async def put_motor(bench: CurrentBench, name: MotorName, body: MotorFigures) -> MotorInfo:
+async def put_motor(bench: CurrentBench, motor: MotorName, body: MotorFigures) -> MotorInfo:
     """Keep a motor of your own, instead of the one of that name."""
-    motor = Motor(name=name, **body.model_dump())
-    await asyncio.to_thread(bench.motors.put, motor)
-    return _info(motor)
+    own = Motor(name=motor, **body.model_dump())
+    await asyncio.to_thread(bench.motors.put, own)
+    return _info(own)
 
 
-@router.delete("/{name}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@router.delete("/{motor}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
 @policy(lease="free", words=wording.named("delete motor"))
-async def delete_motor(bench: CurrentBench, name: MotorName) -> None:
+async def delete_motor(bench: CurrentBench, motor: MotorName) -> None:
     """Forget a motor of your own; one of the list under the same name is there again."""
-    await asyncio.to_thread(bench.motors.delete, name)
+    await asyncio.to_thread(bench.motors.delete, motor)
 
 
 def _info(motor: Motor) -> MotorInfo:

@@ -90,6 +90,8 @@ async def test_what_a_raw_read_brings_is_decoded_at_once() -> None:
         assert (raw.decoded["register"], raw.decoded["value"]) == ("VMAX", 10_000)
         assert b.ramp(0).words["VMAX"] == 10_000
         with pytest.raises(OutOfRange, match=r"5\.\.5"):
+            await b.device.raw.exchange(b"\x21\x00")
+        with pytest.raises(UsageError, match="eight clocks write nothing: send 00"):
             await b.device.raw.exchange(b"\x21")
 
 

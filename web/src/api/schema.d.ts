@@ -1988,7 +1988,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/motors/{name}": {
+    "/api/v1/motors/{motor}": {
         parameters: {
             query?: never;
             header?: never;
@@ -26560,7 +26560,7 @@ export interface operations {
             header?: never;
             path: {
                 /** @description as it is called on its plate */
-                name: string;
+                motor: string;
             };
             cookie?: never;
         };
@@ -26632,7 +26632,7 @@ export interface operations {
             header?: never;
             path: {
                 /** @description as it is called on its plate */
-                name: string;
+                motor: string;
             };
             cookie?: never;
         };

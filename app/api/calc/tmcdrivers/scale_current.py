@@ -18,7 +18,7 @@ class ScaleCurrent(Body):
 
     model: ScaleName
     clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=20e6, allow_inf_nan=False)] = 15e6
-    sense_resistor_ohm: Annotated[float, Field(strict=True, gt=0, le=1000, allow_inf_nan=False)]
+    sense_resistor_ohm: Annotated[float, Field(strict=True, ge=0.001, le=1000, allow_inf_nan=False)]
     scale: Annotated[int, Field(strict=True, ge=0, le=31)] = Field(description="CS")
     vsense: Annotated[int, Field(strict=True, ge=0, le=1)] = 0
     toff: Annotated[int, Field(strict=True, ge=0, le=15)] = 0

@@ -34,8 +34,8 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
   const known = found.data?.motors.find(({ name }) => name === motor.name);
   const keep = useMutation({
     mutationFn: (own: ChosenMotor) =>
-      api.PUT("/api/v1/motors/{name}", {
-        path: { name: own.name },
+      api.PUT("/api/v1/motors/{motor}", {
+        path: { motor: own.name },
         body: { rated_current_a: own.ratedCurrentA, full_steps_per_rev: own.fullStepsPerRev },
       }),
     onSettled: () => queries.invalidateQueries({ queryKey: ["motors"] }),
