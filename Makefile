@@ -31,10 +31,10 @@ unexport PYTHONDONTWRITEBYTECODE
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-run: $(STAMPS)/app web  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
+run: $(STAMPS)/app web help-site  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
 	@exec $(BIN)/stepscope serve --host $(HOST) --port $(PORT) $(ARGS)
 
-dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both
+dev: $(STAMPS)/kernels $(STAMPS)/tools help-site  ## server and UI, both reload on a change; one Ctrl-C ends both
 	@exec $(PY) scripts/dev.py --host $(HOST) --port $(PORT)
 
 test:  ## everything that CI holds: linters, types, UI, Python and browser tests; says how long it took, and why
