@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,15 +15,11 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 def _script(name: str) -> ModuleType:
-    # By path, because this file runs in an isolated environment that cannot import the tree that it builds.
-    path = Path(__file__).parent / "scripts" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(f"stepscope_{name}", path)
-    if spec is None or spec.loader is None:
-        raise FileNotFoundError(f"{path} is needed to build the wheel")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclass looks its module up here
-    spec.loader.exec_module(module)
-    return module
+    # Found by this file's place: an isolated environment has nothing of the tree that it builds on its path.
+    scripts = str(Path(__file__).parent / "scripts")
+    if scripts not in sys.path:
+        sys.path.insert(0, scripts)
+    return import_module(name)
 
 
 # For the API alone, where no npm packages can be had: STEPSCOPE_NO_WEB=1 pip install .

