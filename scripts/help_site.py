@@ -106,7 +106,9 @@ def _require_generator() -> None:
 
 def _run(arguments: Sequence[str], folder: Path) -> None:
     command = [sys.executable, *arguments]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    # Before what is there already: by it pip leads an isolated build to what it has installed for it.
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     done = subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
     )

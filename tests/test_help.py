@@ -107,3 +107,13 @@ def test_a_change_of_any_source_makes_it_stale(site: Path, monkeypatch: pytest.M
     assert help_site.is_fresh()
     monkeypatch.setattr(help_site, "SOURCES", (*help_site.SOURCES, "LICENSE"))
     assert not help_site.is_fresh()
+
+
+def test_its_parts_find_what_an_isolated_build_has_brought(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """pip leads a build to its dependencies by PYTHONPATH."""
+    brought, elsewhere = tmp_path / "brought", tmp_path / "elsewhere"
+    brought.mkdir()
+    elsewhere.mkdir()
+    (brought / "brought_along.py").touch()
+    monkeypatch.setenv("PYTHONPATH", str(brought))
+    help_site._run(["-c", "import brought_along, app"], elsewhere)
