@@ -48,6 +48,13 @@ class Sampled:
     deviation: float
 
 
+def deviation_of(state: AxisState) -> float:
+    """Encoder less position [microsteps]. Raises Failed where no encoder tells it: a chip that was reset has none."""
+    if state.encoder_position is None:
+        raise Failed("the encoder tells nothing")
+    return float(state.encoder_position - state.position)
+
+
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
@@ -114,10 +121,7 @@ class MeasuredMoves:
         raise Failed("the shaft does not come to rest: its encoder goes on counting")
 
     async def _deviation_now(self) -> float:
-        state = await self.state()
-        if state.encoder_position is None:
-            raise Failed("the encoder tells nothing")
-        return float(state.encoder_position - state.position)
+        return deviation_of(await self.state())
 
     async def _arrive(self, target: int, predicted_s: float | None, take: Callable[[], None]) -> None:
         """Return when the ramp is over. Device time may run faster or slower than ours."""

@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 
 from app.devices.tmc5xxx.start_up import Start
+from app.procedures.procedure import Failed
 from app.studies.plan import StudyPlan
 from app.studies.report import html_of
 from app.studies.stallguard import plan as stallguard
 from app.studies.stallguard.choice import Measured, Run, apart, choices, roc
+from app.studies.stallguard.runs import StallRuns
 from app.studies.stallguard.scale import Scale
 from app.studies.store import StudyStore
 from tests.devices.tmc5xxx.harness import bench
@@ -98,6 +100,13 @@ async def test_a_stop_at_any_moment_leaves_the_axis_as_before(tmp_path: Path, at
         await s.finish(run, 20)
         assert (run.record.state, run.record.left) == ("aborted", []), run.record.message
         assert await s.settings(*NAMES) == before
+
+
+async def test_an_encoder_that_tells_nothing_is_not_one_that_tells_zero() -> None:
+    async with bench(start=replace(FAST, counts_per_rev=0)) as b:
+        runs = StallRuns(b.device, 0, b.clock, full_step=256, way=-1)
+        with pytest.raises(Failed, match="the encoder tells nothing"):
+            await runs.begin()
 
 
 async def test_no_stop_within_what_was_said_is_told(tmp_path: Path) -> None:

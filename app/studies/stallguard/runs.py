@@ -13,7 +13,7 @@ from ...devices.core.device import Device
 from ...devices.core.results import AxisState
 from ...procedures.procedure import POLL_S, Failed
 from ...telemetry.sampling import FloatArray
-from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS
+from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS, deviation_of
 from ..sampled import sampling
 
 SAMPLES_A_FULLSTEP = 2.5
@@ -53,7 +53,7 @@ class StallRuns:
 
     async def begin(self) -> None:
         """See where the encoder is to the position. Raises BenchError."""
-        self._off = _deviation(await self._state())
+        self._off = deviation_of(await self._state())
 
     async def find_stop(self, limit: int) -> int | None:
         """Go towards `limit` until the encoder stands: where it does; None where nothing holds the motor."""
@@ -64,9 +64,10 @@ class StallRuns:
         while True:
             await self._clock.sleep(POLL_S)
             state = await self._state()
-            encoder = state.position + _deviation(state) - self._off
+            off = deviation_of(state) - self._off
+            encoder = state.position + off
             farthest = max(farthest, self._way * encoder)
-            if abs(_deviation(state) - self._off) > AWAY_FULLSTEPS * self._full_step:
+            if abs(off) > AWAY_FULLSTEPS * self._full_step:
                 break
             if not state.moving and state.position == limit:
                 return None
@@ -114,11 +115,11 @@ class StallRuns:
 
     async def mend(self) -> bool:
         """Away from the stop: take the position from the encoder where whole periods were lost; whether any were."""
-        off = (_deviation(await self._state()) - self._off) / self._full_step
+        off = (deviation_of(await self._state()) - self._off) / self._full_step
         if not round(off / PERIOD_FULLSTEPS):
             return False
         await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
-        self._off = _deviation(await self._state())
+        self._off = deviation_of(await self._state())
         return True
 
     async def back_to(self, target: int) -> None:
@@ -173,7 +174,3 @@ class StallRuns:
 
     async def _state(self) -> AxisState:
         return await self._device.monitor.axis_state(self._axis)
-
-
-def _deviation(state: AxisState) -> float:
-    return state.deviation or 0.0
