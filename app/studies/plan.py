@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 
 from pydantic import Field
 
+from ..devices.core.capabilities import EncoderSetting, PositionFromEncoder
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import BenchError, WrongState
@@ -86,6 +87,23 @@ async def axis_now(device: Device, axis: int, missing: list[str]) -> AxisNow | N
     if state.moving:
         missing.append("the axis moves: stop it first")
     return AxisNow(space, held, state, *microsteps)
+
+
+async def axis_that_sees_lost_steps(device: Device, axis: int, missing: list[str], why: str) -> AxisNow | None:
+    """`axis_now` for a study that loses steps, and has to see it and mend it; `why` it needs an encoder for that.
+
+    Nothing moves. Raises BenchError where the device does not answer.
+    """
+    try:
+        device.need(EncoderSetting).require_encoder(axis)
+        device.need(PositionFromEncoder)
+    except WrongState as error:
+        missing.append(str(error))
+        return None
+    found = await axis_now(device, axis, missing)
+    if found is not None and found.state.encoder_position is None:
+        missing.append(f"no encoder tells its position: {why}")
+    return found
 
 
 async def planned(

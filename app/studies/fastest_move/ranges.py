@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...devices.core.capabilities import EncoderSetting, PositionFromEncoder
 from ...devices.core.device import Device
-from ...errors import WrongState
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
-from ..plan import Looked, StudyPlan, axis_now, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
 from ..search import Dimension
 
@@ -56,18 +54,10 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
     looked = Looked[Ranges]()
     say = looked.missing.append
-    try:
-        device.need(EncoderSetting).require_encoder(axis)
-        device.need(PositionFromEncoder)
-    except WrongState as error:
-        say(str(error))
-        return looked
-    found = await axis_now(device, axis, looked.missing)
+    found = await axis_that_sees_lost_steps(device, axis, looked.missing, "without one lost steps cannot be seen")
     if found is None:
         return looked
     space, state, microsteps = found.space, found.state, found.full_step
-    if state.encoder_position is None:
-        say("no encoder tells its position: without one lost steps cannot be seen")
     now = space.now()
     if not all(now.values()):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")

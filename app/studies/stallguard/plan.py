@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...devices.core.capabilities import EncoderSetting, PositionFromEncoder
 from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
 from ..document import StallGuard, StudyDocument
 from ..families import stalls_of
-from ..plan import Looked, StudyPlan, axis_now, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of
 from .setting import StallPlaces, StallSpace
 
@@ -51,17 +50,13 @@ async def look(device: Device, axis: int, wanted: StallGuard) -> Looked[Ground]:
     say = looked.missing.append
     try:
         places = stalls_of(device)
-        device.need(EncoderSetting).require_encoder(axis)
-        device.need(PositionFromEncoder)
     except WrongState as error:
         say(str(error))
         return looked
-    found = await axis_now(device, axis, looked.missing)
+    found = await axis_that_sees_lost_steps(device, axis, looked.missing, WHY_ENCODER)
     if found is None:
         return looked
     state = found.state
-    if state.encoder_position is None:
-        say(f"no encoder tells its position: {WHY_ENCODER}")
     try:
         stall = await _space(device, axis, wanted, places, found.full_step)
     except WrongState as error:

@@ -333,10 +333,7 @@ class StallGuardStudy(StudyRun):
     def _why(self, of: Measured) -> str:
         """Why no threshold does it at one speed."""
         far = max(
-            max(
-                apart(*of.least(ARMED * of.speed_pps, filtered), self._scale.level(threshold)),
-                float("-inf"),
-            )
+            apart(*of.least(ARMED * of.speed_pps, filtered), self._scale.level(threshold))
             for filtered in (False, True)
             for threshold in range(self._scale.low, self._scale.high + 1)
         )
