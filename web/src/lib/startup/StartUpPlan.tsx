@@ -49,6 +49,12 @@ export function StartUpPlan(props: PropsWithChildren<Props>) {
     onSettled: () => queries.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== "start-up" }),
   });
   if (dry.isError) return <ProblemAlert error={dry.error} doing="Planning the start-up" retry={() => dry.refetch()} />;
+  if (dry.data === undefined && disabled)
+    return (
+      <Text size="sm" role="status">
+        Connect the device: what is to be written follows from what it holds.
+      </Text>
+    );
   if (dry.data === undefined)
     return (
       <Group gap="xs">

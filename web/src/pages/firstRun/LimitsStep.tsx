@@ -1,11 +1,10 @@
 import { Button, Group, Text } from "@mantine/core";
-import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas } from "../../api/client";
-import { compact } from "../../lib/format";
+import { compact, exactText } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { useWork } from "../../lib/useWork";
+import { draftOf } from "../connections/draft";
+import { useSaveDevice } from "../connections/useConnections";
 import classes from "./firstRun.module.css";
 import type { StepProps } from "./StepProps";
 import { Term } from "./Term";
@@ -15,7 +14,6 @@ const SHARPEST_RPS2 = 50;
 
 /** What the axis may never go beyond, whoever asks: before anything moves. */
 export function LimitsStep({ device, axis, progress, onDone, disabled }: StepProps) {
-  const queries = useQueryClient();
   const turn = axis.full_steps_per_rev * (axis.microsteps_per_full_step ?? axis.driver_microsteps);
   const [fastest, setFastest] = useState<number | null>(
     axis.limits.velocity_max_pps == null ? FASTEST_RPS : axis.limits.velocity_max_pps / turn,
@@ -23,34 +21,15 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
   const [sharpest, setSharpest] = useState<number | null>(
     axis.limits.acceleration_max_pps2 == null ? SHARPEST_RPS2 : axis.limits.acceleration_max_pps2 / turn,
   );
-  const work = useWork(
-    () => {
-      const velocity = fastest === null ? null : fastest * turn;
-      const acceleration = sharpest === null ? null : sharpest * turn;
-      const axes = device.axes.map((each) => {
-        const { name, full_steps_per_rev, driver_microsteps, gear_ratio, travel_mm_per_rev } = each;
-        const { lost_steps_microsteps, following_error_microsteps } = each;
-        const kept = {
-          name,
-          driver_microsteps,
-          gear_ratio,
-          travel_mm_per_rev,
-          lost_steps_microsteps,
-          following_error_microsteps,
-        };
-        if (each.index !== axis.index) return { ...kept, full_steps_per_rev, limits: each.limits };
-        const limits = { ...each.limits, velocity_max_pps: velocity, acceleration_max_pps2: acceleration };
-        return { ...kept, full_steps_per_rev: progress.motor?.fullStepsPerRev ?? full_steps_per_rev, limits };
-      });
-      return api.PATCH("/api/v1/devices/{device}", {
-        path: { device: device.id },
-        body: { axes } as Schemas["DeviceChange"],
-      });
-    },
-    {
-      onSuccess: () => onDone(),
-      onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
-    },
+  const before = draftOf(device);
+  const save = useSaveDevice({ device, before });
+  const own = {
+    full_steps_per_rev: exactText(progress.motor?.fullStepsPerRev ?? axis.full_steps_per_rev),
+    "limits.velocity_max_pps": fastest === null ? "" : exactText(fastest * turn),
+    "limits.acceleration_max_pps2": sharpest === null ? "" : exactText(sharpest * turn),
+  };
+  const axes = before.axes.map((values, row) =>
+    device.axes[row]?.index === axis.index ? { ...values, ...own } : values,
   );
   return (
     <>
@@ -79,7 +58,11 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
         />
       </div>
       <Group gap="xs" my="sm">
-        <Button loading={work.isPending} disabled={disabled} onClick={work.mutate}>
+        <Button
+          loading={save.isPending}
+          disabled={disabled}
+          onClick={() => save.mutate({ ...before, axes }, { onSuccess: () => onDone() })}
+        >
           Set these limits
         </Button>
         <Button variant="default" onClick={() => onDone()}>
@@ -91,7 +74,7 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
         {sharpest === null ? "none of acceleration" : `${compact(sharpest * turn)} microsteps a second squared`},
         counted with {axis.microsteps_per_full_step ?? axis.driver_microsteps} microsteps a full step.
       </Text>
-      {work.error && <ProblemAlert error={work.error} doing="Setting the limits" onClose={work.reset} />}
+      {save.error && <ProblemAlert error={save.error} doing="Setting the limits" onClose={save.reset} />}
     </>
   );
 }
