@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.conditions.judge import AxisObservation, judge
+from app.conditions.judge import AxisObservation, Condition, judge
 from app.devices.core.capabilities import EventLog, StallStop
 from app.devices.core.config import DeviceConfig
 from app.devices.core.cover import CoverCarrier, CoverPort
@@ -38,6 +38,12 @@ async def set_up(b: Bench, output: int = TO_STEPS) -> CoverCarrier:
     await carrier.cover(0, 20, (DRVCONF[output], SMARTEN, SGCSCONF, *control, CHOPCONF))
     await b.clock.advance(0.3)
     return carrier
+
+
+async def condition(b: Bench) -> Condition:
+    """Of the axis, judged as the service does."""
+    state = await b.state()
+    return judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
 
 
 async def test_a_datagram_s_answer_comes_back_with_it() -> None:
@@ -180,15 +186,12 @@ async def test_what_a_named_driver_tells_is_a_condition_by_its_name_and_what_the
         await b.device.registers.write("STEP_CONF", 0, fields={"OTPW": 1})
         await b.device.motion.rotate(0, 20_000.0)
         await b.clock.advance(1.5)
-        state = await b.state()
-        before = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
-        assert before.kind == "moving"
+        assert (await condition(b)).kind == "moving"
         log = b.device.need(EventLog)  # type: ignore[type-abstract, unused-ignore]
         seen = log.events(0).next
         b.patch(Tmc4361Patch.model_validate(change))
         await b.clock.advance(0.5)
-        state = await b.state()
-        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        found = await condition(b)
         assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
         told = [entry.names for entry in log.events(0, seen).events]
         assert any("MOTOR_EV" in names and f"driver_{flag}" in names for names in told), told
@@ -278,8 +281,7 @@ async def test_flags_of_a_tmc23x_and_tmc24x_have_their_own_names(
         seen = log.events(0).next
         b.patch(Tmc4361Patch.model_validate(change))
         await b.clock.advance(0.5)
-        state = await b.state()
-        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        found = await condition(b)
         assert (found.kind, found.cause[: len(cause)]) == (kind, cause)
         assert any(f"driver_{flag}" in entry.names for entry in log.events(0, seen).events)
 
@@ -319,8 +321,7 @@ async def test_a_driver_of_40_bits_is_reached_behind_the_chip(form: int) -> None
         b.patch(Tmc4361Patch.model_validate({"motor": {"temperature_c": 160.0}}))
         await b.clock.advance(0.1)
         assert (await driver.monitor.axis_state(0)).flags["ot"]
-        state = await b.state()
-        found = judge(AxisObservation(0, "connected", state=state, signs=b.device.monitor.signs(0, state)))
+        found = await condition(b)
         assert (found.kind, found.cause) == ("driver_fault", "the feed is too hot and has switched off")
 
 
