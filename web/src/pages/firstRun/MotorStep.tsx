@@ -118,7 +118,9 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
       </Group>
       {!known && found.data && (
         <Text size="sm" className="dim">
-          {found.data.found} motors of the data base have such a name.
+          {motor.name.trim() === ""
+            ? `The data base knows ${found.data.found} motors.`
+            : `${found.data.found} motors of the data base have such a name.`}
         </Text>
       )}
       {known && (

@@ -107,7 +107,10 @@ function OfDriver({ device, axis }: { device: Device; axis: Device["axes"][numbe
           </Text>
           <Text className="hint">
             It has no current of its own for standstill: CoolStep lowers it by the load (page{" "}
-            <Link href="/stallguard">StallGuard</Link>), and a controller that it is behind scales it at rest.
+            <Link href="/stallguard" className="accent">
+              StallGuard
+            </Link>
+            ), and a controller that it is behind scales it at rest.
           </Text>
           <Wanted chip={chip} asked={asked} />
         </Card>
