@@ -87,8 +87,8 @@ def build(*, force: bool = False) -> bool:
         shutil.copy(ROOT / "web" / "public" / "favicon.svg", folder / "docs" / "assets")
         for page in (folder / "docs").rglob("*.md"):
             page.write_text(NOT_FOR_READERS.sub("", page.read_text()))
-        _run([str(ROOT / "scripts" / "reference_pages.py"), str(folder / "docs" / "reference")], ROOT)
-        _run(["-m", "zensical", "build", "--strict"], folder)
+        run_python([str(ROOT / "scripts" / "reference_pages.py"), str(folder / "docs" / "reference")], ROOT)
+        run_python(["-m", "zensical", "build", "--strict"], folder)
         (folder / "site" / "404.html").unlink()  # the server says by itself what is not there
         _scripts_to_files(folder / "site")
         replace(folder / "site", TARGET, {"sources": sources})
@@ -104,7 +104,8 @@ def _require_generator() -> None:
     subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), GENERATOR], check=True)
 
 
-def _run(arguments: Sequence[str], folder: Path) -> None:
+def run_python(arguments: Sequence[str], folder: Path) -> None:
+    """Run Python with `arguments` in `folder`, this package on its path. Raises HelpBuildError with what it printed."""
     command = [sys.executable, *arguments]
     # Before what is there already: by it pip leads an isolated build to what it has installed for it.
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]

@@ -116,4 +116,4 @@ def test_its_parts_find_what_an_isolated_build_has_brought(tmp_path: Path, monke
     elsewhere.mkdir()
     (brought / "brought_along.py").touch()
     monkeypatch.setenv("PYTHONPATH", str(brought))
-    help_site._run(["-c", "import brought_along, app"], elsewhere)
+    help_site.run_python(["-c", "import brought_along, app"], elsewhere)
