@@ -87,7 +87,8 @@ def conditions() -> Call[list[Standing]]:
 
 def start_up(name: str, axes: Sequence[int] | None, *, dry_run: bool, more: Json) -> Call[Json]:
     body = {"axes": None if axes is None else list(axes), "dry_run": dry_run, **more}
-    return Call("POST", f"{_of(name)}/start-up", _as_it_is, body)
+    query = {"dry_run": "true"} if dry_run else {}  # there too: so it needs no lease
+    return Call("POST", f"{_of(name)}/start-up", _as_it_is, body, query)
 
 
 def move(name: str, axis: int, target: float, *, relative: bool, unit: str) -> Call[MoveStarted]:

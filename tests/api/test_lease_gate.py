@@ -218,6 +218,9 @@ def test_every_refusal_is_in_the_schema(app: FastAPI) -> None:
         ("PUT", "/api/v1/devices/bench/profile", b"dry_run=true&dry_run", False),
         ("PUT", "/api/v1/devices/bench/profile", b"dry_ru%6e=false&dry_run=true", False),
         ("GET", "/api/v1/devices/bench/profile", b"", True),
+        ("POST", "/api/v1/devices/bench/start-up", b"", False),
+        ("POST", "/api/v1/devices/bench/start-up", b"dry_run=true", True),
+        ("POST", "/api/v1/devices/bench/start-up", b"dry_run=true&dry_run=false", False),
     ],
 )
 def test_what_is_free_is_exactly_that(app: FastAPI, method: str, path: str, query: bytes, free: bool) -> None:

@@ -89,6 +89,8 @@ async def test_the_cure_is_in_the_refusal_and_one_move_then_arrives(
     assert (dry["state"], dry["axes"]) == ("dry run", [last])
     assert dry["writes"]
     assert {each["verified"] for each in dry["writes"]} == {None}
+    asked = await client.post("devices/new/start-up", params={"dry_run": True}, json=remedy["body"])
+    assert asked.json() == dry, "said in the query, it is the same"
     assert (await read_held(held)).words == before
 
     cured = await client.post(remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])

@@ -45,12 +45,7 @@ def test_an_axis_is_set_up_step_by_step(page: Page, boxed: Chip, check_axe: Call
     check_axe(page)
     page.get_by_role("button", name="This is the motor").click()
 
-    expect(title).to_have_text("2. Limits")
-    page.get_by_role("button", name="Set these limits").click()
-    expect(title).to_have_text("3. Current and ramp", timeout=PATIENCE_MS)
-    device = boxed.api.get(f"/devices/{boxed.device}").raise_for_status().json()
-    assert device["axes"][0]["limits"]["velocity_max_pps"] == 5 * 51_200
-
+    expect(title).to_have_text("2. Current and ramp")
     changes = page.get_by_role("region", name="Changes")
     expect(changes).to_contain_text("IHOLD_IRUN", timeout=PATIENCE_MS)
     assert boxed.register("CHOPCONF")["fields"]["toff"] == 0, "nothing is written before it is asked for"
@@ -63,7 +58,12 @@ def test_an_axis_is_set_up_step_by_step(page: Page, boxed: Chip, check_axe: Call
     expect(page.get_by_role("button", name="Put back what was before")).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_role("button", name="Go on").click()
 
-    expect(title).to_have_text("4. Direction")
+    expect(title).to_have_text("3. Limits")
+    page.get_by_role("button", name="Set these limits").click()
+    expect(title).to_have_text("4. Direction", timeout=PATIENCE_MS)
+    device = boxed.api.get(f"/devices/{boxed.device}").raise_for_status().json()
+    assert device["axes"][0]["limits"]["velocity_max_pps"] == 5 * 51_200
+
     page.get_by_role("button", name="It turned the other way").click()
     page.get_by_role("button", name="Reverse it").click()
     wait_for(lambda: shaft(boxed) == 1, "the motor is reversed")
@@ -77,6 +77,12 @@ def test_an_axis_is_set_up_step_by_step(page: Page, boxed: Chip, check_axe: Call
     expect(title).to_have_text("5. Encoder")
     page.get_by_role("button", name="There is none").click()
     expect(title).to_have_text("6. Switches and zero")
+    page.get_by_role("button", name="I press the left one").click()
+    expect(page.get_by_test_id("switch-answer")).to_contain_text("Press the left switch now")
+    boxed.emulator(axes=[{"axis": 0, "switches": {"right": True}}])
+    expect(page.get_by_test_id("switch-answer")).to_contain_text("the two are swapped")
+    expect(page.get_by_role("button", name="Swap them")).to_be_visible()
+    boxed.emulator(axes=[{"axis": 0, "switches": {"right": "auto"}}])
     page.get_by_test_id("set-zero").click()
     wait_for(lambda: boxed.axis()["position"] == 0, "zero is here")
     page.get_by_role("button", name="Go on").click()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from typing import Annotated
+
+from fastapi import APIRouter, Query
 
 from ...errors import SoftLimit, StoreUnavailable
 from ...profiles import start_up
@@ -21,9 +23,14 @@ REFUSALS = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileTakenBack, ProfileLeft, 
 
 
 @router.post("/start-up", responses=REFUSALS)
-@policy(whole=True, words=wording.with_body("start up"), changed_nothing=wording.tried_dry)
+@policy(lease="free as a dry run", whole=True, words=wording.with_body("start up"), changed_nothing=wording.tried_dry)
 async def start_device_up(
-    bench: CurrentBench, device: CurrentDevice, body: DeviceStartUp | None = None
+    bench: CurrentBench,
+    device: CurrentDevice,
+    body: DeviceStartUp | None = None,
+    dry_run: Annotated[
+        bool, Query(description="only tell what would be written, as in the body: said here, it needs no lease")
+    ] = False,
 ) -> StartUpReport:
     """Set axes up after power-on, so that they can move: currents, microsteps, switches, ramp, and what all share.
 
@@ -32,7 +39,7 @@ async def start_device_up(
     """
     asked = body or DeviceStartUp()
     wish = wish_of(asked)
-    if asked.dry_run:
+    if dry_run or asked.dry_run:
         return report(device, await start_up.dry_run(device, wish))
     return report(device, await start_up.start_up(bench.profiles, device, wish))
 

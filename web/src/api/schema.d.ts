@@ -21814,7 +21814,10 @@ export interface operations {
     };
     start_device_up: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description only tell what would be written, as in the body: said here, it needs no lease */
+                dry_run?: boolean;
+            };
             header?: never;
             path: {
                 /** @description the device's id: a slug of its name */

@@ -48,7 +48,7 @@ export const PAGES: readonly PageEntry[] = [
   page(92, "/console", "Console", "Console", IconTerminal2),
   page(93, "/audit", "Audit log", "Audit", IconHistory, { alone: true }),
   page(94, "/health", "Health", "Health", IconHeartRateMonitor, { alone: true }),
-  page(94.5, "/first-run", "First run", "Set up", IconRoute, { needs: ["motion"], unless: "step_input" }),
+  page(94.5, "/first-run", "First run", "Set up", IconRoute, { needs: ["motion"] }),
   page(95, "/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
   ...FAMILY_PAGES,
 ].sort((one, other) => one.place - other.place);

@@ -291,6 +291,9 @@ describe("changesBench", () => {
     expect(changesBench("DELETE", at("/recordings/7"))).toBe(true);
     expect(changesBench("PUT", at("/devices/a/profile?dry_run=true"))).toBe(false);
     expect(changesBench("PUT", at("/devices/a/profile"))).toBe(true);
+    expect(changesBench("POST", at("/devices/a/start-up?dry_run=true"))).toBe(false);
+    expect(changesBench("POST", at("/devices/a/start-up"))).toBe(true);
+    expect(changesBench("POST", at("/devices/a/profile?dry_run=true"))).toBe(true);
   });
 });
 

@@ -1,7 +1,8 @@
 import free from "./free.json";
 
 const SAFE = new Set(["GET", "HEAD", "OPTIONS"]);
-const DRY_RUN = /^\/api\/v1\/devices\/[^/]+\/profile$/;
+/** Calls that only look where their query says so. */
+const DRY_RUN = /^(PUT \/api\/v1\/devices\/[^/]+\/profile|POST \/api\/v1\/devices\/[^/]+\/start-up)$/;
 
 /** The server's own list of calls that need no lease; templates as in its schema. */
 const FREE = free.map((call) => new RegExp(`^${call.replace(/\{[^}]*\}/g, "[^/]+")}$`));
@@ -13,6 +14,6 @@ const FREE = free.map((call) => new RegExp(`^${call.replace(/\{[^}]*\}/g, "[^/]+
 export function changesBench(method: string, address: string): boolean {
   const { pathname, searchParams } = new URL(address);
   if (SAFE.has(method)) return false;
-  if (method === "PUT" && DRY_RUN.test(pathname) && searchParams.get("dry_run") === "true") return false;
+  if (DRY_RUN.test(`${method} ${pathname}`) && searchParams.get("dry_run") === "true") return false;
   return !FREE.some((pattern) => pattern.test(`${method} ${pathname}`));
 }

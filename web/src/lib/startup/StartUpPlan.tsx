@@ -13,7 +13,9 @@ export type StartUpBody = Partial<Schemas["DeviceStartUp"]>;
 
 async function ask(device: string, wanted: StartUpBody, dryRun: boolean): Promise<Report> {
   const body = { ...wanted, dry_run: dryRun } as never;
-  return await api.POST("/api/v1/devices/{device}/start-up", { path: { device }, body });
+  // in the query too: so it needs no lease, and opening the page does not take the bench
+  const query = dryRun ? { dry_run: true } : {};
+  return await api.POST("/api/v1/devices/{device}/start-up", { path: { device }, query, body });
 }
 
 interface Props {

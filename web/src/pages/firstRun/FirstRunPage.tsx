@@ -17,13 +17,13 @@ import { MotorStep } from "./MotorStep";
 import { SetUpStep } from "./SetUpStep";
 import type { StepProps } from "./StepProps";
 import { SwitchesStep } from "./SwitchesStep";
-import { BEGIN, before, done, type Progress, type StepId, stepsFor } from "./steps";
+import { BEGIN, before, done, type Progress, STEPS, type StepId } from "./steps";
 import { TurnStep } from "./TurnStep";
 
 const MoveStep = lazy(() => import("./MoveStep").then((part) => ({ default: part.MoveStep })));
 const EncoderStep = lazy(() => import("./EncoderStep").then((part) => ({ default: part.EncoderStep })));
 
-const STEPS: Record<StepId, React.ComponentType<StepProps>> = {
+const CONTENTS: Record<StepId, React.ComponentType<StepProps>> = {
   motor: MotorStep,
   limits: LimitsStep,
   setUp: SetUpStep,
@@ -43,21 +43,20 @@ export default function FirstRunPage() {
 }
 
 function FirstRun({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
-  const steps = stepsFor(device);
   const [progress, setProgress] = useSessionKept<Progress>(`stepscope.first-run.${device.id}.${axis.index}`, BEGIN);
   const { condition } = useStanding(device.id, axis.index);
-  const step = steps.find(({ id }) => id === progress.at) ?? steps[0];
+  const step = STEPS.find(({ id }) => id === progress.at) ?? STEPS[0];
   if (step === undefined) return null;
-  const Step = STEPS[step.id];
-  const number = steps.indexOf(step) + 1;
+  const Step = CONTENTS[step.id];
+  const number = STEPS.indexOf(step) + 1;
   const disabled = device.state !== "connected";
   return (
     <Page name="First run">
       <DeviceNotice device={device} />
       <div className={classes.wizard}>
-        <Card title={`${device.name} · ${axis.name}`} note={`${progress.done.length} of ${steps.length} done`}>
+        <Card title={`${device.name} · ${axis.name}`} note={`${progress.done.length} of ${STEPS.length} done`}>
           <ol className={classes.steps} aria-label="Steps">
-            {steps.map(({ id, title }) => (
+            {STEPS.map(({ id, title }) => (
               <li key={id}>
                 <button
                   type="button"
@@ -87,7 +86,7 @@ function FirstRun({ device, axis }: { device: Device; axis: Device["axes"][numbe
               axis={axis}
               disabled={disabled}
               progress={progress}
-              onDone={(motor) => setProgress({ ...done(progress, steps, step.id), motor: motor ?? progress.motor })}
+              onDone={(motor) => setProgress({ ...done(progress, step.id), motor: motor ?? progress.motor })}
             />
           </Suspense>
           {number > 1 && (
@@ -95,7 +94,7 @@ function FirstRun({ device, axis }: { device: Device; axis: Device["axes"][numbe
               size="compact-sm"
               variant="subtle"
               mt="md"
-              onClick={() => setProgress({ ...progress, at: before(steps, step.id) })}
+              onClick={() => setProgress({ ...progress, at: before(step.id) })}
             >
               Back
             </Button>

@@ -2,9 +2,12 @@ import { Button, Group, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas } from "../../api/client";
+import { can } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StartUpPlan } from "../../lib/startup/StartUpPlan";
+import { figuresOf } from "./motorFigures";
 import type { StepProps } from "./StepProps";
+import { turnsBy } from "./steps";
 import { Term } from "./Term";
 
 type Profile = Schemas["ProfileDocument"];
@@ -15,16 +18,6 @@ export function SetUpStep({ device, axis, progress, onDone, disabled }: StepProp
   const [was, setWas] = useState<Profile | null>(null);
   /** counts the ways back: each time it is planned anew */
   const [round, setRound] = useState(0);
-  const { motor } = progress;
-  const figures =
-    motor === null
-      ? null
-      : {
-          full_steps_per_rev: motor.fullStepsPerRev,
-          rated_current_a: motor.ratedCurrentA,
-          sense_resistor_ohm: motor.senseResistorOhm,
-          current_full_scale_a: motor.fullScaleA,
-        };
   const path = { path: { device: device.id } };
   const back = useMutation({
     mutationFn: (profile: Profile) =>
@@ -39,13 +32,25 @@ export function SetUpStep({ device, axis, progress, onDone, disabled }: StepProp
     <>
       <Text size="sm" mb="xs">
         What is to be written so that the axis can move: its current in motion and at rest,{" "}
-        <Term name="microstep">microsteps</Term>, and a <Term name="ramp">ramp</Term> that every motor can do, a turn a
-        second.
+        <Term name="microstep">microsteps</Term>
+        {turnsBy(device) === "position" ? (
+          <>
+            , and a <Term name="ramp">ramp</Term> that every motor can do, a turn a second.
+          </>
+        ) : (
+          ". It has no ramp: that is made by whoever steps it."
+        )}
       </Text>
+      {(!can(device, "current") || can(device, "current.ramp")) && (
+        <Text size="sm" mb="xs">
+          The current is not set here but at the driver behind, by its trimmer or its own registers: set it to the rated
+          current first, then go on.
+        </Text>
+      )}
       <StartUpPlan
         key={round}
         device={device.id}
-        body={{ axes: [axis.index], motor: figures }}
+        body={{ axes: [axis.index], motor: figuresOf(progress) }}
         axisNames={device.axes.map(({ name }) => name)}
         disabled={disabled}
         before={async () => setWas(await api.GET("/api/v1/devices/{device}/profile", path))}

@@ -1,31 +1,34 @@
 import { expect, test } from "vitest";
 import type { Device } from "../../api/queries";
-import { after, BEGIN, before, done, stepsFor } from "./steps";
+import { after, BEGIN, before, done, encoderLook, STEPS, turnsBy } from "./steps";
 
 const device = (...capabilities: string[]) => ({ about: { capabilities } }) as unknown as Device;
-const ids = (...capabilities: string[]) => stepsFor(device(...capabilities)).map(({ id }) => id);
+const place = (wanted: string) => STEPS.findIndex(({ id }) => id === wanted);
 
-test("limits and currents come before any motion", () => {
-  const steps = ids("motion");
-  expect(steps.indexOf("limits")).toBeLessThan(steps.indexOf("setUp"));
-  expect(steps.indexOf("setUp")).toBeLessThan(steps.indexOf("turn"));
-  expect(steps.indexOf("turn")).toBeLessThan(steps.indexOf("switches"));
+test("current and limits come before any motion, limits behind the microsteps that they are counted in", () => {
+  expect(place("setUp")).toBeLessThan(place("limits"));
+  expect(place("limits")).toBeLessThan(place("turn"));
+  expect(place("turn")).toBeLessThan(place("switches"));
 });
 
-test("the encoder is looked at where a study can", () => {
-  expect(ids("motion")).not.toContain("encoder");
-  expect(ids("motion", "encoder")).toContain("encoder");
-  expect(ids("motion", "encoder", "parameters")).not.toContain("encoder");
+test("a motor turns to a position, at a velocity, or as it is stepped", () => {
+  expect(turnsBy(device("motion"))).toBe("position");
+  expect(turnsBy(device("motion", "step_input", "own_velocity"))).toBe("velocity");
+  expect(turnsBy(device("motion", "step_input"))).toBe("steps from outside");
+});
+
+test("the encoder is looked at by who can", () => {
+  expect(encoderLook(device("motion"))).toBe("none");
+  expect(encoderLook(device("motion", "encoder"))).toBe("study");
+  expect(encoderLook(device("motion", "encoder", "parameters"))).toBe("condition");
 });
 
 test("one step leads to the next, the last to itself, and what is done stays so", () => {
-  const steps = stepsFor(device("motion"));
-  expect(after(steps, "motor")).toBe("limits");
-  expect(after(steps, "turn")).toBe("switches");
-  expect(before(steps, "switches")).toBe("turn");
-  expect(before(steps, "motor")).toBe("motor");
-  expect(after(steps, "keep")).toBe("keep");
-  const first = done(BEGIN, steps, "motor");
-  expect(first).toMatchObject({ at: "limits", done: ["motor"] });
-  expect(done({ ...first, at: "motor" }, steps, "motor").done).toEqual(["motor"]);
+  expect(after("motor")).toBe("setUp");
+  expect(before("switches")).toBe("encoder");
+  expect(before("motor")).toBe("motor");
+  expect(after("keep")).toBe("keep");
+  const first = done(BEGIN, "motor");
+  expect(first).toMatchObject({ at: "setUp", done: ["motor"] });
+  expect(done({ ...first, at: "motor" }, "motor").done).toEqual(["motor"]);
 });

@@ -11,29 +11,39 @@ export interface StepEntry {
 }
 
 const STILL = "Nothing moves.";
-const ALL: readonly (StepEntry & { fits?: (device: Device) => boolean })[] = [
+
+/** The steps, in their order. A device that lacks what one is about is told so there, and how to go on. */
+export const STEPS: readonly StepEntry[] = [
   { id: "motor", title: "Motor", does: STILL },
-  { id: "limits", title: "Limits", does: STILL },
   {
     id: "setUp",
     title: "Current and ramp",
     does: `${STILL} Coils get their current: the motor holds, and may jerk by a step.`,
   },
+  // Behind what sets the microsteps that limits are counted in.
+  { id: "limits", title: "Limits", does: STILL },
   { id: "turn", title: "Direction", does: "The motor turns, there and back." },
-  {
-    id: "encoder",
-    title: "Encoder",
-    does: "The motor turns a few times, there and back.",
-    fits: (device) => can(device, "encoder") && !can(device, "parameters"),
-  },
+  { id: "encoder", title: "Encoder", does: "The motor turns a few times, there and back." },
   { id: "switches", title: "Switches and zero", does: "A search moves slowly to a switch." },
   { id: "move", title: "First move", does: "The motor moves one turn, and back." },
   { id: "keep", title: "Keep it", does: STILL },
 ];
 
-/** The steps that make sense for a device, in their order. */
-export function stepsFor(device: Device): readonly StepEntry[] {
-  return ALL.filter(({ fits }) => fits?.(device) ?? true);
+/** By what a device turns its motor: to a position, at a velocity of its own, or only as it is stepped from outside. */
+export type TurnsBy = "position" | "velocity" | "steps from outside";
+
+export function turnsBy(device: Pick<Device, "about">): TurnsBy {
+  if (!can(device, "step_input")) return "position";
+  return can(device, "own_velocity") ? "velocity" : "steps from outside";
+}
+
+/** Who looks at the encoder: a study, the condition of the axis, or nobody. */
+export type EncoderLook = "study" | "condition" | "none";
+
+export function encoderLook(device: Pick<Device, "about">): EncoderLook {
+  if (!can(device, "encoder")) return "none";
+  // no study sets the ramp of a module
+  return can(device, "parameters") ? "condition" : "study";
 }
 
 /** What was entered and done, kept until the tab is closed. */
@@ -55,21 +65,23 @@ export interface ChosenMotor {
 export const BEGIN: Progress = { at: "motor", done: [], motor: null };
 
 /** The step behind `id`, or `id` where it is the last. */
-export function after(steps: readonly StepEntry[], id: StepId): StepId {
-  const place = steps.findIndex((step) => step.id === id);
-  return steps[place + 1]?.id ?? id;
+export function after(id: StepId): StepId {
+  return beside(id, 1);
 }
 
-export function before(steps: readonly StepEntry[], id: StepId): StepId {
-  const place = steps.findIndex((step) => step.id === id);
-  return steps[place - 1]?.id ?? id;
+export function before(id: StepId): StepId {
+  return beside(id, -1);
+}
+
+function beside(id: StepId, by: number): StepId {
+  return STEPS[STEPS.findIndex((step) => step.id === id) + by]?.id ?? id;
 }
 
 /** Done, and on to the next. */
-export function done(progress: Progress, steps: readonly StepEntry[], id: StepId): Progress {
+export function done(progress: Progress, id: StepId): Progress {
   return {
     ...progress,
-    at: after(steps, id),
+    at: after(id),
     done: progress.done.includes(id) ? progress.done : [...progress.done, id],
   };
 }
