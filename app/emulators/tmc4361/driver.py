@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .feedback.behind import NAMES
+
 BITS = 20
 STATUS_FLAGS = ("SG", "OT", "OTPW", "S2GA", "S2GB", "OLA", "OLB", "STST")
 """STATUS 31:24 with a TMC26x behind, the lowest first."""
@@ -9,7 +11,6 @@ TMC24X_FORMS = (8, 9)
 """spi_output_format of the TMC23x and TMC24x."""
 TMC24X_PLACES = (5, 7, 6, 0, 1, 2, 3, 4)
 """Where UV, OT, OTPW, OCA, OCB, OLA, OLB and OCHS, in the order of STATUS 31:24, are in their answer."""
-NAMES = {0b00: "DRVCTRL", 0b100: "CHOPCONF", 0b101: "SMARTEN", 0b110: "SGCSCONF", 0b111: "DRVCONF"}
 
 
 def bits_of(spi_out_conf: int) -> int:

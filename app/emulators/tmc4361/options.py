@@ -46,9 +46,13 @@ class Tmc4361Options(MotorDocument):
     driver: DriverBehind = shown(
         "wired",
         "Motor driver",
-        "what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have "
-        "to set up and that follows steps or currents",
-        words={"wired": "bridges that take the chip's currents", "tmc2660": "TMC2660, set up by cover datagrams"},
+        "what is behind the chip: wired, bridges that take its currents; tmc2130 or tmc2660, a driver that cover "
+        "datagrams have to set up and that follows steps or currents",
+        words={
+            "wired": "bridges that take the chip's currents",
+            "tmc2130": "TMC2130, set up by cover datagrams",
+            "tmc2660": "TMC2660, set up by cover datagrams",
+        },
     )
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = rest_only(
         0, "SGT of a wired driver's StallGuard2"

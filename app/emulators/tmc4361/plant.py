@@ -80,12 +80,12 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
 
 
 def _driver(chip: Chip) -> DriverBehindState | None:
-    driver = chip.feedback.driver
-    if driver is None:
+    driver, kind = chip.feedback.driver, chip.feedback.options.driver
+    if driver is None or kind == "wired":
         return None
     status, flags = driver.drive.read("DRV_STATUS"), driver.flags
     return DriverBehindState(
-        kind="tmc2660",
+        kind=kind,
         follows="currents" if driver.takes_currents else "steps",
         bridges=driver.drive.plant_state.bridges,
         current_scale=status >> 16 & 31,

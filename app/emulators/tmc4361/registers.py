@@ -15,7 +15,7 @@ from ...registers.tmc4361.table import TMC4361
 from ..drive import kernel as motor
 from . import kernel, recording
 from . import layout as c
-from .driver import BITS, NAMES, TMC24X_FORMS, KeptWords, bits_of, tmc24x_answer
+from .driver import TMC24X_FORMS, KeptWords, bits_of, tmc24x_answer
 from .feedback import FeedbackOptions, FeedbackUnit
 from .feedback import layout as fl
 from .kept_registers import BITS as BITS_2130
@@ -263,7 +263,7 @@ class Chip:
         """POLLING_STATUS: the driver's latest answer, or what one that keeps words alone would answer now."""
         driver = self.feedback.driver
         if driver is not None:
-            return driver.answer & ~0xFF | int(self.s[c.STATUS]) >> 24 & 0xFF
+            return driver.polled(int(self.s[c.STATUS]) >> 24 & 0xFF)
         if self._tmc24x:
             return self._tmc24x_answer
         return self._driver_load << 10 | int(self.s[c.STATUS]) >> 24 & 0xFF
@@ -292,7 +292,7 @@ class Chip:
         if driver is None:
             return dict(self._kept_words.words)
         self.feedback.told_by_chip(driver)
-        return {NAMES[max(tag, 0)]: tag << 17 | word for tag, word in driver.words.items()}
+        return driver.words
 
     @property
     def _driver_load(self) -> int:
@@ -316,7 +316,7 @@ class Chip:
             self._cover_answer = self._kept_words.exchange(datagram, flags, mscnt, self._driver_load)
         else:
             self.catch_up_driver()
-            self._cover_answer = self.feedback.exchange_with_driver(driver, datagram & ((1 << BITS) - 1))
+            self._cover_answer = self.feedback.exchange_with_driver(driver, datagram, bits)
         self.s[c.COVER_AT] = int(self.s[c.TICK]) + 1 + clocks // c.TICK_CLOCKS
 
     # --- outputs ---------------------------------------------------------------------------------

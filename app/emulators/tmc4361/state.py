@@ -80,7 +80,7 @@ class SpiOutputState(BaseModel):
 class DriverBehindState(BaseModel):
     """A driver with registers of its own behind the chip, as it is now."""
 
-    kind: Literal["tmc2660"]
+    kind: Literal["tmc2130", "tmc2660"]
     follows: Literal["steps", "currents"] = Field(description="what it is set up for: STEP and DIR, or coil currents")
     bridges: str = Field(description='"regulated" or "open"')
     current_scale: int = Field(description="CS in use, 0..31")

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from ...clock import Clock
+from ...registers.catalog import MODELS
 from ..core.chip40 import UartEmulatorBase40
 from ..core.ground_truth import GroundTruth
 from ..drive.documents import ground_truth
+from ..drive.tmc22xx import StepDirDriver
 from . import plant
 from .chips import CHIPS
 from .options import DriverModel, TmcDriverOptions, TmcDriverPatch, check_change
-from .registers import Chip
 from .state import DriverUartState, TmcDriverState
 from .wires import Wires
 
 
-class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
+class EmulatedDriver(UartEmulatorBase40[StepDirDriver, TmcDriverPatch, TmcDriverState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
     What it has of buses its `Kind` says; of a chip with a UART alone `exchange` is that.
@@ -24,7 +25,10 @@ class EmulatedDriver(UartEmulatorBase40[Chip, TmcDriverPatch, TmcDriverState]):
         """A chip that has just been switched on and lives by `clock`."""
         self.options = options = (options or TmcDriverOptions()).for_clock(CHIPS[model].clock_hz)
         self._model: DriverModel = model
-        super().__init__(clock, options.time_scale, Chip(model, options), options.clock_hz, options.seed)
+        kind = CHIPS[model]
+        drive = options.drive(kind.full_scale_a)
+        chip = StepDirDriver(kind, MODELS[model].table, drive, pins=options.node)
+        super().__init__(clock, options.time_scale, chip, options.clock_hz, options.seed)
         self.wired: Wires = Wires(self._chip, options.clock_hz)
         self.wires = options.wires
 

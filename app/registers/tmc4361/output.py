@@ -207,7 +207,7 @@ _DRIVER_ROWS = (
         0x6D, "COVER_HIGH", 32, W, "upper half of a datagram for the motor driver: write it before COVER_LOW"
     ).having(source=TOM_TBONE),
     _spi_output(0x6D, "POLLING_REG", 32, R, "what else a TMC2130 answers to polling; its fields are not known").having(
-        reset=None, volatile=True, source=HEADERS, behaviour="reads 0: the emulated motor driver is a TMC26x"
+        reset=None, volatile=True, source=HEADERS, behaviour="reads 0"
     ),
     _spi_output(0x6E, "COVER_DRV_LOW", 32, R, "lower half of the driver's answer to a cover datagram", volatile=True),
     _spi_output(0x6F, "COVER_DRV_HIGH", 32, R, "upper half of the driver's answer to a cover datagram").having(

@@ -9,7 +9,6 @@ from ..tmc5xxx import behaviour as inside
 
 NO_REFERENCE = "the bench sets the emulated full scale, as with resistors"
 ONE_FILTER = "the emulated steps need no filter"
-STEPS_ALONE = "the emulated coils follow steps alone"
 ALWAYS_ITS = "the emulated PDN_UART is the UART's alone"
 
 DIAGNOSTICS = ("diag0_error", "diag0_otpw", "diag0_stall", "diag1_stall")
@@ -21,13 +20,13 @@ FIELDS = {
         "internal_Rsense": NO_REFERENCE,
         "pdn_disable": ALWAYS_ITS,
         **dict.fromkeys(("multistep_filt", "small_hysteresis"), ONE_FILTER),
-        "direct_mode": STEPS_ALONE,
+        "direct_mode": "",
         "test_mode": inside.FACTORY,
     },
     "OTP_PROG": {"OTPMAGIC": ""},
     "CHOPCONF": {"dedge": "the bench tells how many steps come in, whatever their edges"},
-    "XDIRECT": dict.fromkeys(("COIL_A", "COIL_B"), STEPS_ALONE),
-    "DIRECT_MODE": dict.fromkeys(("DIRECT_COIL_A", "DIRECT_COIL_B"), STEPS_ALONE),
+    "XDIRECT": dict.fromkeys(("COIL_A", "COIL_B"), ""),
+    "DIRECT_MODE": dict.fromkeys(("DIRECT_COIL_A", "DIRECT_COIL_B"), ""),
     "FACTORY_CONF": {"FCLKTRIM": inside.OWN_CLOCK, "OTTRIM": "the emulated limits of temperature do not move"},
 }
 

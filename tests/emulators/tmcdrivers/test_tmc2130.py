@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
+from app.emulators.tmcdrivers import DriverModel
 from app.errors import OutOfRange
 from app.links import datagram40
 from tests.emulators.tmcdrivers.bench import Bench
@@ -144,3 +147,29 @@ def test_the_microstep_table_is_what_was_written() -> None:
     bench.write("MSLUTSTART", 100 << 16 | 7)
     bench.wait(0.01)
     assert bench.fields("MSCURACT")["CUR_A"] in (7, -7)
+
+
+@pytest.mark.parametrize("model", ["tmc2130", "tmc2240"])
+def test_direct_mode_takes_both_coil_currents_scaled_by_ihold_and_looks_at_no_steps(model: DriverModel) -> None:
+    bench = Bench(model)
+    bench.write("CHOPCONF", CHOPPER)
+    bench.write("IHOLD_IRUN", 31 << 8 | 15)
+    bench.write("GCONF", 1 << 16)
+    direct = "XDIRECT" if model == "tmc2130" else "DIRECT_MODE"
+    bench.write(direct, 248)
+    bench.wait(0.3)
+    full_a = 2 * bench.peak_a
+    begin = bench.turned_fullsteps
+    for place in range(1, 201):
+        a, b = round(248 * math.cos(place * math.pi / 50)), round(248 * math.sin(place * math.pi / 50))
+        bench.write(direct, a & 0x1FF | (b & 0x1FF) << 16)
+        bench.wait(0.01)
+    assert abs(bench.turned_fullsteps - begin) == pytest.approx(8, abs=0.1), "two turns of the wave"
+    bench.step(12_800)
+    before = bench.turned_fullsteps
+    bench.wait(0.2)
+    assert bench.turned_fullsteps == pytest.approx(before, abs=0.1)
+    bench.write("GCONF", 0)
+    bench.wait(1.0)
+    assert abs(bench.turned_fullsteps - before) > 20
+    assert bench.peak_a == pytest.approx(full_a, rel=0.05), "IRUN, once it moves by steps"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators.tmcdrivers.otp import resets
+from app.emulators.drive.otp import resets
 from app.errors import WrongState
 from tests.emulators.tmcdrivers.bench import Bench
 

@@ -2,11 +2,13 @@
 
 What the sources leave open is read like this:
 
-- a current datagram goes out where a current has changed, as soon as the SPI output is free: 20 bits and the rest of
-  SPI_OUT_BLOCK_TIME after them;
+- a current datagram goes out where a current has changed, as soon as the SPI output is free: its 20 or 40 bits and the
+  rest of SPI_OUT_BLOCK_TIME after them;
 - the driver is asked for its status every 2^POLL_BLOCK_EXP such times, with currents over SPI as with steps (where
   disable_polling ends it), and STATUS 31:24 is what it has told last;
-- a scale that is transferred (scale_val_transfer_en) becomes CS = scale / 8, the rest of SGCSCONF stays;
+- a scale that is transferred (scale_val_transfer_en) becomes CS = scale / 8, the rest of SGCSCONF stays; of a TMC2130
+  IRUN and IHOLD;
+- a TMC2130 is asked and told as a TMC26x is, in datagrams of its own: its currents are XDIRECT's;
 - each of these makes a COVER_DONE, unless cover_done_only_for_cover keeps that for cover datagrams (STEPPYR);
 - freewheeling sends currents of 0; over step and direction it does nothing.
 """
@@ -20,18 +22,19 @@ from ..compiled import compiled, inlined
 from . import layout as c
 from .layout import Cells, Floats, bit
 
-CURRENTS, STEPS = 10, 11
-"""spi_output_format of a TMC26x."""
+CURRENTS = (0, 10, 12)
+"""spi_output_format by which a driver behind is told currents, by which it is; the next one is that by steps."""
 SCALE_TRANSFER, NO_POLLING, PWM_OUT = 5, 6, 23
-BITS = 20
+BITS = (0, 20, 40)
+"""Of a datagram, by driver."""
 _SG, _STST = 1 << 0, 1 << 7
 """Of its flags, bit 0 being STATUS 24."""
 
 
 @inlined
-def _datagram_clocks(conf: int) -> int:
+def _datagram_clocks(n: Cells, conf: int) -> int:
     """Clocks of a datagram, and of the rest behind it."""
-    return BITS * max((conf >> 20 & 15) + (conf >> 24 & 15), 2) + (conf >> 28 & 15)
+    return BITS[n[c.DRIVER]] * max((conf >> 20 & 15) + (conf >> 24 & 15), 2) + (conf >> 28 & 15)
 
 
 @inlined
@@ -46,12 +49,11 @@ def _send_currents(n: Cells, conf: int, clock: int) -> bool:
         return False
     n[c.TOLD] = 1
     n[c.SENT_A], n[c.SENT_B] = a, b
-    n[c.SEND_AT] = clock + _datagram_clocks(conf)
+    n[c.SEND_AT] = clock + _datagram_clocks(n, conf)
     if n[k.OUTSIDE] == k.BY_CURRENTS:
         k.take_currents(n, a, b)
     else:
-        low, high = min(abs(b), 255) | (b < 0) << 8, min(abs(a), 255) | (a < 0) << 8
-        n[c.STRAY] = 1 << BITS | high << 9 | low
+        n[c.STRAY] = 1
     return True
 
 
@@ -79,13 +81,14 @@ def _now(n: Cells) -> int:
 @inlined
 def _poll(n: Cells, conf: int, form: int, clock: int) -> bool:
     """Ask the driver when it is time; whether nothing new is to be learnt."""
-    if (form != CURRENTS and form != STEPS) or (form == STEPS and bit(conf, NO_POLLING)):
+    way = form - CURRENTS[n[c.DRIVER]]
+    if (way != 0 and way != 1) or (way == 1 and bit(conf, NO_POLLING)):
         return True
     now = _now(n)
     if clock >= n[c.POLL_AT]:
         n[c.TOLD] = 1
         n[c.POLLED] = now
-        n[c.POLL_AT] = clock + _datagram_clocks(conf) + (max(conf >> 28 & 15, 1) << (conf >> 8 & 15))
+        n[c.POLL_AT] = clock + _datagram_clocks(n, conf) + (max(conf >> 28 & 15, 1) << (conf >> 8 & 15))
     return now == n[c.POLLED]
 
 
@@ -109,9 +112,10 @@ def drive_behind(fb: Floats, n: Cells, turned: int, clock: int) -> None:
     if steps != 0 and n[k.OUTSIDE] == k.BY_STEPS and not bit(n[c.GENERAL_CONF], PWM_OUT):
         k.take_steps(n, steps)
     settled = True
-    if form == CURRENTS:
+    by_currents = CURRENTS[n[c.DRIVER]]
+    if form == by_currents:
         settled = _send_currents(n, conf, clock)
-    elif form == STEPS and bit(conf, SCALE_TRANSFER):
+    elif form == by_currents + 1 and bit(conf, SCALE_TRANSFER):
         _send_scale(n)
     k.advance(n, fb, table, clock)
     n[c.SETTLED] = _poll(n, conf, form, clock) and settled and n[k.QUIET] != 0

@@ -68,10 +68,10 @@ UNASKED = _I + 60
 HOT = _I + 59
 """Driver flags as STATUS 31:24 has them, as far as they come from outside: temperature, shorts, unplugged coils."""
 DRIVER, POLLED, POLL_AT, SENT_A, SENT_B, SEND_AT, STEP_REST, SETTLED, STRAY, TOLD = range(_I + 61, _I + 71)
-"""With a real driver behind (1): its flags as they were told last, clock of the next question; currents that it was
-sent last, and clock from which on the SPI output is free; 1/256 full steps that are no pulse yet; nothing waits to be
-sent or asked; a current datagram that met a driver which takes none, with bit 20 set (0: none); a
-datagram of the chip's own went out since the last look."""
+"""Of a real driver behind: which it is (0: none), its flags as they were told last, clock of the next question;
+currents that it was sent last, and clock from which on the SPI output is free; 1/256 full steps that are no pulse yet;
+nothing waits to be sent or asked; currents were sent to a driver that takes none; a datagram of the chip's own went
+out since the last look."""
 WORD = _I + 72
 WAVE = WORD + 128
 """The microstep wave, 1024 values of about -248..247."""
@@ -98,6 +98,8 @@ VMIN_EMF, VADD_EMF, ENC_VEL_ZERO, ENC_VMEAN = WORD + 0x60, WORD + 0x61, WORD + 0
 MS_OFFSET, ENC_COMP, START_SIN = WORD + 0x79, WORD + 0x7D, WORD + 0x7E
 
 
+TMC26X, TMC2130 = 1, 2
+"""Drivers behind."""
 TMC23X, TMC24X = 8, 9
 """spi_output_format."""
 

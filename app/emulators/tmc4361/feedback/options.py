@@ -53,7 +53,7 @@ class ShaftEncoder(_Closed):
         return 4 * self.lines if self.kind == "abn" else 1 << self.single_turn_bits
 
 
-DriverBehind = Literal["wired", "tmc2660"]
+DriverBehind = Literal["wired", "tmc2130", "tmc2660"]
 """What the chip drives: bridges that its currents are wired to, or a driver with registers of its own."""
 
 

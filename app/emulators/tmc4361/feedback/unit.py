@@ -13,9 +13,9 @@ from ...drive import kernel as k
 from ...drive.documents import motor_state, truth_state
 from ...drive.physics import plant_state_of, set_physics
 from ...drive.plant import OT_C, OTPW_C, UNDERVOLTAGE_V, PlantState
-from ...drive.tmc26x import DRVCTRL, SGCSCONF, Tmc26x
 from ..spi_output import Sent, sent
 from . import layout as c
+from .behind import DRIVERS, DriverBehind
 from .driver import CURRENTS
 from .encoder import position_at, true_place
 from .options import FeedbackOptions
@@ -74,14 +74,13 @@ class FeedbackUnit:
         self.output = SerialOutput(self._word)
         self._heard: Answer | None = None
         self._drive: DriveOptions = options.drive(clock_hz)
-        self.driver: Tmc26x | None = None
+        self.driver: DriverBehind | None = None
         """The real driver behind the chip; None where its currents are wired to the motor."""
-        if options.driver == "tmc2660":
+        if options.driver in DRIVERS:
             cells = (self._n[: k.INTEGERS], self.fb[: k.REALS], self.fb[c.TABLE : c.SIZE])
-            self.driver = Tmc26x(self._drive, cells)
-            self.driver.step(0)
+            self.driver = DRIVERS[options.driver](self._drive, cells)
             self.plant = self.driver.drive.plant
-            self._n[c.DRIVER] = 1
+            self._n[c.DRIVER] = self.driver.kind
         else:
             set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
             self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
@@ -181,7 +180,6 @@ class FeedbackUnit:
         n, fb = self._n, self.fb
         if self.driver is not None and power:
             self.driver.reset()
-            self.driver.step(0)
         kept = [(cell, int(n[cell])) for cell in (*_KEPT, *_DEVICE)]
         if self.driver is None:
             n[:] = 0
@@ -285,26 +283,21 @@ class FeedbackUnit:
         if driver is not None and clock > driver.drive.clocks:
             driver.drive.advance(clock)
 
-    def exchange_with_driver(self, driver: Tmc26x, datagram: int) -> int:
-        """A datagram to the driver, now; its answer. Its status is known from then on."""
+    def exchange_with_driver(self, driver: DriverBehind, datagram: int, bits: int) -> int:
+        """A datagram of `bits` bits to the driver, now; its answer. Its status is known from then on."""
         self.told_by_chip(driver)
-        answer = driver.exchange(datagram)
+        self._n[c.POLLED] = driver.flags
+        answer = driver.exchange(datagram, bits)
         self._plant_changed()
-        self._n[c.POLLED] = answer & 0xFF
         return answer
 
-    def told_by_chip(self, driver: Tmc26x) -> None:
+    def told_by_chip(self, driver: DriverBehind) -> None:
         """Have the driver's registers show what datagrams of the chip's own have written."""
         n = self._n
-        scale, stray = int(n[k.IRUN]), int(n[c.STRAY])
-        if stray:  # it takes no currents: they are its step control
-            n[c.STRAY] = 0
-            driver.write(stray)
-        elif driver.takes_currents and self._word(0x04) & 15 == CURRENTS:
-            a, b = int(n[c.SENT_A]), int(n[c.SENT_B])
-            driver.words[DRVCTRL] = (a < 0) << 17 | abs(a) << 9 | (b < 0) << 8 | abs(b)
-        if scale != driver.words[SGCSCONF] & 31:
-            driver.write(SGCSCONF << 17 | driver.words[SGCSCONF] & ~31 | scale)
+        by_currents = driver.takes_currents and self._word(0x04) & 15 == CURRENTS[driver.kind]
+        sent = (int(n[c.SENT_A]), int(n[c.SENT_B])) if n[c.STRAY] or by_currents else None
+        n[c.STRAY] = 0
+        driver.told(int(n[k.IRUN]), sent)
 
     @property
     def flags_from_outside(self) -> int:

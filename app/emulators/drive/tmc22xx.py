@@ -1,26 +1,28 @@
-"""The register file of a driver: what a write changes and what a read gives.
+"""A driver with registers of 32 bits (TMC2130, TMC2209, TMC2240) and its motor: what a write changes and what a read
+gives.
 
-A write takes effect at once, a read is taken when its datagram has come. Registers that can only be written read as 0.
+It follows STEP and DIR, a velocity of its own where it has VACTUAL, or with GCONF.direct_mode the coil currents that a
+register tells it. A write takes effect at once, a read is taken when its datagram has come. Registers that can only be
+written read as 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
-from ...registers.catalog import MODELS
-from ...registers.model import Access, Register
+from ...registers.model import Access, Register, RegisterTable
 from ...registers.tmc5xxx.driver import DRV_STATUS_5160
-from ..core.pins import Cells
-from ..drive import Drive, adc
-from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
-from ..drive.stepped import advance_by_steps
-from ..drive.units import bits, signed
-from . import otp
-from .chips import CHIPS
-from .options import DriverModel, TmcDriverOptions
+from . import adc, otp
+from .drive import Drive, DriveCells, Followed
+from .kernel import TUNED, Cells
+from .options import DriveOptions
+from .registers import ALIASES, READ_ONLY, WRITABLE
+from .stepped import advance_by_steps
+from .units import bits, signed
 
-NODECONF = 0x03
+NODECONF, DIRECT = 0x03, 0x2D
 PIN_MRES = (5, 3, 2, 4)
 """MRES by MS1 (1) and MS2 (2): 8, 32, 64 and 16 microsteps (DS-TMC2209 3.2)."""
 _MRES, _VSENSE, _SENDDELAY = 24, 17, 8
@@ -35,20 +37,63 @@ _REGISTER_RESET, _VM_UVLO = 8, 16
 """What GSTAT of a TMC2240 has besides a drive's: after power-on the first (a reading), and whether its supply was too
 low."""
 _WARN_AT, _SUM = 16, 0xFF
+_IRUN = 0x1F00
+_RAMP: Followed = "ramp"
+_STEPS: Followed = "steps"
+_CURRENTS: Followed = "currents"
+
 INSIDE = {part.name: part for part in DRV_STATUS_5160.fields}
 """The fields of DRV_STATUS as the drive has them, which is a TMC5160's."""
 
 
-class Chip:
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One driver as the emulator sees it: what its register table does not say."""
+
+    version: int
+    uart: bool
+    spi: bool
+    clock_hz: float
+    """fCLK, unless the bench says another [Hz]."""
+    full_scale_a: float
+    """Peak coil current at current scale 31 and vsense 0 [A]: as the chip's evaluation board has it."""
+    vsense: float
+    """Share of that with CHOPCONF.vsense set."""
+    least_supply_v: float
+    """The supply below which the bridges do not work [V]."""
+    stealth_chop: int = TUNED
+    """Its kind, as the kernel names them."""
+    stall_guard_4: bool = False
+    """Load is measured with StealthChop too."""
+    ranges: tuple[float, ...] = (1.0,)
+    """Share of full scale that the coils get, by DRV_CONF.CURRENT_RANGE."""
+    scale_shift: int = 0
+    """Bits that PWM_SCALE_SUM has more than eight."""
+    power_down_less: int = 0
+    """Delays of 2^18 clocks that TPOWERDOWN counts too many."""
+
+
+class StepDirDriver:
     """One driver with its motor, at clocks of its own. Not thread-safe."""
 
-    def __init__(self, model: DriverModel, options: TmcDriverOptions) -> None:
-        self.kind = CHIPS[model]
-        self.table = MODELS[model].table
-        self.pins = options.node
-        """Levels of MS1 (1) and MS2 (2)."""
+    def __init__(
+        self,
+        kind: Kind,
+        table: RegisterTable,
+        options: DriveOptions,
+        *,
+        pins: int = 0,
+        cells: DriveCells | None = None,
+    ) -> None:
+        """Just switched on.
+
+        pins : levels of MS1 (1) and MS2 (2). cells : as of `Drive`
+        """
+        self.kind = kind
+        self.table = table
+        self.pins = pins
         self.ifcnt = 0
-        self.drive = Drive(options.drive(self.kind.full_scale_a))
+        self.drive = Drive(options, cells)
         self.drive.stall_guard_4 = self.kind.stall_guard_4
         self.drive.stealth_chop = self.kind.stealth_chop
         self.drive.least_supply_v = self.kind.least_supply_v
@@ -57,8 +102,9 @@ class Chip:
         self._gstat_more = 0
         self._external_clock = options.clock_hz != self.kind.clock_hz
         self._step_hz = 0.0
-        self._stepped = self._follows = False
-        """Whether steps come one by one, and whether the drive follows them."""
+        self._stepped = False
+        """Whether steps come one by one."""
+        self._following: Followed = _RAMP
         self.steps_made = 0
         """Of those, since power-on."""
         self._vref_v = VREF_FULL_V
@@ -77,7 +123,7 @@ class Chip:
         self.ifcnt = 0
         self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask
         self.drive.power_cycle()
-        self._follows, self.steps_made = False, 0
+        self._following, self.steps_made = _RAMP, 0
         resets = {row.name: row.reset or 0 for row in self.table}
         if "OTP_READ" in resets:
             resets |= otp.resets(self._memory, resets)
@@ -113,8 +159,8 @@ class Chip:
         self._turn()
 
     def advance_by_steps(self, clocks: Cells, counts: Cells) -> None:
-        """Catch up to the last of `clocks`; `counts` steps (signed) come by each. Lost while VACTUAL turns it."""
-        if not self._follows:
+        """Catch up to the last of `clocks`; `counts` steps (signed) come by each; lost while it follows others."""
+        if self._following != _STEPS:
             self.advance(int(clocks[-1]))
             return
         self._clock = int(clocks[-1])
@@ -160,6 +206,10 @@ class Chip:
         else:
             self._take(row, word)
 
+    def keep(self, address: int, word: int) -> None:
+        """Have a register show a word that the drive has taken already."""
+        self._words[address] = word
+
     def held(self, address: int) -> int:
         """What was written there last."""
         return self._words.get(address, 0)
@@ -198,6 +248,8 @@ class Chip:
             case "GCONF":
                 self._configure(self._gconf())
                 self._write_chopper()
+                if self.takes_currents != (self._following == _CURRENTS):
+                    self._turn()
             case "CHOPCONF":
                 self._write_chopper()
             case "OTP_PROG":
@@ -210,6 +262,10 @@ class Chip:
                 self.drive.write("PWMCONF", word)
             case "VACTUAL":
                 self._turn()
+            case "IHOLD_IRUN":
+                self._write_current_scales()
+            case "XDIRECT" | "DIRECT_MODE":
+                self._take_currents()
             case "TPOWERDOWN":
                 self.drive.write("TPOWERDOWN", max(word - self.kind.power_down_less, 0))
             case "DRV_CONF":
@@ -222,15 +278,41 @@ class Chip:
         self.drive.write("GCONF", gconf.get("faststandstill", 0) << 1 | stealth << 2 | gconf["shaft"] << 4)
 
     def _turn(self) -> None:
-        """By VACTUAL where it is not 0, else by the steps that come in."""
+        """By currents that are told it, by VACTUAL where it is not 0, else by the steps that come in."""
         row = self.table.find("VACTUAL", 0)
         own = 0 if row is None else signed(self.held(row[0].address), 24)
-        follows = self._stepped and not own
-        if follows != self._follows:
-            self._follows = follows
-            self.drive.follow("steps" if follows else "ramp")
-        if not follows:
+        wanted = _CURRENTS if self.takes_currents else _STEPS if self._stepped and not own else _RAMP
+        if wanted != self._following:
+            self._following = wanted
+            self.drive.follow(wanted)
+            self._write_current_scales()
+            self._take_currents()
+        if wanted == _RAMP:
             self.drive.turn_at(own or round(self._step_hz * self._per_hz))
+
+    @property
+    def takes_currents(self) -> bool:
+        """Whether a register tells both coil currents, and STEP is not looked at (GCONF.direct_mode)."""
+        return bool(self._gconf().get("direct_mode"))
+
+    def step(self, steps: int) -> None:
+        """Steps (signed) that have come since the last call. Not looked at while currents are told."""
+        self.stepped = True
+        if self._following == _STEPS:
+            self.drive.take_steps(steps)
+
+    def _take_currents(self) -> None:
+        """The word at `DIRECT`: both coil currents."""
+        if self._following == _CURRENTS:
+            word = self.held(DIRECT)
+            self.drive.take_currents(signed(word, 9), signed(word >> 16, 9))
+
+    def _write_current_scales(self) -> None:
+        """IHOLD_IRUN; currents that are told are scaled by IHOLD, moving or not (DS-TMC5130, XDIRECT)."""
+        word = self.held(self.table.get("IHOLD_IRUN", 0).address)
+        if self._following == _CURRENTS:
+            word = word & ~_IRUN | bits(word, 0, 5) << 8
+        self.drive.write("IHOLD_IRUN", word)
 
     def _write_chopper(self) -> None:
         """CHOPCONF, whose microsteps the pins may set."""
@@ -358,7 +440,7 @@ class Chip:
         levels = {"ENN": self.enn, "MS1": self.pins & 1, "MS2": self.pins >> 1, "DIAG": self.diag, "PDN_UART": True}
         levels |= dict.fromkeys(("DRV_ENN_CFG6", "DRV_ENN"), self.enn)
         levels |= {"EXT_RES_DET": True, "EXT_CLK": self._external_clock, "OUTPUT": bits(self.held(row.address), 12, 1)}
-        back = self.drive.read("VACTUAL") < 0 if self._follows else self._step_hz < 0
+        back = self.drive.read("VACTUAL") < 0 if self._following == _STEPS else self._step_hz < 0
         levels |= dict.fromkeys(("DIR", "REFR_DIR"), back)
         word = 0
         for part in row.fields:
