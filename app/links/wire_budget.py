@@ -12,12 +12,11 @@ WINDOW_S = 2.0
 
 
 class Meter:
-    """Calls a second over the last `WINDOW_S`."""
+    """Calls a second over the last `WINDOW_S`: before its first call there were none."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self._now = now
         self._counted: deque[tuple[float, int]] = deque()
-        self._since_s = now()
 
     def count(self, calls: int) -> None:
         now_s = self._now()
@@ -26,10 +25,8 @@ class Meter:
 
     def rate(self) -> float:
         """Calls a second [1/s]."""
-        now_s = self._now()
-        self._forget(now_s)
-        seconds = min(WINDOW_S, now_s - self._since_s)
-        return sum(calls for _, calls in self._counted) / seconds if seconds > 0 else 0.0
+        self._forget(self._now())
+        return sum(calls for _, calls in self._counted) / WINDOW_S
 
     def _forget(self, now_s: float) -> None:
         counted = self._counted

@@ -330,3 +330,20 @@ async def test_a_driver_of_40_bits_where_20_are_sent_says_what_to_write() -> Non
         driver = await tmc2130_behind(b, TO_STEPS)
         assert driver.state == "failed"
         assert "sends 20 bits to the driver of axis 0, not 40" in str(driver.problem)
+
+
+async def test_a_tmc2130_behind_is_a_device_of_its_own_whose_settings_act_on_the_motor() -> None:
+    async with bench(driver="tmc2130") as b:
+        await b.device.registers.write("SPI_OUT_CONF", 0, 13 | TIMES)
+        link = {"kind": "cover", "device": b.device.id, "axis": 0}
+        driver = await b.manager.add(DeviceConfig("the feed", "tmc2130", link))
+        assert driver.state == "connected", driver.problem
+        await driver.registers.write("IHOLD_IRUN", 0, fields={"IRUN": 20, "IHOLD": 10})
+        await driver.registers.write("CHOPCONF", 0, 0x101D5)
+        await b.device.motion.move(0, 51_200)
+        await b.clock.advance(3.0)
+        behind = b.wire.state().driver
+        assert behind is not None
+        assert (behind.follows, behind.current_scale) == ("steps", 10)
+        assert b.wire.state().truth.rotor_fullsteps == pytest.approx(200, abs=0.3)
+        assert (await driver.registers.read("DRV_STATUS", 0)).fields["CS_ACTUAL"] == 10
