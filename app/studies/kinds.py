@@ -10,6 +10,7 @@ from ..devices.core.device import Device
 from .document import Kind, StudyDocument
 from .fastest_move import ranges as fastest_move
 from .fastest_move.study import FastestMoveStudy
+from .fastest_move.trials import ON_TWIN as MOVE_ON_TWIN
 from .first_look import plan as first_look
 from .first_look.study import FirstLookStudy
 from .microstep_calibration import plan as microstep_calibration
@@ -19,11 +20,16 @@ from .record import StudyRecord
 from .run import Keeper, StudyRun
 from .stallguard import plan as stallguard
 from .stallguard.study import StallGuardStudy
+from .twins.on_twin import OnTwin
 
 
 @dataclass(frozen=True, slots=True)
 class StudyKind:
-    """One of them. channels : what its recording has of the axis."""
+    """One of them.
+
+    channels : what its recording has of the axis
+    on_twin : how one of its settings is tried on an emulated twin; None: its search runs on the axis alone
+    """
 
     kind: Kind
     title: str
@@ -31,6 +37,7 @@ class StudyKind:
     channels: tuple[str, ...]
     make: Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]
     plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
+    on_twin: OnTwin | None = None
 
 
 POSITIONS = ("position", "encoder_position", "velocity")
@@ -50,6 +57,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         FastestMoveStudy,
         fastest_move.plan,
+        MOVE_ON_TWIN,
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",

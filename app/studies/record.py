@@ -97,7 +97,8 @@ class TwinSetting(Part):
     """A setting that held on the twin."""
 
     setting: dict[str, float]
-    time_s: float
+    time_s: float | None = Field(default=None, description="there, where what is looked for is a time [s]")
+    value: float = Field(default=0.0, description="there, of the first objective: the less the better")
 
 
 class AngleHarmonic(Part):

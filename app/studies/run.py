@@ -18,6 +18,7 @@ from ..procedures.procedure import Ended, Failed, Procedure
 from ..profiles.apply import Transaction
 from .ramp_settings import document_of
 from .record import Held, Phase, StudyRecord
+from .twins.executor import Executor, no_executor
 
 log = logging.getLogger("stepscope.studies")
 
@@ -56,6 +57,8 @@ class StudyRun(Procedure):
         self._setting: Transaction | None = None
         self._touched = False
         """Whether registers may be other than before."""
+        self.executor: Callable[[], Executor] = no_executor
+        """Makes what runs twins of the axis, for one search."""
         self.over: Callable[[], None] = lambda: None
         """Called when all is as it will stay."""
         record.by = record.by or actor.get().name

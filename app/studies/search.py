@@ -1,4 +1,4 @@
-"""Which setting is tried next: Optuna, asked and told, with its memory in a SQLite file of the study.
+"""Which setting is tried next: Optuna, asked and told, with its memory in a SQLite file of the study, or in memory.
 
 On the machine's clock everything of it runs in one thread of its own: neither its import nor its database holds up the
 event loop, and the file has one writer. On a clock that waits for us there is nobody to hold up.
@@ -40,22 +40,36 @@ class Asked:
     values: Mapping[str, float]
 
 
+@dataclass(frozen=True, slots=True)
+class Space:
+    """What is searched: its settings, how many objectives, and by which sampler."""
+
+    dimensions: tuple[Dimension, ...]
+    objectives: int
+    sampler: Sampler
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What came of a setting: a figure an objective, the less the better; `violation` above 0 where it may not be."""
+
+    values: Sequence[float]
+    violation: float
+
+
 class Searcher:
     """Asks Optuna for settings, and tells it what came of them. `close` it."""
 
     def __init__(
         self,
-        path: Path,
-        dimensions: Sequence[Dimension],
-        objectives: int,
-        sampler: Sampler,
+        path: Path | None,
+        space: Space,
         seed: int,
         *,
         aside: bool = True,
     ) -> None:
-        """`aside`: in a thread of its own."""
-        self._path, self._dimensions, self._objectives = path, tuple(dimensions), objectives
-        self._sampler, self._seed = sampler, seed
+        """`path` None: what it knows ends with it. `aside`: in a thread of its own."""
+        self._path, self._space, self._seed = path, space, seed
         self._thread = ThreadPoolExecutor(1, "study search") if aside else None
         self._study: Any = None
         self._storage: Any = None
@@ -70,13 +84,14 @@ class Searcher:
         from optuna.trial import TrialState
 
         optuna.logging.set_verbosity(optuna.logging.ERROR)
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        self._storage = optuna.storages.RDBStorage(f"sqlite:///{self._path}")
+        if self._path is not None:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._storage = optuna.storages.RDBStorage(f"sqlite:///{self._path}")
         self._study = optuna.create_study(
             study_name=STUDY,
             storage=self._storage,
             load_if_exists=True,
-            directions=["minimize"] * self._objectives,
+            directions=["minimize"] * self._space.objectives,
             sampler=self._make_sampler(optuna),
             pruner=optuna.pruners.NopPruner(),
         )
@@ -90,9 +105,9 @@ class Searcher:
         samplers = optuna.samplers
         # Another seed after a restart: else it would ask for what it has asked for already.
         seed = self._seed
-        if self._sampler == "cmaes":
+        if self._space.sampler == "cmaes":
             return samplers.CmaEsSampler(seed=seed, n_startup_trials=STARTUP_TRIALS)
-        if self._sampler == "nsga2":
+        if self._space.sampler == "nsga2":
             return samplers.NSGAIISampler(seed=seed, population_size=max(8, STARTUP_TRIALS))
         return samplers.TPESampler(seed=seed, n_startup_trials=STARTUP_TRIALS)
 
@@ -113,7 +128,7 @@ class Searcher:
 
             distributions = {
                 each.name: optuna.distributions.FloatDistribution(each.low, each.high, log=each.log)
-                for each in self._dimensions
+                for each in self._space.dimensions
             }
             trial = self._study.ask(distributions)
             self._open_trials[trial.number] = trial
@@ -138,7 +153,7 @@ class Searcher:
             from optuna.trial import TrialState
 
             trial = self._open_trials.pop(asked.number)
-            if self._objectives == 1:
+            if self._space.objectives == 1:
                 trial.report(value, 0)
                 trial.set_constraint(LOST, 0.0)
                 self._study.tell(trial, state=TrialState.PRUNED)

@@ -27,6 +27,7 @@ from .record import Held, StudyRecord
 from .run import StudyRun
 from .store import StudyStore
 from .table_settings import with_registers
+from .twins.executor import Executor
 
 log = logging.getLogger("stepscope.studies")
 
@@ -67,10 +68,13 @@ class StudyService:
         profiles: ProfileService,
         recordings: RecordingService,
         profile_store: ProfileStore,
+        executor: Callable[[], Executor],
     ) -> None:
+        """`executor` makes what runs twins, for one search."""
         self._clock, self._device_of = clock, device_of
         self._procedures, self._profiles = procedures, profiles
         self._recordings, self._profile_store = recordings, profile_store
+        self._executor = executor
         self._store = StudyStore(data_dir, aside=isinstance(clock, WallClock))
         self._runs: dict[str, StudyRun] = {}
         self._ending: set[asyncio.Task[None]] = set()
@@ -146,7 +150,7 @@ class StudyService:
         record.recording = await self._start_recording(device, axis, record, kind.channels)
         keeper = _Kept(self._store, record.id, self._note, record.recording)
         run = kind.make(device, axis, self._clock, record, keeper)
-        run.over = lambda: self._ended(record)
+        run.over, run.executor = lambda: self._ended(record), self._executor
         await keeper.save(record)
         try:
             self._procedures.start(run)

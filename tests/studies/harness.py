@@ -18,6 +18,7 @@ from app.studies.kinds import KINDS
 from app.studies.record import StudyRecord
 from app.studies.run import StudyRun
 from app.studies.store import StudyStore
+from app.studies.twins.local import Here
 from tests.devices.tmc5xxx.harness import bench
 
 START = Start(vmax=50_000, amax=200_000, vstart=0, counts_per_rev=40_000)
@@ -69,6 +70,7 @@ class Studied:
         """A study of the kind that the document asks for, on axis 0; `record`: one to be gone on with."""
         record = record or self.store.begin(document)
         run = KINDS[document.study.kind].make(self.device, 0, self.clock, record, Kept(self.store, record.id))
+        run.executor = Here
         return self.procedures.start(run)
 
     async def finish(self, run: StudyRun, within_s: float = 2000.0) -> StudyRecord:

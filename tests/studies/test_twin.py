@@ -1,19 +1,22 @@
-"""A study tried on a twin first: what a twin is made of, and that the axis decides all the same."""
+"""A study tried on a twin first: what a twin is made of, who runs it, and that the axis decides all the same."""
 
 from __future__ import annotations
 
+import asyncio
+import os
+import signal
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from app.profiles.capture import capture
-from app.studies.record import StudyRecord
-from app.studies.twin import jobs_of, tried_on_twins
-from tests.studies.harness import Studied, studied
+import pytest
 
-MOTOR = {"holding_torque_nm": 0.45, "load_inertia_kgm2": 5e-4, "load_friction_nm": 0.1}
-MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
-LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+from app.studies.record import StudyRecord, Trial
+from app.studies.twins.executor import JobLost
+from app.studies.twins.local import Here, Processes
+from app.studies.twins.twin import run_job
+from tests.studies.harness import Studied, studied
+from tests.studies.twin_jobs import LOAD, MOTOR, MOVE, move_job
 
 
 def twinned(**motor: Any) -> dict[str, Any]:
@@ -30,13 +33,15 @@ async def test_the_best_of_the_twin_come_first_and_the_axis_proves_them(tmp_path
     async with studied(tmp_path, load=LOAD) as s:
         record = await done(s, twinned())
         assert 1 <= len(record.twin) <= 3
-        times = [one.time_s for one in record.twin]
+        times = [one.value for one in record.twin]
         assert all(later > 1.07 * earlier for earlier, later in pairwise(times))
         first = record.trials[0].setting
         assert all(abs(first[name] / record.twin[-1].setting[name] - 1) < 0.01 for name in first)
         assert record.improved
         assert record.evidence is not None
         assert record.evidence.share < -0.4, "five trials are enough where a like twin has looked before"
+        (found,) = (one for one in record.findings if one.name == "twin")
+        assert "of 10 settings held" in found.text
 
 
 async def test_a_twin_that_is_too_strong_fools_nobody(tmp_path: Path) -> None:
@@ -49,15 +54,64 @@ async def test_a_twin_that_is_too_strong_fools_nobody(tmp_path: Path) -> None:
 
 async def test_a_twin_knows_the_registers_and_what_it_is_told_and_nothing_of_the_emulator(tmp_path: Path) -> None:
     async with studied(tmp_path, load=LOAD, supply_v=37.5) as s:
-        document = s.document(twinned())
-        jobs = jobs_of(s.device, 0, document, await capture(s.device))
-        assert "37.5" not in repr(jobs)
-        assert len({job.document["seed"] for job in jobs}) == len(jobs)
-        assert sum(job.document["budget"]["trials"] for job in jobs) >= 10
+        assert "37.5" not in repr(await move_job(s))
 
 
-async def test_it_runs_in_processes_too(tmp_path: Path) -> None:
+async def test_a_setting_comes_to_the_same_wherever_its_twin_runs_and_a_dead_process_costs_nothing_else(
+    tmp_path: Path,
+) -> None:
     async with studied(tmp_path, load=LOAD) as s:
-        jobs = jobs_of(s.device, 0, s.document(twinned()), await capture(s.device))[:1]
-        here = await tried_on_twins(jobs, 3, aside=False)
-        assert await tried_on_twins(jobs, 3, aside=True) == here
+        job, longer = await move_job(s), await move_job(s, distance=20_000_000)
+    here = await asyncio.to_thread(run_job, job)
+    assert Trial.model_validate(here).state == "feasible"
+    processes = Processes(1)
+    try:
+        assert await processes.ready() == 1
+        assert await processes.submit(job) == here
+        (pid,) = processes.pids
+        killed = asyncio.create_task(processes.submit(longer))
+        next_one = asyncio.create_task(processes.submit(job))
+        await asyncio.sleep(0.2)  # it is under way
+        os.kill(pid, signal.SIGKILL)
+        with pytest.raises(JobLost, match="gone"):
+            await killed
+        assert await next_one == here
+        assert processes.pids != [pid]
+    finally:
+        await processes.close()
+
+
+async def test_a_twin_that_cannot_be_made_costs_nothing_on_the_axis(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        run = s.begin(s.document({**twinned(), "twin": {"trials": 5}}, budget={"trials": 2}))
+        run.executor = Unready
+        record = await s.finish(run)
+        assert record.state == "done"
+        (found,) = (one for one in record.findings if one.name == "twin")
+        assert (found.sure, found.text) == ("missing", "could not be tried: nobody here")
+        assert len(record.trials) >= 2
+
+
+class Unready(Here):
+    async def ready(self) -> int:
+        raise JobLost("nobody here")
+
+
+async def test_a_lost_worker_costs_its_setting_only(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=LOAD) as s:
+        run = s.begin(s.document(twinned(), budget={"trials": 2}))
+        run.executor = Dying
+        record = await s.finish(run)
+        assert record.state == "done"
+        (found,) = (one for one in record.findings if one.name == "twin")
+        assert "1 lost with a worker" in found.text
+        assert record.twin
+
+
+class Dying(Here):
+    """Loses the third setting, as a worker does that is killed."""
+
+    async def submit(self, job: Any) -> dict[str, Any]:
+        if job.number == 2:
+            raise JobLost("gone")
+        return await super().submit(job)

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import math
-import random
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from ...clock import Clock, WallClock
-from ...devices.core.capabilities import PositionFromEncoder
-from ...devices.core.device import Device
-from ...errors import BenchError, SoftLimit, WrongState
+from ...clock import WallClock
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ...profiles.capture import capture
 from ..document import FastestMove
-from ..moves import MeasuredMoves, MoveFigures
 from ..parts import Interval
 from ..proof import is_better, paired_effect, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
-from ..record import Evidence, Figures, Pair, StudyRecord, Trial
-from ..run import Keeper, StudyRun
-from ..search import Asked, Searcher
-from ..twin import jobs_of, tried_on_twins
+from ..record import Evidence, Figures, Pair, Trial
+from ..run import StudyRun
+from ..search import Asked, Searcher, Space
+from ..twins.search import look_on_twins
 from .ranges import BASELINE_RUNS, Ranges, look
+from .trials import ON_TWIN, MoveTrials, begun, figures_of, told, tried, words_of
 
 ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
@@ -31,22 +26,13 @@ LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
-TOO_SLOW = 10.0
-"""Times the baseline: what is told of a setting without a time."""
 
 
 class FastestMoveStudy(StudyRun):
     """Looks for the ramp with the shortest move there and back at which no step is lost."""
 
     _ranges: Ranges
-    _moves: MeasuredMoves
-
-    def __init__(
-        self, device: Device, axis: int, clock: Clock, record: StudyRecord, keeper: Keeper, *, proves: bool = True
-    ) -> None:
-        """`proves` False: the search alone, as on a twin."""
-        super().__init__(device, axis, clock, record, keeper)
-        self._proves = proves
+    _trials: MoveTrials
 
     @property
     def wanted(self) -> FastestMove:
@@ -56,9 +42,16 @@ class FastestMoveStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ranges = self._ranges = (await look(self.device, self.axis, wanted)).required()
-        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ranges.microsteps, wanted.band_fullsteps)
-        self._way_before = record.way_fullsteps
-        self._random = random.Random(record.document.seed + len(record.trials))
+        seed = record.document.seed + len(record.trials)
+        self._trials = MoveTrials(self.device, self.axis, self.clock, wanted, ranges, seed, self.apply)
+        self._trials.losing = lambda: self.keeper.mark("steps lost: the position is taken from the encoder")
+        way_before = record.way_fullsteps
+
+        def ran() -> None:
+            record.runs += 1
+            record.way_fullsteps = way_before + self._trials.moves.way_fullsteps
+
+        self._trials.ran = ran
         if not record.baseline:
             record.baseline = ranges.space.before
             record.baseline_setting = ranges.space.now()
@@ -67,52 +60,9 @@ class FastestMoveStudy(StudyRun):
         await self._baseline()
         await self._twins()
         await self._search()
-        if self._proves:
-            await self._proof()
+        await self._proof()
         await self.back()
-        await self._moves.go(ranges.start)
-
-    # --- one run ----------------------------------------------------------------------------------
-
-    async def _run_once(self, jitter: int | None = None) -> tuple[MoveFigures, MoveFigures]:
-        """There and back, from a place of the electrical period that is drawn anew. Lost steps are mended."""
-        ranges, wanted = self._ranges, self.wanted
-        way = 1 if wanted.distance > 0 else -1
-        begin = ranges.start + way * (self._random.randrange(ranges.period) if jitter is None else jitter)
-        await self._moves.go(begin)
-        there = await self._moves.measured(begin + wanted.distance)
-        if there.lost_fullsteps:
-            await self._mend()
-            figures = there, there
-        else:
-            back = await self._moves.measured(begin)
-            if back.lost_fullsteps:
-                await self._mend()
-            figures = there, back
-        self.record.runs += 1
-        self.record.way_fullsteps = self._way_before + self._moves.way_fullsteps
-        return figures
-
-    async def _mend(self) -> None:
-        """After lost steps: the position as the encoder has it, and slowly back to where the study began."""
-        self.keeper.mark("steps lost: the position is taken from the encoder")
-        await self.device.need(PositionFromEncoder).position_from_encoder(self.axis)
-        await self.apply(self.record.baseline, "the setting before the study")
-        await self._moves.go(self._ranges.start)
-
-    @staticmethod
-    def _figures(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
-        moves = [move for run in runs for move in run]
-        times = [move.time_s for move in moves]
-        known = [time_s for time_s in times if time_s is not None]
-        whole = len(known) == len(times) and len(known) > 0
-        return Figures(
-            time_s=statistics.fmean(known) if whole else None,
-            spread_s=statistics.stdev(known) if whole and len(known) > 2 else None,
-            deviation_fullsteps=max((move.deviation_fullsteps for move in moves), default=None),
-            lost_fullsteps=max((move.lost_fullsteps for move in moves), default=0.0),
-            runs=len(runs),
-        )
+        await self._trials.moves.go(ranges.start)
 
     # --- baseline ---------------------------------------------------------------------------------
 
@@ -123,13 +73,11 @@ class FastestMoveStudy(StudyRun):
         self.tell("baseline", 0.0, "moving as the axis is set now")
         self.keeper.mark("baseline")
         self._touched = True  # a loss is mended by the setting before, which writes
-        # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._moves.go(self._ranges.start + (1 if self.wanted.distance > 0 else -1) * self._ranges.period)
-        await self._moves.go(self._ranges.start)
+        await self._trials.fall_into_step()
         runs = []
         for index in range(BASELINE_RUNS):
-            runs.append(await self._run_once())
-            figures = self._figures(runs)
+            runs.append(await self._trials.once())
+            figures = figures_of(runs)
             if figures.lost_fullsteps:
                 raise Failed(
                     f"position and encoder part by {figures.lost_fullsteps:g} full steps as the axis is set now: "
@@ -141,7 +89,7 @@ class FastestMoveStudy(StudyRun):
                     "of the target: its resolution is set wrong (first look), or the band is too narrow"
                 )
             self.tell("baseline", 0.05 * (index + 1) / BASELINE_RUNS, "moving as the axis is set now")
-        record.baseline_figures = self._figures(runs)
+        record.baseline_figures = figures_of(runs)
         await self.keeper.save(record)
 
     # --- the twin first ---------------------------------------------------------------------------
@@ -149,28 +97,16 @@ class FastestMoveStudy(StudyRun):
     async def _twins(self) -> None:
         """Search on twins, and remember the best; the motor rests meanwhile. What fails there costs nothing here."""
         record, twin = self.record, self.wanted.twin
-        if twin is None or record.twin or record.trials:
-            return
-        self.tell("twin", 0.05, f"trying {twin.trials} settings on an emulated twin")
-        profile = await capture(self.device)
-        jobs = jobs_of(self.device, self.axis, record.document, profile)
-        try:
-            record.twin = await tried_on_twins(jobs, twin.best, aside=isinstance(self.clock, WallClock))
-        except (BenchError, ValueError, OSError) as error:
-            record.next = f"the twin could not be tried: {error}"
-        await self.keeper.save(record)
+        if twin is not None and not record.twin and not record.trials:
+            await look_on_twins(self, ON_TWIN, twin, self._space(), self._ladder())
 
     # --- search -----------------------------------------------------------------------------------
 
     async def _search(self) -> None:
-        record, wanted, budget = self.record, self.wanted, self.record.document.budget
-        objectives = 2 if wanted.quiet else 1
-        sampler = wanted.sampler or ("nsga2" if wanted.quiet else "tpe")
+        record, budget = self.record, self.record.document.budget
         searcher = Searcher(
             self.keeper.folder / "optuna.db",
-            self._ranges.dimensions,
-            objectives,
-            sampler,
+            self._space(),
             record.document.seed + len(record.trials),
             aside=isinstance(self.clock, WallClock),
         )
@@ -196,6 +132,11 @@ class FastestMoveStudy(StudyRun):
         finally:
             searcher.close()
 
+    def _space(self) -> Space:
+        quiet = self.wanted.quiet
+        sampler = self.wanted.sampler or ("nsga2" if quiet else "tpe")
+        return Space(self._ranges.dimensions, 2 if quiet else 1, sampler)
+
     def _moved(self) -> int:
         return sum(trial.state != "pruned" for trial in self.record.trials)
 
@@ -211,81 +152,21 @@ class FastestMoveStudy(StudyRun):
         return [{each.name: min(now[each.name] * times, each.high) for each in dimensions} for times in LADDER]
 
     async def _trial(self, searcher: Searcher, asked: Asked) -> Trial:
-        record, space = self.record, self._ranges.space
-        setting = space.rounded(asked.values)
-        expected_s = least_time_s(self.wanted.distance, setting[SPEED], setting[ACCELERATION])
-        trial = Trial(
-            number=asked.number,
-            setting=setting,
-            registers=space.registers(setting),
-            state="pruned",
-            figures=Figures(),
-            expected_s=expected_s,
-            at_s=round(self.since_s, 3),
-        )
-        baseline = record.baseline_figures
-        assert baseline is not None
-        assert baseline.time_s is not None
-        trial.why = self._hopeless(setting, expected_s)
+        trial = begun(asked, self._ranges, self.wanted, self.since_s)
+        assert trial.expected_s is not None
+        trial.why = self._hopeless(trial.setting, trial.expected_s)
         if trial.why:
-            await searcher.prune(asked, expected_s)
+            await searcher.prune(asked, trial.expected_s)
             return trial
-        self.keeper.mark(f"trial {asked.number}: {self._words(setting)}")
-        try:
-            trial.figures = await self._measure(setting)
-        except (Failed, SoftLimit, WrongState) as error:
-            trial.state, trial.why = "failed", str(error)
+        self.keeper.mark(f"trial {asked.number}: {words_of(trial.setting)}")
+        await tried(self._trials, trial)
+        if trial.state == "failed":
             await searcher.fail(asked)
-            await self._moves_home()
-            return trial
-        figures = trial.figures
-        trial.state = "feasible" if not figures.lost_fullsteps and figures.time_s is not None else "infeasible"
-        if trial.state == "infeasible":
-            trial.why = (
-                f"{figures.lost_fullsteps:g} full steps lost"
-                if figures.lost_fullsteps
-                else "it did not settle in its band"
-            )
-        time_s = figures.time_s if figures.time_s is not None else TOO_SLOW * baseline.time_s
-        values = [time_s if trial.state == "feasible" else expected_s]
-        if self.wanted.quiet:
-            values.append(figures.deviation_fullsteps or 0.0)
-        violation = figures.lost_fullsteps or (1.0 if trial.state == "infeasible" else 0.0)
-        await searcher.tell(asked, values, violation if trial.state == "infeasible" else -1.0)
+            await self._trials.home()
+        else:
+            of = told(self.wanted, trial)
+            await searcher.tell(asked, of.values, of.violation)
         return trial
-
-    async def _moves_home(self) -> None:
-        await self.apply(self.record.baseline, "the setting before the study")
-        await self._moves.go(self._ranges.start)
-
-    async def _measure(self, setting: Mapping[str, float]) -> Figures:
-        """With the margin first: where that loses steps, the rest is not worth a move."""
-        margin = self.wanted.margin
-        if margin:
-            figures = await self._stress(setting, self.wanted.repeats)
-            if figures.lost_fullsteps:
-                return figures
-        await self._set(setting)
-        runs = [await self._run_once() for _ in range(1 if margin else self.wanted.repeats)]
-        return self._figures(runs)
-
-    async def _stress(self, setting: Mapping[str, float], repeats: int) -> Figures:
-        """As fast as the margin asks."""
-        times = 1 + self.wanted.margin
-        await self._set({name: value * times for name, value in setting.items()})
-        runs = []
-        for _ in range(repeats):
-            runs.append(await self._run_once())
-            if runs[-1][0].lost_fullsteps or runs[-1][1].lost_fullsteps:
-                break
-        return self._figures(runs)
-
-    async def _set(self, setting: Mapping[str, float]) -> None:
-        await self.apply(self._ranges.space.registers(setting), self._words(setting))
-
-    @staticmethod
-    def _words(setting: Mapping[str, float]) -> str:
-        return ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in setting.items())
 
     def _hopeless(self, setting: Mapping[str, float], expected_s: float) -> str:
         """Why a setting need not be tried; empty where it is worth it."""
@@ -350,20 +231,20 @@ class FastestMoveStudy(StudyRun):
         """The pairs of one candidate; False where it lost steps."""
         record, wanted = self.record, self.wanted
         record.pairs, lost, runs = [], 0, 0
-        self.keeper.mark(f"proof of trial {best.number}: {self._words(best.setting)}")
+        self.keeper.mark(f"proof of trial {best.number}: {words_of(best.setting)}")
         for index in range(wanted.pairs):
             if self.spent():
                 break
             self.tell("proof", 0.75 + 0.25 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
-            jitter = self._random.randrange(self._ranges.period)
+            place = self._trials.place()
             # A B, then B A: what drifts with time is neither's advantage.
             order = ("AB", "BA")[index % 2]
             times: dict[str, float] = {}
             for which in order:
-                await self.apply(record.baseline, "the setting before") if which == "A" else await self._set(
+                await self.apply(record.baseline, "the setting before") if which == "A" else await self._trials.set(
                     best.setting
                 )
-                figures = self._figures([await self._run_once(jitter)])
+                figures = figures_of([await self._trials.once(place)])
                 if which == "B":
                     runs += 1
                     lost += bool(figures.lost_fullsteps)
@@ -373,7 +254,7 @@ class FastestMoveStudy(StudyRun):
                     return self._refuted(best, figures)
                 times[which] = figures.time_s
             if wanted.margin:
-                figures = await self._stress(best.setting, 1)
+                figures = await self._trials.stress(best.setting, 1)
                 runs += figures.runs
                 if figures.lost_fullsteps:
                     return self._refuted(best, figures)

@@ -15958,8 +15958,17 @@ export interface components {
             setting: {
                 [key: string]: number;
             };
-            /** Time S */
-            time_s: number;
+            /**
+             * Time S
+             * @description there, where what is looked for is a time [s]
+             */
+            time_s: number | null;
+            /**
+             * Value
+             * @description there, of the first objective: the less the better
+             * @default 0
+             */
+            value: number;
         };
         /**
          * TwinShow

@@ -1,0 +1,182 @@
+"""A setting of the fastest move tried: there and back with it, with its margin first. On the axis, or on its twin."""
+
+from __future__ import annotations
+
+import random
+import statistics
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+
+from ...clock import Clock
+from ...devices.core.capabilities import PositionFromEncoder
+from ...devices.core.device import Device
+from ...errors import SoftLimit, WrongState
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ...profiles.apply import Transaction
+from ..document import FastestMove, StudyDocument
+from ..moves import MeasuredMoves, MoveFigures
+from ..ramp_settings import ACCELERATION, SPEED, UNITS, document_of, least_time_s
+from ..record import Figures, Held, Trial
+from ..search import Asked, Told
+from ..twins.on_twin import OnTwin
+from .ranges import Ranges, look
+
+Apply = Callable[[Sequence[Held], str], Awaitable[None]]
+
+
+class MoveTrials:
+    """Moves there and back with a setting; lost steps are mended after each."""
+
+    def __init__(
+        self, device: Device, axis: int, clock: Clock, wanted: FastestMove, ranges: Ranges, seed: int, apply: Apply
+    ) -> None:
+        """`apply` sets registers, and is told what for."""
+        self._device, self._axis, self._wanted, self._ranges, self._apply = device, axis, wanted, ranges, apply
+        self._random = random.Random(seed)
+        self.moves = MeasuredMoves(device, axis, clock, ranges.microsteps, wanted.band_fullsteps)
+        self.ran: Callable[[], None] = lambda: None
+        """Called after each move there and back."""
+        self.losing: Callable[[], None] = lambda: None
+        """Called where steps were lost, before that is mended."""
+
+    def place(self) -> int:
+        """A place of the electrical period, drawn anew [microsteps from where the study began]."""
+        return self._random.randrange(self._ranges.period)
+
+    async def fall_into_step(self) -> None:
+        """A rotor that stood beside its field when it was switched on falls into step with the first move."""
+        await self.moves.go(self._ranges.start + (1 if self._wanted.distance > 0 else -1) * self._ranges.period)
+        await self.moves.go(self._ranges.start)
+
+    async def once(self, place: int | None = None) -> tuple[MoveFigures, MoveFigures]:
+        """There and back, from a place of the electrical period. Raises Failed, BenchError."""
+        wanted = self._wanted
+        way = 1 if wanted.distance > 0 else -1
+        begin = self._ranges.start + way * (self.place() if place is None else place)
+        await self.moves.go(begin)
+        there = await self.moves.measured(begin + wanted.distance)
+        if there.lost_fullsteps:
+            await self._mend()
+            figures = there, there
+        else:
+            back = await self.moves.measured(begin)
+            if back.lost_fullsteps:
+                await self._mend()
+            figures = there, back
+        self.ran()
+        return figures
+
+    async def _mend(self) -> None:
+        """The position as the encoder has it, and slowly back to where the study began."""
+        self.losing()
+        await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
+        await self.home()
+
+    async def home(self) -> None:
+        """With the setting before to where the study began. Raises Failed, BenchError."""
+        await self._apply(self._ranges.space.before, "the setting before the study")
+        await self.moves.go(self._ranges.start)
+
+    async def measure(self, setting: Mapping[str, float]) -> Figures:
+        """With the margin first: where that loses steps, the rest is not worth a move. Raises Failed, BenchError."""
+        if self._wanted.margin:
+            figures = await self.stress(setting, self._wanted.repeats)
+            if figures.lost_fullsteps:
+                return figures
+        await self.set(setting)
+        return figures_of([await self.once() for _ in range(1 if self._wanted.margin else self._wanted.repeats)])
+
+    async def stress(self, setting: Mapping[str, float], repeats: int) -> Figures:
+        """As fast as the margin asks; the first lost step ends it. Raises Failed, BenchError."""
+        times = 1 + self._wanted.margin
+        await self.set({name: value * times for name, value in setting.items()})
+        runs = []
+        for _ in range(repeats):
+            runs.append(await self.once())
+            if runs[-1][0].lost_fullsteps or runs[-1][1].lost_fullsteps:
+                break
+        return figures_of(runs)
+
+    async def set(self, setting: Mapping[str, float]) -> None:
+        """Set speed, acceleration and perhaps jerk. Raises BenchError."""
+        await self._apply(self._ranges.space.registers(setting), words_of(setting))
+
+
+def words_of(setting: Mapping[str, float]) -> str:
+    """A setting for people."""
+    return ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in setting.items())
+
+
+def figures_of(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
+    """Means over runs there and back; the worst of what was lost."""
+    moves = [move for run in runs for move in run]
+    times = [move.time_s for move in moves]
+    known = [time_s for time_s in times if time_s is not None]
+    whole = len(known) == len(times) and len(known) > 0
+    return Figures(
+        time_s=statistics.fmean(known) if whole else None,
+        spread_s=statistics.stdev(known) if whole and len(known) > 2 else None,
+        deviation_fullsteps=max((move.deviation_fullsteps for move in moves), default=None),
+        lost_fullsteps=max((move.lost_fullsteps for move in moves), default=0.0),
+        runs=len(runs),
+    )
+
+
+def begun(asked: Asked, ranges: Ranges, wanted: FastestMove, at_s: float) -> Trial:
+    """The trial of what was asked for, before it is tried. at_s : since the study began [s]"""
+    setting = ranges.space.rounded(asked.values)
+    return Trial(
+        number=asked.number,
+        setting=setting,
+        registers=ranges.space.registers(setting),
+        state="pruned",
+        figures=Figures(),
+        expected_s=least_time_s(wanted.distance, setting[SPEED], setting[ACCELERATION]),
+        at_s=round(at_s, 3),
+    )
+
+
+async def tried(trials: MoveTrials, trial: Trial) -> None:
+    """Try it, and write down whether it held. Raises BenchError where the device does not answer."""
+    try:
+        trial.figures = await trials.measure(trial.setting)
+    except (Failed, SoftLimit, WrongState) as error:
+        trial.state, trial.why = "failed", str(error)
+        return
+    figures = trial.figures
+    if figures.lost_fullsteps:
+        trial.state, trial.why = "infeasible", f"{figures.lost_fullsteps:g} full steps lost"
+    elif figures.time_s is None:
+        trial.state, trial.why = "infeasible", "it did not settle in its band"
+    else:
+        trial.state = "feasible"
+
+
+def told(wanted: FastestMove, trial: Trial) -> Told:
+    """What the search is told of a trial that held, or did not."""
+    figures = trial.figures
+    first = figures.time_s if trial.state == "feasible" else trial.expected_s
+    assert first is not None
+    values = [first, figures.deviation_fullsteps or 0.0] if wanted.quiet else [first]
+    return Told(values, -1.0 if trial.state == "feasible" else figures.lost_fullsteps or 1.0)
+
+
+async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocument, asked: Asked) -> Trial:
+    wanted = document.wanted(FastestMove)
+    ranges = (await look(device, axis, wanted)).required()
+
+    async def apply(registers: Sequence[Held], what: str) -> None:
+        await Transaction(device, document_of(device, registers, what)).run()
+
+    trials = MoveTrials(device, axis, clock, wanted, ranges, document.seed + asked.number, apply)
+    trial = begun(asked, ranges, wanted, 0.0)
+    await trials.fall_into_step()
+    await tried(trials, trial)
+    return trial
+
+
+def _told_of_twin(document: StudyDocument, trial: Trial) -> Told:
+    return told(document.wanted(FastestMove), trial)
+
+
+ON_TWIN = OnTwin(_on_twin, _told_of_twin)
