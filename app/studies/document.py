@@ -163,10 +163,12 @@ class StallGuard(Part):
         default=8.0, description="a stall that is not told so far into the stop is missed [full steps]"
     )
     free_runs: Annotated[int, Field(strict=True, ge=20, le=3000)] = Field(
-        default=100, description="of the proof, at each speed: 299 without a false stall show less than 1 %"
+        default=100,
+        description="of the proof, at each speed: 299 without a false stall show less than 1 %; from 366 on up to two "
+        "false ones are made up for by more runs",
     )
     stops: Annotated[int, Field(strict=True, ge=10, le=1000)] = Field(
-        default=20, description="runs into the stop of the proof, at each speed"
+        default=20, description="runs into the stop of the proof, at each speed: the same of missed ones"
     )
     rate_max: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
         default=0.01,

@@ -57,18 +57,27 @@ def is_better(effect: PairedEffect, old_mean: float, smallest_share: float) -> b
     return effect.p < LEVEL and effect.high < -abs(smallest_share * old_mean)
 
 
-def rate_bound(failures: int, runs: int) -> float:
-    """Upper bound of a failure rate, 95 %, one-sided, exact (Clopper and Pearson); 1 without any run.
+def rate_bound(failures: int, runs: int, level: float = LEVEL) -> float:
+    """Upper bound of a failure rate, one-sided, exact (Clopper and Pearson), wrong in a share `level`; 1 without a run.
 
-    0 of 59 runs shows less than 5 %, 0 of 299 less than 1 %.
+    At 95 % 0 of 59 runs shows less than 5 %, 0 of 299 less than 1 %.
     """
     if runs <= 0 or failures >= runs:
         return 1.0
     if failures == 0:
-        return float(1 - LEVEL ** (1 / runs))
+        return float(1 - level ** (1 / runs))
     from scipy import stats
 
-    return float(stats.beta.ppf(1 - LEVEL, failures + 1, runs - failures))
+    return float(stats.beta.ppf(1 - level, failures + 1, runs - failures))
+
+
+def rate_shown(failures: int, runs: int) -> float:
+    """Lower bound of a failure rate, 95 %, one-sided, exact; 0 where nothing failed."""
+    if failures <= 0:
+        return 0.0
+    from scipy import stats
+
+    return float(stats.beta.ppf(LEVEL, failures, runs - failures + 1))
 
 
 def runs_for(rate: float) -> int:

@@ -44,7 +44,7 @@ from tests.bench import (
     uart_link,
     velocity_stream,
 )
-from tests.bench.studies import fastest_move, microstep_calibration, stallguard, twins
+from tests.bench.studies import aborts, fastest_move, microstep_calibration, stallguard, twins
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -67,6 +67,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "study microstep calibration": microstep_calibration.measure,
     "study stallguard": stallguard.measure,
     "study twins": twins.measure,
+    "study aborts": aborts.measure,
     "lossy": lossy_download.measure,
     "uart": uart_link.measure,
     "velocity": velocity_stream.measure,

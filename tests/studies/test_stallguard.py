@@ -17,7 +17,7 @@ from app.procedures.procedure import Failed
 from app.studies.plan import StudyPlan
 from app.studies.report import html_of
 from app.studies.stallguard import plan as stallguard
-from app.studies.stallguard.choice import Measured, Run, apart, choices, roc
+from app.studies.stallguard.choice import Choice, Measured, Run, choices, may_do, roc
 from app.studies.stallguard.runs import StallRuns
 from app.studies.stallguard.scale import Scale
 from app.studies.store import StudyStore
@@ -159,28 +159,55 @@ def test_the_levels_of_a_roc_are_counted() -> None:
     assert roc(free, stops) == [(1, 0, 0.5), (3, 0.5, 0), (5, 1, 0)]
 
 
+def first_choice(*measured: Measured) -> Choice:
+    return next(choices(measured, SGT, 0.9, 0.01))
+
+
 def test_the_filter_is_taken_where_single_values_overlap_and_not_before() -> None:
     rng = np.random.default_rng(1)
     clear = Measured(1.0, 100.0, runs(rng, 300, 20, 40), runs(rng, -100, 20, 12, 8))
-    assert not next(choices([clear], SGT, 0.9)).filtered
+    assert not first_choice(clear).filtered
     # A run into the stop has few values, a free one many: one of them is low.
     wild = Measured(1.0, 100.0, runs(rng, 300, 500, 40), runs(rng, -190, 10, 12, 8))
-    assert next(choices([wild], SGT, 0.9)).filtered
+    assert first_choice(wild).filtered
+
+
+def test_a_filtered_value_is_0_where_all_of_its_four_are() -> None:
+    run = Run(np.array([9.0, 5.0, 1.0, 2.0, 3.0, 30.0, 1.0, 1.0, 0.0]), np.full(9, 100.0))
+    assert (run.least(0.0, filtered=False), run.least(0.0, filtered=True)) == (0.0, 9.0)
 
 
 def test_the_most_speeds_come_first_and_a_speed_that_cannot_is_left_out() -> None:
     rng = np.random.default_rng(2)
     slow = Measured(
-        0.1, 10.0, [Run(one.values, one.speeds_pps / 10) for one in runs(rng, -60, 60, 40)], runs(rng, -100, 20, 12)
+        0.1, 10.0, [Run(one.values, one.speeds_pps / 10) for one in runs(rng, -100, 20, 40)], runs(rng, -100, 20, 12)
     )
     good = [Measured(v, v * 100, runs(rng, 300, 20, 40), runs(rng, -100, 20, 12, 8)) for v in (0.5, 1.0)]
-    first = next(choices([slow, *good], SGT, 0.9))
+    first = first_choice(slow, *good)
     assert (first.first, first.last) == (1, 2)
     assert -100 < SGT.level(first.threshold) < 280
 
 
-def test_a_level_on_the_wrong_side_or_at_the_end_of_the_gap_is_none() -> None:
-    free, stops = np.array([200.0, 210.0, 205.0]), np.array([-100.0, -90.0, -95.0])
-    assert apart(free, stops, 50.0) > 5
-    assert apart(free, stops, 195.0) <= 0
-    assert apart(free, stops, -95.0) <= 0
+def test_one_stall_of_twenty_that_is_like_a_free_run_leaves_it_open_and_two_do_not() -> None:
+    free = np.full(40, 200.0)
+    stops = np.array([-100.0] * 19 + [300.0])
+    assert may_do(free, stops, 50.0, 0.01)
+    assert not may_do(free, np.append(stops[1:], 300.0), 50.0, 0.01)
+
+
+def test_a_wide_gap_is_halved_and_a_narrow_one_split_by_how_far_either_spreads() -> None:
+    rng = np.random.default_rng(3)
+    wide = first_choice(Measured(1.0, 100.0, runs(rng, 400, 3, 40), runs(rng, -100, 3, 20)))
+    assert SGT.level(wide.threshold) == pytest.approx(150, abs=20)
+    narrow = first_choice(Measured(1.0, 100.0, runs(rng, 100, 30, 40, 1), runs(rng, -20, 10, 20, 1)))
+    assert -10 < SGT.level(narrow.threshold) < 40
+
+
+def test_what_is_wrong_rules_out_half_of_the_thresholds_that_are_left() -> None:
+    choice = Choice(0, 0, False, (9, 8, 7, 6, 5, 4, 3), 6, 0.0)
+    lower, higher = choice.without(false=True), choice.without(false=False)
+    assert lower is not None
+    assert higher is not None
+    assert (lower.thresholds, lower.threshold) == ((9, 8, 7), 8)
+    assert (higher.thresholds, higher.threshold) == ((5, 4, 3), 4)
+    assert Choice(0, 0, False, (9, 8), 9, 0.0).without(false=True) is None

@@ -1,43 +1,46 @@
 """Which threshold tells a stall from a free run: by the least load value of each run, free ones and those into a stop.
 
 A stall is told by the first value at or below a level, so of a run its least value alone counts. Free runs are to
-stay above the level, runs into the stop to come to it.
+stay above the level, runs into the stop to come to it. The rate of false stalls rises with the level and that of
+missed ones falls: a level that gets one of them wrong rules out all beyond it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...telemetry.sampling import FloatArray
+from ..proof import rate_shown
 from .scale import Scale
 
-APART = 2.0
-"""How many standard deviations of the least values a level has to be from their mean, on either side, to be tried: of
-a normal one once in 44 is beyond that. What holds, the proof tells."""
-CENTRE = 0.2
-"""Share of the gap between free runs and stalls that a level keeps from its ends."""
+WELL_BELOW = 0.1
+"""Share of the asked rate that is to be expected at the most where the middle of all such levels is taken."""
 FILTERED = 4
-"""Values that the filter takes the mean of: four full steps."""
+"""Values that the filter puts together: of four full steps."""
 LEAST_SPREAD = 1.0
 """Of least values [counts]: they are whole numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run: load values as they would be at threshold 0, and the speeds that they were measured at [pps]."""
+    """One run: a load value a full step, as it would be at threshold 0, and the speeds it was measured at [pps]."""
 
     values: FloatArray
     speeds_pps: FloatArray
 
     def least(self, above_pps: float, filtered: bool) -> float | None:
-        """The least value at `above_pps` or more, of the means of four with the filter; None of none."""
+        """The least level at which it is a stall, of values at `above_pps` or more; None without any.
+
+        A value is cut at 0 before the filter takes the mean of four: that is 0 where all of them are.
+        """
         values = self.values[self.speeds_pps >= above_pps]
         if filtered:
             whole = len(values) // FILTERED * FILTERED
-            values = values[:whole].reshape(-1, FILTERED).mean(axis=1)
+            values = values[:whole].reshape(-1, FILTERED).max(axis=1)
         return float(values.min()) if len(values) else None
 
 
@@ -59,14 +62,26 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A setting: at which of the speeds, from the first to the last, it tells a stall, and how sure that looks."""
+    """Thresholds of which one may do it, at each of the speeds from the first to the last.
+
+    thresholds : those that are left of it, by rising level
+    threshold : the one to be tried
+    rate : what it is expected to get wrong of its runs, false stalls or missed ones
+    """
 
     first: int
     last: int
     filtered: bool
+    thresholds: tuple[int, ...]
     threshold: int
-    apart: float
-    """Standard deviations to the nearest of free runs and stalls."""
+    rate: float
+
+    def without(self, *, false: bool) -> Choice | None:
+        """After the threshold got too much wrong: the middle of what is left, so that half of it goes with each; None
+        where nothing is. `false`: it was false stalls, else missed ones."""
+        at = self.thresholds.index(self.threshold)
+        left = self.thresholds[:at] if false else self.thresholds[at + 1 :]
+        return replace(self, thresholds=left, threshold=left[len(left) // 2]) if left else None
 
 
 def roc(free: FloatArray, stops: FloatArray) -> list[tuple[float, float, float]]:
@@ -75,43 +90,63 @@ def roc(free: FloatArray, stops: FloatArray) -> list[tuple[float, float, float]]
     return [(float(level), float((free <= level).mean()), float((stops > level).mean())) for level in levels]
 
 
-def apart(free: FloatArray, stops: FloatArray, level: float) -> float:
-    """How far `level` is from both, in their standard deviations; negative where it lies on the wrong side of one."""
-    if len(free) < 2 or len(stops) < 2:
-        return float("-inf")
-    gap = float(free.min() - stops.max())
-    from_free = (float(free.mean()) - level) / max(float(free.std(ddof=1)), LEAST_SPREAD)
-    from_stops = (level - float(stops.mean())) / max(float(stops.std(ddof=1)), LEAST_SPREAD)
-    if gap <= 0 or not stops.max() + CENTRE * gap <= level <= free.min() - CENTRE * gap:
-        return min(from_free, from_stops, 0.0)
-    return min(from_free, from_stops)
+def may_do(free: FloatArray, stops: FloatArray, level: float, rate_max: float) -> bool:
+    """Whether these runs leave it open that a level gets fewer than `rate_max` wrong of either."""
+    false, missed = int((free <= level).sum()), int((stops > level).sum())
+    return rate_shown(false, len(free)) <= rate_max and rate_shown(missed, len(stops)) <= rate_max
 
 
-def choices(measured: Sequence[Measured], scale: Scale, armed_share: float) -> Iterator[Choice]:
-    """Settings that look as if they did it, the one for the most speeds first; without the filter before with it.
+def expected(free: FloatArray, stops: FloatArray, levels: FloatArray) -> FloatArray:
+    """What each level gets wrong of further runs, false stalls or missed ones, whichever is more.
+
+    By Student's t of one more run as if least values were normal: few runs tell less of its tail than many.
+    """
+    from scipy import stats
+
+    def t_of(values: FloatArray) -> FloatArray:
+        spread = max(float(values.std(ddof=1)), LEAST_SPREAD) * math.sqrt(1 + 1 / len(values))
+        return np.asarray((levels - float(values.mean())) / spread, dtype=float)
+
+    false = stats.t.cdf(t_of(free), len(free) - 1)
+    missed = stats.t.sf(t_of(stops), len(stops) - 1)
+    return np.asarray(np.maximum(false, missed), dtype=float)
+
+
+def choices(measured: Sequence[Measured], scale: Scale, armed_share: float, rate_max: float) -> Iterator[Choice]:
+    """Settings that may do it, those for the most speeds first; without the filter before with it.
 
     measured : by rising speed
     armed_share : of the least speed, from which on a stall counts
+    rate_max : of false stalls and of missed ones
     """
     count = len(measured)
     for wide in range(count, 0, -1):
         found = [
-            best
+            one
             for filtered in (False, True)
             for first in range(count - wide + 1)
-            if (best := _best(measured, first, first + wide - 1, scale, armed_share, filtered)) is not None
+            if (one := _choice(measured[first : first + wide], first, scale, armed_share, rate_max, filtered))
         ]
-        yield from sorted(found, key=lambda one: (one.filtered, -one.apart))
+        yield from sorted(found, key=lambda one: (one.filtered, one.rate))
 
 
-def _best(
-    measured: Sequence[Measured], first: int, last: int, scale: Scale, armed_share: float, filtered: bool
+def _choice(
+    measured: Sequence[Measured], first: int, scale: Scale, armed_share: float, rate_max: float, filtered: bool
 ) -> Choice | None:
-    above_pps = armed_share * measured[first].speed_pps
-    pairs = [one.least(above_pps, filtered) for one in measured[first : last + 1]]
-    rated = [
-        (min(apart(free, stops, scale.level(threshold)) for free, stops in pairs), threshold)
-        for threshold in range(scale.low, scale.high + 1)
+    pairs = [one.least(armed_share * measured[0].speed_pps, filtered) for one in measured]
+    if any(len(runs) < 2 for pair in pairs for runs in pair):
+        return None
+    thresholds = [
+        threshold
+        for threshold in sorted(range(scale.low, scale.high + 1), key=scale.level)
+        if all(may_do(*pair, scale.level(threshold), rate_max) for pair in pairs)
     ]
-    far, threshold = max(rated)
-    return Choice(first, last, filtered, threshold, far) if far >= APART else None
+    if not thresholds:
+        return None
+    levels = np.array([scale.level(threshold) for threshold in thresholds])
+    rates = np.max([expected(*pair, levels) for pair in pairs], axis=0)
+    well = np.flatnonzero(rates <= WELL_BELOW * rate_max)
+    at = int(well[len(well) // 2]) if len(well) else int(np.argmin(rates))
+    return Choice(
+        first, first + len(measured) - 1, filtered, tuple(thresholds), thresholds[at], round(float(rates[at]), 12)
+    )

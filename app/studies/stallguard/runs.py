@@ -31,7 +31,7 @@ SAYS_WHY_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """What was measured on a way: position [microsteps], speed [pps], load value."""
+    """What was measured on a way, once a full step: position [microsteps], speed [pps], load value."""
 
     position: FloatArray
     speed_pps: FloatArray
@@ -93,7 +93,10 @@ class StallRuns:
             raise Failed(f"the motor stands at {state.position}, not {target}: {await self._reason()}")
         position, velocity, load = samples.all()[1].T
         known = np.isfinite(position) & np.isfinite(velocity) & np.isfinite(load) & (velocity != 0)
-        return Samples(position[known], np.abs(velocity[known]), load[known])
+        position, velocity, load = position[known], np.abs(velocity[known]), load[known]
+        # A value that was read twice is one: the last of each full step.
+        last = np.diff(position // self._full_step, append=np.inf) != 0
+        return Samples(position[last], velocity[last], load[last])
 
     async def armed(self, target: int) -> int:
         """Move to `target` while a stall stops the motor, and go on after each: how many false stalls there were."""
