@@ -7,6 +7,7 @@ import { draftOf } from "../connections/draft";
 import { useSaveDevice } from "../connections/useConnections";
 import classes from "./firstRun.module.css";
 import type { StepProps } from "./StepProps";
+import { turnsBy } from "./steps";
 import { Term } from "./Term";
 
 const FASTEST_RPS = 5;
@@ -21,12 +22,14 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
   const [sharpest, setSharpest] = useState<number | null>(
     axis.limits.acceleration_max_pps2 == null ? SHARPEST_RPS2 : axis.limits.acceleration_max_pps2 / turn,
   );
+  const ramped = turnsBy(device) === "position";
   const before = draftOf(device);
   const save = useSaveDevice({ device, before });
   const own = {
     full_steps_per_rev: exactText(progress.motor?.fullStepsPerRev ?? axis.full_steps_per_rev),
     "limits.velocity_max_pps": fastest === null ? "" : exactText(fastest * turn),
-    "limits.acceleration_max_pps2": sharpest === null ? "" : exactText(sharpest * turn),
+    // what has no ramp jumps to its speed: such a limit would forbid that it ever moves
+    ...(ramped && { "limits.acceleration_max_pps2": sharpest === null ? "" : exactText(sharpest * turn) }),
   };
   const axes = before.axes.map((values, row) =>
     device.axes[row]?.index === axis.index ? { ...values, ...own } : values,
@@ -47,15 +50,17 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
           onChange={setFastest}
           onClear={() => setFastest(null)}
         />
-        <NumberField
-          label="Sharpest"
-          unit="rev_per_s2"
-          min={0.1}
-          max={100_000}
-          value={sharpest}
-          onChange={setSharpest}
-          onClear={() => setSharpest(null)}
-        />
+        {ramped && (
+          <NumberField
+            label="Sharpest"
+            unit="rev_per_s2"
+            min={0.1}
+            max={100_000}
+            value={sharpest}
+            onChange={setSharpest}
+            onClear={() => setSharpest(null)}
+          />
+        )}
       </div>
       <Group gap="xs" my="sm">
         <Button
@@ -71,8 +76,12 @@ export function LimitsStep({ device, axis, progress, onDone, disabled }: StepPro
       </Group>
       <Text size="sm" className="dim">
         {fastest === null ? "No limit of speed" : `${compact(fastest * turn)} microsteps a second`},{" "}
-        {sharpest === null ? "none of acceleration" : `${compact(sharpest * turn)} microsteps a second squared`},
-        counted with {axis.microsteps_per_full_step ?? axis.driver_microsteps} microsteps a full step.
+        {!ramped
+          ? "and none of acceleration, as it has no ramp of its own"
+          : sharpest === null
+            ? "none of acceleration"
+            : `${compact(sharpest * turn)} microsteps a second squared`}
+        , counted with {axis.microsteps_per_full_step ?? axis.driver_microsteps} microsteps a full step.
       </Text>
       {save.error && <ProblemAlert error={save.error} doing="Setting the limits" onClose={save.reset} />}
     </>
