@@ -136,6 +136,34 @@ class MicrostepCalibration(Part):
     )
 
 
+class Identification(Part):
+    """What hangs on an axis: resonance, damping, friction, detent torque, backlash, encoder, and by them the inertia.
+
+    It changes nothing that stays.
+    """
+
+    kind: Literal["identification"] = "identification"
+    velocity_rps: Annotated[float, Field(strict=True, ge=0.01, le=0.5, allow_inf_nan=False)] = Field(
+        default=0.1,
+        description="of the slow turns: so fast that the rotor does not stick at each microstep, so slow that four "
+        "errors a full step stay far below its resonance [turns of the motor a second]",
+    )
+    hops: Annotated[int, Field(strict=True, ge=6, le=100)] = Field(
+        default=24, description="short, fast moves, after each of which the rotor rings"
+    )
+    current_share: Annotated[float, Field(strict=True, ge=0.2, le=0.8, allow_inf_nan=False)] = Field(
+        default=0.5, description="of the run current, for the turns that tell friction from backlash"
+    )
+    hold_torque_nm: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="holding torque with the current that it runs with, by the motor's data sheet [N m]; null: inertia "
+        "and torques are told as shares of it alone",
+    )
+    torque_tolerance: Annotated[float, Field(strict=True, ge=0, le=0.5, allow_inf_nan=False)] = Field(
+        default=0.1, description="by so much may that torque be off: 0.1 is 10 %"
+    )
+
+
 Speed = Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)]
 
 
@@ -185,11 +213,14 @@ class StallGuard(Part):
         return self
 
 
-What: TypeAlias = Annotated[FastestMove | FirstLook | MicrostepCalibration | StallGuard, Field(discriminator="kind")]
-Kind = Literal["fastest_move", "first_look", "microstep_calibration", "stallguard"]
+What: TypeAlias = Annotated[
+    FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard, Field(discriminator="kind")
+]
+Kind = Literal["fastest_move", "first_look", "identification", "microstep_calibration", "stallguard"]
 TITLES: dict[Kind, str] = {
     "fastest_move": "Fastest move",
     "first_look": "First look",
+    "identification": "Motor and machine",
     "microstep_calibration": "Microstep calibration",
     "stallguard": "StallGuard threshold",
 }

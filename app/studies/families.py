@@ -6,13 +6,16 @@ from collections.abc import Mapping, Sequence
 
 from ..devices.core.device import Device
 from ..errors import WrongState
+from .identification.places import IdentificationPlaces
 from .ramp_settings import RampRegisters
 from .stallguard.setting import StallPlaces
+from .tmc5xxx.identification import CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.stall import STALL
 from .tmc4361.ramp import RAMP as S_RAMP
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
+IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER)}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 
@@ -33,5 +36,16 @@ def stalls_of(device: Device) -> Sequence[StallPlaces]:
         raise WrongState(
             f"no study sets the StallGuard of a {device.family.title} yet",
             "find its threshold by hand on the page StallGuard",
+        )
+    return found
+
+
+def identification_of(device: Device) -> IdentificationPlaces:
+    """Where it keeps what an identification sets. Raises WrongState for a family whose axes no study identifies."""
+    found = IDENTIFICATIONS.get(device.family.family)
+    if found is None:
+        raise WrongState(
+            f"no study identifies what hangs on a {device.family.title} yet",
+            "a TMC5xxx with an encoder can be looked at",
         )
     return found

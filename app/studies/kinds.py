@@ -13,6 +13,8 @@ from .fastest_move.study import FastestMoveStudy
 from .fastest_move.trials import ON_TWIN as MOVE_ON_TWIN
 from .first_look import plan as first_look
 from .first_look.study import FirstLookStudy
+from .identification import plan as identification
+from .identification.study import IdentificationStudy
 from .microstep_calibration import plan as microstep_calibration
 from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
@@ -58,6 +60,14 @@ KINDS: dict[Kind, StudyKind] = {
         FastestMoveStudy,
         fastest_move.plan,
         MOVE_ON_TWIN,
+    ),
+    "identification": StudyKind(
+        "identification",
+        "Motor and machine",
+        "what hangs on it: resonance, damping, friction, inertia, backlash and encoder, by the encoder",
+        POSITIONS,
+        IdentificationStudy,
+        identification.plan,
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",

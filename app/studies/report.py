@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from ..number_text import plain
 from .document import Kind
 from .fastest_move import report as fastest_move
+from .identification import report as identification
 from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
@@ -24,6 +25,7 @@ td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{t
 SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "first_look": lambda _: [],
     "fastest_move": fastest_move.sections,
+    "identification": identification.sections,
     "microstep_calibration": microstep_calibration.sections,
     "stallguard": stallguard.sections,
 }

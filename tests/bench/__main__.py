@@ -45,7 +45,7 @@ from tests.bench import (
     uart_link,
     velocity_stream,
 )
-from tests.bench.studies import aborts, fastest_move, microstep_calibration, stallguard, twins
+from tests.bench.studies import aborts, fastest_move, identification, microstep_calibration, stallguard, twins
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -66,6 +66,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "editor": editor.measure,
     "homing": stall_homing.measure,
     "study fastest move": fastest_move.measure,
+    "study identification": identification.measure,
     "study microstep calibration": microstep_calibration.measure,
     "study stallguard": stallguard.measure,
     "study twins": twins.measure,

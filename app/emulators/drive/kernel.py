@@ -173,7 +173,9 @@ EX1, PX1, EX2, PX2, EXS, PXS, LINES = range(69, 76)
 """Errors of the external encoder and their phases [rad]: once and twice a turn, and once a line of so many."""
 NOISE_V, POLES = range(76, 78)
 """StallGuard2: noise for each full step a second, and what the poles do to a value."""
-REALS = 78
+PLAY, BEHIND = range(78, 80)
+"""Between the shaft and its encoder: play, and how far the shaft is ahead of what the encoder sees [rad]."""
+REALS = 80
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -705,6 +707,9 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
             theta, omega = f[LOW_END], max(omega, 0.0)
         elif theta > f[HIGH_END]:
             theta, omega = f[HIGH_END], min(omega, 0.0)
+    if f[PLAY] > 0.0:
+        half = f[PLAY] / 2.0
+        f[BEHIND] = min(max(f[BEHIND] + theta - f[THETA], -half), half)
     f[THETA], f[OMEGA], f[IA], f[IB], f[TORQUE] = theta, omega, ia, ib, torque
     f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS] = at, sine, cosine, lasts
     f[REF_A], f[REF_B] = ref_a, ref_b
@@ -1240,6 +1245,7 @@ def external_counts(s: Cells, f: Floats) -> int:
         return turns * counts + (2 * (place - turns * a_turn) * counts + a_turn) // (2 * a_turn)
     x = f[THETA] + f[SLIP_E]
     if s[UNTRUE]:
+        x -= f[BEHIND]
         x += f[EX1] * math.sin(x + f[PX1]) + f[EX2] * math.sin(2.0 * x + f[PX2])
         x += f[EXS] * math.sin(f[LINES] * x + f[PXS])
     return math.floor(x * f[SCALE_E] + 0.5)
@@ -1661,4 +1667,4 @@ def refresh(s: Cells, f: Floats) -> None:
     f[RATIO_E] = s[EXTERNAL + E_NUM] / s[EXTERNAL + E_DEN]
     # the harmonics, half a count of rounding, a microstep of rounding, and one of each to spare
     f[BOUND_I] = ((abs(f[E1]) + abs(f[E2])) * f[SCALE_I] + 2.0) * abs(f[RATIO_I]) + 2.0
-    f[BOUND_E] = ((f[EX1] + f[EX2] + f[EXS]) * abs(f[SCALE_E]) + 2.0) * abs(f[RATIO_E]) + 2.0
+    f[BOUND_E] = ((f[EX1] + f[EX2] + f[EXS] + f[PLAY]) * abs(f[SCALE_E]) + 2.0) * abs(f[RATIO_E]) + 2.0

@@ -188,7 +188,7 @@ class EncoderErrors(_Closed):
     """How far an encoder's graduation is off: amplitudes and phases.
 
     Eccentricity makes what comes once a turn, a bent or oval disk what comes twice; unequal A and B what comes once a
-    line, between its counts (sub-divisional error).
+    line, between its counts (sub-divisional error). A coupling with play makes a difference between both ways.
     """
 
     eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
@@ -209,6 +209,12 @@ class EncoderErrors(_Closed):
     line_error: LineError = Field(default=0.0, description="once a line [lines]", json_schema_extra=REST_ONLY)
     line_error_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
         default=0.0, json_schema_extra=REST_ONLY
+    )
+    backlash_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
+        default=0.0,
+        description="play between the shaft and its encoder: the shaft turns so far back before the encoder follows "
+        "[deg of the shaft]",
+        json_schema_extra=REST_ONLY,
     )
 
 

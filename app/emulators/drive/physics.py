@@ -49,8 +49,8 @@ def set_graduation(errors: EncoderErrors, lines: int, s: k.Cells, f: k.Floats) -
     f[k.EX1], f[k.PX1] = math.radians(errors.eccentricity_deg), math.radians(errors.eccentricity_phase_deg)
     f[k.EX2], f[k.PX2] = math.radians(errors.second_harmonic_deg), math.radians(errors.second_harmonic_phase_deg)
     f[k.EXS], f[k.PXS] = errors.line_error * 2 * math.pi / lines, math.radians(errors.line_error_phase_deg)
-    f[k.LINES] = lines
-    s[k.UNTRUE] = bool(f[k.EX1] or f[k.EX2] or f[k.EXS])
+    f[k.LINES], f[k.PLAY] = lines, math.radians(errors.backlash_deg)
+    s[k.UNTRUE] = bool(f[k.EX1] or f[k.EX2] or f[k.EXS] or f[k.PLAY])
 
 
 def _set_flux(motor: MotorOptions, s: k.Cells, f: k.Floats) -> None:

@@ -213,3 +213,16 @@ def test_a_slipping_magnet_is_a_deviation_that_the_rotor_knows_nothing_of() -> N
 def test_scales_that_do_not_fit_are_refused(numerator: int, denominator: int) -> None:
     with pytest.raises(ValueError, match=r"denominator|fit"):
         Drive().internal.scale(numerator, denominator)
+
+
+def test_play_keeps_an_encoder_where_it_is_until_the_shaft_has_turned_through_it() -> None:
+    errors = {"backlash_deg": 0.9}
+    drive = energised(encoders=EncoderOptions.model_validate({"external_lines": 1 << 16, "external_errors": errors}))
+    seen = []
+    for target in (512, 1024, 768, 512):
+        write(drive, {"XTARGET": target})
+        until(drive, EventKind.POSITION_REACHED)
+        wait(drive, 0.3)
+        seen.append(drive.external.counts * 200 / (1 << 18) - drive.plant.rotor_fullsteps)
+    # 0.9 degrees are half a full step: behind by half of that whichever way it came
+    assert seen == pytest.approx([-0.25, -0.25, 0.25, 0.25], abs=0.01)

@@ -1,5 +1,6 @@
 import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
+import { IDENTIFICATION, type IdentificationForm } from "./identification/form";
 import type { KindForm } from "./kind";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
 import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
@@ -9,6 +10,7 @@ import type { Kind, Wish } from "./study";
 export interface Forms {
   first_look: FirstLookForm;
   fastest_move: FastestMoveForm;
+  identification: IdentificationForm;
   microstep_calibration: MicrostepForm;
   stallguard: StallGuardForm;
 }
@@ -17,6 +19,7 @@ export interface Forms {
 export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   first_look: FIRST_LOOK,
   fastest_move: FASTEST_MOVE,
+  identification: IDENTIFICATION,
   microstep_calibration: MICROSTEP_CALIBRATION,
   stallguard: STALLGUARD,
 };
@@ -28,6 +31,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
   return {
     first_look: FIRST_LOOK.first(microstepsPerTurn),
     fastest_move: FASTEST_MOVE.first(microstepsPerTurn),
+    identification: IDENTIFICATION.first(microstepsPerTurn),
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
     stallguard: STALLGUARD.first(microstepsPerTurn),
   };

@@ -1,6 +1,8 @@
 import { Fields as FastestMoveFields } from "./fastestMove/Fields";
 import { Results as FastestMoveResults } from "./fastestMove/Results";
 import { Fields as FirstLookFields } from "./firstLook/Fields";
+import { Fields as IdentificationFields } from "./identification/Fields";
+import { Results as IdentificationResults } from "./identification/Results";
 import type { KindView } from "./kind";
 import type { Forms } from "./kinds";
 import { Fields as MicrostepFields } from "./microstepCalibration/Fields";
@@ -13,6 +15,7 @@ import type { Kind } from "./study";
 export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   first_look: { Fields: FirstLookFields, Results: null },
   fastest_move: { Fields: FastestMoveFields, Results: FastestMoveResults },
+  identification: { Fields: IdentificationFields, Results: IdentificationResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
 };

@@ -1,0 +1,1 @@
+"""The study that tells what motor and machine hang on an axis."""

@@ -1,0 +1,148 @@
+"""What an identification found, as its record tells it: figures and findings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...calc.motors.ring_down import Fitted, RingDown
+from ...calc.motors.slow_turns import SlowTurn, Torn
+from ...calc.positions.encoder_resolution import USUAL_COUNTS
+from ...number_text import plain
+from ..document import Identification
+from ..parts import Interval
+from ..record import Finding
+from .found import Estimate, Identified, Ringing
+from .plan import Ground
+
+LINE = 4
+"""Counts of a line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What was fitted; None where it could not be, `why` then."""
+
+    turn: SlowTurn
+    torn: Torn | None
+    rings: RingDown | None
+    why: list[str]
+
+
+def identified(found: Measured, ground: Ground, wanted: Identification) -> Identified:
+    """As it is stored."""
+    told = Identified(
+        microsteps_per_turn=ground.turn,
+        run_scale=ground.current.run_scale,
+        hold_torque_nm=wanted.hold_torque_nm,
+        eccentricity_deg=_estimate(found.turn.eccentricity, 360 / ground.turn),
+    )
+    if found.torn is not None:
+        told.backlash_microsteps = _estimate(found.torn.backlash, 4 * ground.full_step / (2 * math.pi))
+        told.friction_share = _estimate(found.torn.friction)
+    if ground.a_count is not None:
+        per_turn = ground.turn / ground.a_count
+        counts = found.turn.ratio.scaled(per_turn)
+        told.encoder_counts_per_turn = _estimate(counts)
+        told.encoder_lines = _lines(counts)
+    if found.rings is not None:
+        _of_rings(told, found.rings, ground.turn / ground.full_step / 4, wanted)
+    return told
+
+
+def _of_rings(told: Identified, rings: RingDown, teeth: float, wanted: Identification) -> None:
+    square = (2 * math.pi * rings.resonance_hz.value) ** 2
+    share = 2 * rings.resonance_hz.half / rings.resonance_hz.value
+    told.resonance_hz, told.damping_ratio = _estimate(rings.resonance_hz), _estimate(rings.damping)
+    told.detent_share = _estimate(rings.detent)
+    told.inertia_per_torque_s2 = _estimate(Fitted(teeth / square, share * teeth / square))
+    degrees = 180 / math.pi
+    told.ringing = Ringing(
+        time_s=rings.time_s.tolist(),
+        measured_deg=(rings.samples * degrees).tolist(),
+        fitted_deg=(rings.fitted * degrees).tolist(),
+        residual_deg=rings.residual * degrees,
+    )
+    torque, off = wanted.hold_torque_nm, wanted.torque_tolerance
+    if torque is None:
+        return
+    viscous = rings.damping.value * 2 * teeth / math.sqrt(square)
+    ratio = Fitted(viscous, viscous * (rings.damping.half / rings.damping.value + share / 2))
+    told.inertia_kgm2 = _scaled(told.inertia_per_torque_s2, torque, off)
+    told.viscous_nms = _scaled(_estimate(ratio), torque, off)
+    told.detent_torque_nm = _scaled(told.detent_share, torque, off)
+    if told.friction_share is not None:
+        told.friction_nm = _scaled(told.friction_share, torque, off)
+
+
+def _estimate(found: Fitted, scale: float = 1.0) -> Estimate:
+    told = found.scaled(scale)
+    return Estimate(value=told.value, interval=Interval(low=told.value - told.half, high=told.value + told.half))
+
+
+def _scaled(share: Estimate, torque: float, off: float) -> Estimate:
+    """A share of a torque that itself is known within `off`."""
+    low, high = share.interval.low * torque, share.interval.high * torque
+    return Estimate(value=share.value * torque, interval=Interval(low=low * (1 - off), high=high * (1 + off)))
+
+
+def _lines(counts: Fitted) -> int | None:
+    """The usual number that fits, else the measured one where it is sure; None where it is not."""
+    slack = max(2 * counts.half, LINE / 4)
+    fitting = [usual for usual in USUAL_COUNTS if usual % LINE == 0 and abs(counts.value - usual) <= slack]
+    if len(fitting) == 1:
+        return fitting[0] // LINE
+    return round(counts.value / LINE) if counts.half < LINE / 2 else None
+
+
+FIGURES: Sequence[tuple[str, str, str, str]] = (
+    ("resonance_hz", "resonance", "of small swings with the run current; it goes with the root of the current", "Hz"),
+    ("damping_ratio", "damping", "viscous friction over the critical one", ""),
+    (
+        "inertia_per_torque_s2",
+        "inertia over torque",
+        "of rotor and load, for each N m of holding torque",
+        "kg m2/(N m)",
+    ),
+    ("inertia_kgm2", "inertia", "of rotor and load, by the holding torque that was told", "kg m2"),
+    ("friction_share", "friction", "Coulomb friction, as a share of the holding torque with the run current", ""),
+    ("friction_nm", "friction torque", "the same, by the holding torque that was told", "N m"),
+    ("detent_share", "detent torque", "its amplitude, as a share of the holding torque with the run current", ""),
+    ("detent_torque_nm", "detent torque, absolute", "the same, by the holding torque that was told", "N m"),
+    ("viscous_nms", "viscous friction", "by the holding torque that was told", "N m s"),
+    (
+        "backlash_microsteps",
+        "backlash",
+        "before the encoder: what is between both ways and does not grow with less current",
+        "microsteps",
+    ),
+    ("encoder_counts_per_turn", "encoder counts", "of a turn, four a line", ""),
+    ("eccentricity_deg", "eccentricity", "once a turn: of the encoder or its coupling", "deg of the shaft"),
+)
+"""Name in the record, name for people, what it is, unit."""
+UNTOLD = {
+    "inertia_kgm2": "without the motor's holding torque only inertia over torque can be told",
+    "encoder_counts_per_turn": "what a count is set to be is not known",
+}
+
+
+def findings(told: Identified, why: Sequence[str]) -> list[Finding]:
+    """As people read it; `why` something could not be fitted."""
+    said = []
+    for name, title, text, unit in FIGURES:
+        found: Estimate | None = getattr(told, name)
+        if found is not None:
+            said.append(Finding(name=title, text=text, value=found.value, unit=unit, interval=found.interval))
+        elif name in UNTOLD:
+            said.append(Finding(name=title, text=UNTOLD[name], sure="cannot be told"))
+    if told.encoder_lines is not None:
+        text = f"{told.encoder_lines} lines: the number that fits"
+        said.append(Finding(name="encoder lines", text=text, value=float(told.encoder_lines)))
+    elif told.encoder_counts_per_turn is not None:
+        text = f"{plain(told.encoder_counts_per_turn.value, 6)} counts a turn fit no number of lines for sure"
+        said.append(Finding(name="encoder lines", text=text, sure="cannot be told"))
+    for one in why:
+        name, _, text = one.partition(": ")
+        said.append(Finding(name=name, text=text, sure="cannot be told"))
+    return said

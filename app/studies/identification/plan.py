@@ -1,0 +1,142 @@
+"""What an identification will do, and what is missing before it can."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...devices.core.capabilities import EncoderSetting
+from ...devices.core.device import Device
+from ...errors import WrongState
+from ...number_text import plain
+from ..current_settings import CurrentSpace
+from ..document import Identification, StudyDocument
+from ..encoder_scale import microsteps_a_count
+from ..families import identification_of
+from ..plan import Looked, StudyPlan, axis_now, planned
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace
+
+SPEEDS = (1.0, 2.0)
+"""Slow turns are made at so many times their speed, to tell what of them is the speed's."""
+HOP_PPS = 200_000.0
+"""A hop of three quarters of a full step is over within a millisecond."""
+HOPS = (0.75, 0.65, 0.85, 0.70, 0.80)
+"""Of a full step, in turn: the rotor rings far, does not slip, and rests at another place of the detent torque."""
+RING_S = 0.5
+"""How long a ring is looked at [s]."""
+TURN_S = 0.5
+"""What a slow turn takes beside its way [s]."""
+LEAST_SCALE = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What is known before the first move [microsteps]. low_scale : current scale of the turns with less current;
+    a_count : what a count of the encoder is set to be; lead : before and behind a turn; hop_pps : [pps]."""
+
+    ramp: RampSpace
+    current: CurrentSpace
+    low_scale: int
+    a_count: float | None
+    start: int
+    full_step: int
+    turn: int
+    lead: int
+    slow_pps: float
+    hop_pps: float
+
+    @property
+    def way(self) -> int:
+        """Of a slow turn, there or back."""
+        return self.turn + 2 * self.lead
+
+    @property
+    def most(self) -> float:
+        """The greatest acceleration that may be set [pps^2]."""
+        return self.ramp.most(ACCELERATION)
+
+
+async def look(device: Device, axis: int, wanted: Identification) -> Looked[Ground]:
+    """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
+    looked = Looked[Ground]()
+    say = looked.missing.append
+    found = await axis_now(device, axis, looked.missing)
+    if found is None:
+        return looked
+    state, turn, full_step = found.state, found.turn, found.full_step
+    try:
+        device.need(EncoderSetting).require_encoder(axis)
+        places = identification_of(device)
+        ramp = RampSpace(device, axis, places.hop, found.held)
+        current = CurrentSpace(device, axis, places.current, found.held)
+    except WrongState as error:
+        say(str(error))
+        return looked
+    if state.encoder_position is None:
+        say("no encoder tells its position: nothing else sees the rotor ring")
+    for sign in device.monitor.signs(axis, state).faults:
+        say(f"{sign.cause}: see the condition of the axis")
+    low = round(wanted.current_share * (current.run_scale + 1)) - 1
+    if low < LEAST_SCALE:
+        say(f"the run current is set to scale {current.run_scale} of {current.steps - 1}: too little to tell by")
+    limits = device.axes[axis].settings.limits
+    lead = 4 * full_step
+    if limits.beyond(state.position + turn + 2 * lead):
+        say(f"it would turn to {state.position + turn + 2 * lead}, and the soft limits end before: begin elsewhere")
+    if not limits.ranged:
+        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    hop = min(HOP_PPS, limits.velocity_max_pps or math.inf, ramp.most(SPEED))
+    if hop < HOP_PPS:
+        looked.warnings.append(
+            f"a hop is made at {plain(hop, 4)} pps, as the soft limits allow: a fast resonance may not show"
+        )
+    slow = min(wanted.velocity_rps * turn, hop)
+    if limits.acceleration_max_pps2 is not None:
+        looked.warnings.append(
+            "a hop starts and stops at its full speed: the soft limit of acceleration bounds no jump"
+        )
+    scale = microsteps_a_count(device, axis, places.encoder, found.held)
+    looked.ground = Ground(ramp, current, low, scale, state.position, full_step, turn, lead, slow, hop)
+    return looked
+
+
+def hop_targets(ground: Ground, count: int) -> list[int]:
+    """Where the hops go: the first half of them to positions above, the others back [microsteps]."""
+    places = [ground.start + ground.lead]
+    for index in range(count):
+        step = round(HOPS[index % len(HOPS)] * ground.full_step)
+        places.append(places[-1] + (step if index < count // 2 else -step))
+    return places
+
+
+async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
+    """What the study would do. Nothing moves."""
+    wanted = document.wanted(Identification)
+
+    def tell(told: StudyPlan, ground: Ground) -> None:
+        _tell(told, ground, axis, wanted)
+
+    return await planned("Motor and machine", look(device, axis, wanted), tell)
+
+
+def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: Identification) -> None:
+    places = hop_targets(ground, wanted.hops)
+    told.position_from = min(ground.start, *places)
+    told.position_to = max(ground.start + ground.way, *places)
+    told.velocity_max_pps, told.acceleration_max_pps2 = ground.hop_pps, ground.most
+    told.moves_max = 8 + wanted.hops + 2
+    told.way_fullsteps = (8 * ground.way + max(places) - min(places) + 2 * ground.lead) / ground.full_step
+    told.time_s = 4 * sum(ground.way / ground.slow_pps / times + TURN_S for times in SPEEDS) + wanted.hops * (
+        RING_S + 0.1
+    )
+    told.registers = [f"{each.name} of axis {axis}" for each in (*ground.ramp.before, *ground.current.before)]
+    told.steps = [
+        f"a turn there and back at {plain(wanted.velocity_rps)} turns a second and at twice that, with the run current",
+        f"the same with {100 * ground.current.share(ground.low_scale):.0f} % of it: friction grows, backlash does not",
+        f"{wanted.hops} hops of about three quarters of a full step, after each of which the rotor rings out",
+        "the setting as it is now goes back: nothing of it is changed",
+    ]
+    told.unwatched = [
+        "whether the play is in the coupling of the encoder or in what moves the load, one encoder cannot tell",
+        "rotor and load swing as one: a load on a soft coupling rings at a frequency of its own",
+    ]

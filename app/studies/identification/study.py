@@ -1,0 +1,205 @@
+"""The identification itself: slow turns with two currents, hops after which the rotor rings, and their fits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from ...calc.motors.ring_down import Ring, fit_ring_downs
+from ...calc.motors.slow_turns import SlowTurn, Torn, at_standstill, fit_slow_turn, friction_and_backlash
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ..document import Identification
+from ..moves import PERIOD_FULLSTEPS, MeasuredMoves
+from ..ramp_settings import ACCELERATION, SPEED
+from ..run import StudyRun
+from ..sampled import sampling
+from .measured import Measured, findings, identified
+from .plan import HOPS, RING_S, SPEEDS, Ground, hop_targets, look
+
+RATE_HZ = 1000.0
+BEFORE_S = 0.02
+"""Sampled before a hop [s]."""
+TURNS_WITH = 0.02
+"""How much less or more than the motor is told may an encoder show, on the whole way."""
+TURNS_TAKE = 0.85
+"""Share of the time."""
+ROUNDS = 2
+"""So often are rings fitted, with what the fit before told."""
+STEADY = 5
+"""Samples that follow its last step belong to a ring."""
+
+
+class IdentificationStudy(StudyRun):
+    """Turns, hops, fits, and puts the setting back."""
+
+    _ground: Ground
+    _moves: MeasuredMoves
+
+    @property
+    def wanted(self) -> Identification:
+        """What is asked for."""
+        return self.record.document.wanted(Identification)
+
+    async def _study(self) -> None:
+        record = self.record
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
+        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
+        record.findings, record.identified = [], None
+        if not record.baseline:
+            record.baseline = [*ground.ramp.before, *ground.current.before]
+        await self.keeper.save(record)
+        turns = [
+            await self._slow_turn(index, scale, speed)
+            for index, (scale, speed) in enumerate(
+                itertools.product((ground.current.run_scale, ground.low_scale), SPEEDS)
+            )
+        ]
+        rings = await self._rings()
+        await self._moves.go(ground.start)
+        await self.back()
+        found = self._fitted(turns, rings)
+        record.identified = identified(found, ground, self.wanted)
+        record.findings = findings(record.identified, found.why)
+        told = sum(one.sure == "measured" for one in record.findings)
+        record.verdict = f"{told} figures of motor and machine, {len(record.findings) - told} that cannot be told"
+        record.next = "a twin with these figures: fastest move tries on it first"
+
+    # --- slow turns ---------------------------------------------------------------------------------
+
+    async def _slow_turn(self, index: int, scale: int, times: float) -> SlowTurn:
+        """A turn there and back at a current scale, and so many times the slow speed.
+
+        Raises Failed where the encoder does not follow.
+        """
+        ground = self._ground
+        share = ground.current.share(scale)
+        self._tell(index, f"a turn there and back with {100 * share:.0f} % of the current")
+        speed = times * ground.slow_pps
+        await self.apply(
+            [
+                *ground.ramp.registers({SPEED: speed, ACCELERATION: ground.most}),
+                *ground.current.registers(scale),
+            ],
+            f"slow turns with {100 * share:.0f} % of the current",
+        )
+        low, high = ground.start + ground.lead, ground.start + ground.lead + ground.turn
+        positions, encoders, ways = [], [], []
+        for target, forward in ((ground.start + ground.way, True), (ground.start, False)):
+            found = await self._moves.sampled(target, RATE_HZ)
+            counts = np.isfinite(found.encoder) & (found.position >= low) & (found.position < high)
+            positions.append(found.position[counts])
+            encoders.append(found.encoder[counts])
+            ways.append(np.full(int(counts.sum()), forward))
+            self._count_run()
+        try:
+            turn = fit_slow_turn(
+                np.concatenate(positions),
+                np.concatenate(encoders),
+                np.concatenate(ways),
+                float(ground.turn),
+                float(4 * ground.full_step),
+            )
+        except ValueError as error:
+            raise Failed(f"nothing to fit: {error}") from error
+        if abs(turn.ratio.value - 1) > TURNS_WITH:
+            raise Failed(
+                f"the encoder shows {plain(turn.ratio.value, 3)} of the way that the motor is told: its resolution is "
+                "set wrong, it slips, or the motor does not turn (first look tells)"
+            )
+        return turn
+
+    # --- hops ---------------------------------------------------------------------------------------
+
+    async def _rings(self) -> list[Ring]:
+        ground = self._ground
+        self._tell(len(SPEEDS) * 2, "hops, after each of which the rotor rings")
+        await self.apply(ground.current.registers(ground.current.run_scale), "the run current, also at rest")
+        first, *targets = hop_targets(ground, self.wanted.hops)
+        await self._moves.go(first - ground.full_step)
+        await self._moves.go(first)
+        before = await self._moves.deviation()
+        await self.apply(
+            ground.ramp.registers({SPEED: ground.hop_pps, ACCELERATION: ground.most}), "hops as fast as the chip can"
+        )
+        rings = []
+        for index, target in enumerate(targets):
+            self.tell(
+                "look", TURNS_TAKE + (1 - TURNS_TAKE) * index / len(targets), f"hop {index + 1} of {len(targets)}"
+            )
+            rings.append(await self._ring(target))
+        apart = (await self._moves.deviation() - before) / ground.full_step
+        await self.apply(ground.ramp.registers({SPEED: ground.slow_pps, ACCELERATION: ground.most}), "slow moves")
+        if abs(apart) > PERIOD_FULLSTEPS / 2:
+            raise Failed(
+                f"hops of {HOPS[0]:g} full steps lost {plain(abs(apart), 3)}: too heavy a load, or too little current"
+            )
+        return rings
+
+    async def _ring(self, target: int) -> Ring:
+        """Hop to `target`, and what the encoder shows from there on."""
+        ground = self._ground
+        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
+        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
+            start = (await self._moves.state()).position
+            await self.clock.sleep(BEFORE_S)
+            self._moves.way_fullsteps += abs(target - start) / ground.full_step
+            await self.device.motion.move(self.axis, target)
+            await self.clock.sleep(RING_S)
+            samples.take()
+        times_s, rows = samples.all()
+        position, encoder = rows.T
+        known = np.isfinite(position) & np.isfinite(encoder)
+        times_s, position, encoder = times_s[known], position[known], encoder[known]
+        away = np.flatnonzero(position != target)
+        begin = int(away[-1]) + 1 if len(away) else 0
+        if begin + STEADY >= len(position):
+            raise Failed(f"the motor stands at {position[-1]:g}, not {target}: by a switch, or its ramp is 0")
+        self._count_run()
+        rad = 2 * math.pi / (4 * ground.full_step)
+        return Ring(times_s[begin:] - times_s[begin], encoder[begin:] * rad, target * rad, target > start)
+
+    # --- fits ---------------------------------------------------------------------------------------
+
+    def _fitted(self, turns: list[SlowTurn], rings: list[Ring]) -> Measured:
+        """Friction and backlash help to fit the rings, whose detent torque helps to tell both apart."""
+        why: list[str] = []
+        torn = found = None
+        try:
+            torn = self._torn(turns, 0.0)
+        except ValueError as error:
+            why.append(f"friction and backlash: {error}")
+        try:
+            for _ in range(ROUNDS):
+                play, friction = (0.0, None) if torn is None else (max(torn.backlash.value, 0.0), torn.friction)
+                found = fit_ring_downs(rings, play, friction)
+                torn = torn and self._torn(turns, found.detent.value)
+        except ValueError as error:
+            why.append(f"resonance, damping, inertia: {error}")
+        return Measured(turns[0], torn, found, why)
+
+    def _torn(self, turns: list[SlowTurn], detent: float) -> Torn:
+        """Friction and backlash at no speed. Raises ValueError where they cannot be told apart."""
+        ground = self._ground
+        rad = 2 * math.pi / (4 * ground.full_step)
+        full, less = turns[: len(SPEEDS)], turns[len(SPEEDS) :]
+        slow, fast = (
+            friction_and_backlash(
+                one.apart.scaled(rad), other.apart.scaled(rad), ground.current.share(ground.low_scale), detent
+            )
+            for one, other in zip(full, less, strict=True)
+        )
+        return at_standstill(slow, fast)
+
+    # --- what is told -------------------------------------------------------------------------------
+
+    def _count_run(self) -> None:
+        self.record.runs += 1
+        self.record.way_fullsteps = self._moves.way_fullsteps
+
+    def _tell(self, index: int, message: str) -> None:
+        self.tell("look", TURNS_TAKE * index / (2 * len(SPEEDS)), message)
+        self.keeper.mark(message)

@@ -1,0 +1,57 @@
+"""Rings and slow turns of a rotor made by the model itself, with noise: what the fits tell of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from app.calc.motors.ring_down import Fitted, Ring, fit_ring_downs
+from app.calc.motors.slow_turns import friction_and_backlash
+from app.calc.motors.swing_kernel import swing
+
+COUNT = 2 * math.pi / 400
+"""Of an encoder with 5000 lines [rad electrical]."""
+
+
+def rings(hz: float, damping: float, friction: float, count: int = 8, start: float = 1.2) -> list[Ring]:
+    w = 2 * math.pi * hz
+    p = np.array([w * w, 2 * damping * w, friction, 0.04, 0.0, 0.0])
+    rng = np.random.default_rng(5)
+    made = []
+    for index in range(count):
+        seen = np.empty(40_000)
+        field = 1.1 * index
+        swing(p, field, field - start, 0.0, 0.0, 1e-5, seen)
+        samples = seen[::100] + 0.03
+        noisy = COUNT * np.round(samples / COUNT + rng.uniform(-0.5, 0.5))
+        made.append(Ring(np.arange(len(noisy)) * 1e-3, noisy, field, forward=True))
+    return made
+
+
+@pytest.mark.parametrize(("hz", "damping", "friction"), [(90.0, 0.02, 0.08), (170.0, 0.15, 0.01)])
+def test_frequency_and_damping_of_rings_are_found_with_their_intervals(
+    hz: float, damping: float, friction: float
+) -> None:
+    found = fit_ring_downs(rings(hz, damping, friction), friction=Fitted(friction, 0.001))
+    assert found.resonance_hz.value == pytest.approx(hz, rel=0.01)
+    assert found.damping.value == pytest.approx(damping, rel=0.1)
+    assert abs(found.resonance_hz.value - hz) < 2 * found.resonance_hz.half < 0.02 * hz
+    assert found.detent.value == pytest.approx(0.04, abs=0.01)
+
+
+def test_what_does_not_ring_is_no_pendulum() -> None:
+    with pytest.raises(ValueError, match=r"rings like that|nothing swings"):
+        fit_ring_downs(rings(170.0, 3.0, 0.2, start=0.3))
+    with pytest.raises(ValueError, match="three rings"):
+        fit_ring_downs(rings(90.0, 0.1, 0.0, count=2))
+
+
+def test_less_current_makes_more_of_friction_and_not_of_backlash() -> None:
+    full, less = (Fitted(0.05 + 2 * math.asin(0.1 / share), 0.001) for share in (1.0, 0.5))
+    torn = friction_and_backlash(full, less, 0.5)
+    assert torn.friction.value == pytest.approx(0.1, abs=1e-6)
+    assert torn.backlash.value == pytest.approx(0.05, abs=1e-6)
+    with pytest.raises(ValueError, match="more than friction"):
+        friction_and_backlash(Fitted(0.05, 0.001), Fitted(2.0, 0.001), 0.5)

@@ -1,0 +1,82 @@
+"""Motor and machine of an emulated axis: what is told of them against what is true, and what is left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.studies.identification.found import Estimate, Identified
+from app.studies.identification.measured import findings
+from app.studies.kinds import KINDS
+from app.studies.report import html_of
+from tests.devices.tmc4361.harness import START as START_4361
+from tests.devices.tmc4361.harness import bench as bench_4361
+from tests.studies.harness import START, studied
+
+FULL = replace(START, irun=31, ihold=16)
+STUDY: dict[str, Any] = {"kind": "identification", "velocity_rps": 0.2, "hops": 10, "hold_torque_nm": 0.45}
+TORQUE, INERTIA, DAMPING, BACKLASH = 0.45, 2e-5, 0.06, 6.0
+W = math.sqrt(50 * TORQUE / INERTIA)
+PLANT: dict[str, Any] = {
+    "motor": {
+        "rotor_teeth": 50,
+        "holding_torque_nm": TORQUE,
+        "rated_current_a": 1.5,
+        "rotor_inertia_kgm2": INERTIA,
+        "detent_torque_nm": 0.02,
+        "friction_nm": 0.02,
+        "viscous_nms": 2 * DAMPING * INERTIA * W,
+    },
+    "full_scale_a": 1.5 * math.sqrt(2),
+    "encoder": {"errors": {"backlash_deg": BACKLASH * 360 / 51_200}},
+}
+NAMES = ("VMAX", "VSTART", "VSTOP", "AMAX", "DMAX", "V1", "IHOLD_IRUN")
+
+
+def near(told: Estimate | None, true: float, within: float) -> bool:
+    assert told is not None
+    assert told.interval.low < told.value < told.interval.high
+    return abs(told.value - true) <= within
+
+
+async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        before = await s.settings(*NAMES)
+        plan = await KINDS["identification"].plan(s.device, 0, s.document(STUDY))
+        assert plan.missing == []
+        record = await s.finish(s.begin(s.document(STUDY)))
+        assert record.state == "done", record.message
+        told = record.identified
+        assert told is not None
+        assert near(told.resonance_hz, W / (2 * math.pi), 0.02 * W / (2 * math.pi))
+        assert near(told.damping_ratio, DAMPING, 0.15 * DAMPING)
+        assert near(told.inertia_kgm2, INERTIA, 0.05 * INERTIA)
+        assert near(told.friction_share, 0.02 / TORQUE, 0.005)
+        assert near(told.detent_share, 0.02 / TORQUE, 0.01)
+        assert near(told.backlash_microsteps, BACKLASH, 1.0)
+        assert told.encoder_lines == 10_000
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        assert record.runs <= plan.moves_max
+        assert record.way_fullsteps == pytest.approx(plan.way_fullsteps, rel=0.2)
+        assert "A ring after a hop" in html_of(record)
+
+
+def test_what_cannot_be_told_is_named() -> None:
+    told = Identified(microsteps_per_turn=51_200, run_scale=31)
+    said = {one.name: one for one in findings(told, ["resonance, damping, inertia: nothing swings"])}
+    assert {one.sure for one in said.values()} == {"cannot be told"}
+    assert said["resonance, damping, inertia"].text == "nothing swings"
+    assert "holding torque" in said["inertia"].text
+
+
+async def test_a_chip_that_it_cannot_set_is_told_before_anything_moves(tmp_path: Path) -> None:
+    async with bench_4361(START_4361) as b:
+        async with studied(tmp_path) as s:
+            document = s.document(STUDY)
+        plan = await KINDS["identification"].plan(b.device, 0, document)
+        assert any("no study identifies" in one for one in plan.missing)
