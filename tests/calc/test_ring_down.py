@@ -26,7 +26,9 @@ def rings(hz: float, damping: float, friction: float, count: int = 8, start: flo
         swing(p, field, field - start, 0.0, 0.0, 1e-5, seen)
         samples = seen[::100] + 0.03
         noisy = COUNT * np.round(samples / COUNT + rng.uniform(-0.5, 0.5))
-        made.append(Ring(np.arange(len(noisy)) * 1e-3, noisy, field, forward=True))
+        made.append(
+            Ring(np.arange(len(noisy), dtype=np.float64) * 1e-3, np.asarray(noisy, dtype=np.float64), field, True)
+        )
     return made
 
 

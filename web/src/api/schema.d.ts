@@ -4292,11 +4292,11 @@ export interface components {
             full_scale_a?: number;
             /**
              * Motor driver
-             * @description what is behind the chip: wired, bridges that take its currents; tmc2660, a driver that cover datagrams have to set up and that follows steps or currents
+             * @description what is behind the chip: wired, bridges that take its currents; tmc2130 or tmc2660, a driver that cover datagrams have to set up and that follows steps or currents
              * @default wired
              * @enum {string}
              */
-            driver?: "wired" | "tmc2660";
+            driver?: "wired" | "tmc2130" | "tmc2660";
             /**
              * Stall Threshold
              * @description SGT of a wired driver's StallGuard2
@@ -5794,9 +5794,9 @@ export interface components {
         DriverBehindState: {
             /**
              * Kind
-             * @constant
+             * @enum {string}
              */
-            kind: "tmc2660";
+            kind: "tmc2130" | "tmc2660";
             /**
              * Follows
              * @description what it is set up for: STEP and DIR, or coil currents
@@ -14008,13 +14008,13 @@ export interface components {
             push_fullsteps?: number;
             /**
              * Free Runs
-             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %; from 366 on up to two false ones are made up for by more runs
              * @default 100
              */
             free_runs?: number;
             /**
              * Stops
-             * @description runs into the stop of the proof, at each speed
+             * @description runs into the stop of the proof, at each speed: the same of missed ones
              * @default 20
              */
             stops?: number;
@@ -14084,13 +14084,13 @@ export interface components {
             push_fullsteps: number;
             /**
              * Free Runs
-             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %; from 366 on up to two false ones are made up for by more runs
              * @default 100
              */
             free_runs: number;
             /**
              * Stops
-             * @description runs into the stop of the proof, at each speed
+             * @description runs into the stop of the proof, at each speed: the same of missed ones
              * @default 20
              */
             stops: number;
@@ -16125,8 +16125,17 @@ export interface components {
             setting: {
                 [key: string]: number;
             };
-            /** Time S */
-            time_s: number;
+            /**
+             * Time S
+             * @description there, where what is looked for is a time [s]
+             */
+            time_s: number | null;
+            /**
+             * Value
+             * @description there, of the first objective: the less the better
+             * @default 0
+             */
+            value: number;
         };
         /**
          * TwinShow
@@ -21981,7 +21990,10 @@ export interface operations {
     };
     start_device_up: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description only tell what would be written, as in the body: said here, it needs no lease */
+                dry_run?: boolean;
+            };
             header?: never;
             path: {
                 /** @description the device's id: a slug of its name */
