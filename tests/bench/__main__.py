@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from tests.bench import (
     any_model,
     audit_kills,
+    batch,
     browser,
     calculators,
     chain_drives,
@@ -60,6 +61,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "cold-start": cold_start.measure,
     "first page": lambda quick: [first_page.measure(quick=quick)],
     "first run": first_run.measure,
+    "batch": batch.measure,
     "motor": lambda quick: [motor.measure(quick=quick)],
     "tmcl": tmcl_link.measure,
     "programs": tmcl_programs.measure,
