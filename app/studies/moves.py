@@ -64,6 +64,8 @@ class MeasuredMoves:
         self._microsteps, self._band = microsteps, band_fullsteps * microsteps
         self.way_fullsteps = 0.0
         """Of all moves so far."""
+        self.last: Sampled | None = None
+        """The latest that was measured."""
 
     async def state(self) -> AxisState:
         """The axis now."""
@@ -83,6 +85,7 @@ class MeasuredMoves:
         """Move to `target` and measure. Raises Failed where it does not arrive, BenchError."""
         before = await self.deviation()
         found = await self.sampled(target, RATE_HZ)
+        self.last = found
         off = (found.deviation - before) / self._microsteps
         lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
         scored = score(

@@ -94,6 +94,14 @@ class Finding(Part):
     remedy: Mend | None = Field(default=None, description="what would set it right")
 
 
+class MoveCurve(Part):
+    """A move as its encoder saw it, thinned out for a plot."""
+
+    which: Literal["before", "best", "present"] = Field(description="present: of the latest trial")
+    time_s: list[float] = Field(description="from the command on [s]")
+    fullsteps: list[float] = Field(description="of the encoder, from where the move began [full steps]")
+
+
 class TwinSetting(Part):
     """A setting that held on the twin."""
 
@@ -186,6 +194,7 @@ class StudyRecord(Part):
     units: dict[str, str] = Field(default_factory=dict, description="of each setting of the space")
     trials: list[Trial] = Field(default_factory=list)
     best: int | None = Field(default=None, description="number of the trial that is the best so far")
+    moves: list[MoveCurve] = Field(default_factory=list, description="of a fastest move: moves to the far end")
     front: list[int] = Field(default_factory=list, description="of two objectives: those that none beats in both")
     pairs: list[Pair] = Field(default_factory=list)
     evidence: Evidence | None = None

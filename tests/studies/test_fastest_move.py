@@ -41,6 +41,11 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / evidence.runs))
         assert any(trial.state == "infeasible" for trial in record.trials), "its edge was found"
         assert plant(s).lost_fullsteps != 0, "steps were lost on the way there"
+        moves = {move.which: move for move in record.moves}
+        assert moves.keys() == {"before", "best", "present"}
+        assert moves["best"].time_s[-1] < moves["before"].time_s[-1]
+        assert moves["best"].fullsteps[-1] == pytest.approx(MOVE["distance"] / 256, abs=1)
+        assert all(len(move.time_s) == len(move.fullsteps) <= 120 for move in record.moves)
         assert record == s.store.get(record.id)
         report = html_of(record)
         assert record.verdict.split(" (")[0] in report

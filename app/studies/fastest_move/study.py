@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Mapping
+from typing import Literal
 
 from ...clock import WallClock
 from ...number_text import plain
@@ -18,7 +19,7 @@ from ..run import StudyRun
 from ..search import Asked, Searcher, Space
 from ..twins.search import look_on_twins
 from .ranges import BASELINE_RUNS, Ranges, look
-from .trials import ON_TWIN, MoveTrials, begun, figures_of, told, tried, words_of
+from .trials import ON_TWIN, MoveTrials, begun, curve_of, figures_of, told, tried, words_of
 
 ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
@@ -90,6 +91,7 @@ class FastestMoveStudy(StudyRun):
                 )
             self.tell("baseline", 0.05 * (index + 1) / BASELINE_RUNS, "moving as the axis is set now")
         record.baseline_figures = figures_of(runs)
+        self._draw("before")
         await self.keeper.save(record)
 
     # --- the twin first ---------------------------------------------------------------------------
@@ -127,6 +129,10 @@ class FastestMoveStudy(StudyRun):
                 passed = passed + 1 if trial.state == "pruned" else 0
                 record.trials.append(trial)
                 self._judge()
+                if trial.state in ("feasible", "infeasible"):
+                    self._draw("present")
+                if trial.number == record.best:
+                    self._draw("best")
                 if trial.state != "pruned":
                     await self.keeper.save(record)
         finally:
@@ -136,6 +142,12 @@ class FastestMoveStudy(StudyRun):
         quiet = self.wanted.quiet
         sampler = self.wanted.sampler or ("nsga2" if quiet else "tpe")
         return Space(self._ranges.dimensions, 2 if quiet else 1, sampler)
+
+    def _draw(self, which: Literal["before", "best", "present"]) -> None:
+        """Keep the latest move to the far end, for a plot."""
+        if self._trials.there is not None:
+            others = [move for move in self.record.moves if move.which != which]
+            self.record.moves = [*others, curve_of(self._trials.there, which, self._ranges.microsteps)]
 
     def _moved(self) -> int:
         return sum(trial.state != "pruned" for trial in self.record.trials)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import random
 import statistics
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Literal
 
 from ...clock import Clock
 from ...devices.core.capabilities import PositionFromEncoder
@@ -14,13 +16,14 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ...profiles.apply import Transaction
 from ..document import FastestMove, StudyDocument
-from ..moves import MeasuredMoves, MoveFigures
+from ..moves import MeasuredMoves, MoveFigures, Sampled
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, document_of, least_time_s
-from ..record import Figures, Held, Trial
+from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
 from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look
 
+CURVE_POINTS = 120
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 
 
@@ -34,6 +37,8 @@ class MoveTrials:
         self._device, self._axis, self._wanted, self._ranges, self._apply = device, axis, wanted, ranges, apply
         self._random = random.Random(seed)
         self.moves = MeasuredMoves(device, axis, clock, ranges.microsteps, wanted.band_fullsteps)
+        self.there: Sampled | None = None
+        """The latest move to the far end."""
         self.ran: Callable[[], None] = lambda: None
         """Called after each move there and back."""
         self.losing: Callable[[], None] = lambda: None
@@ -55,6 +60,7 @@ class MoveTrials:
         begin = self._ranges.start + way * (self.place() if place is None else place)
         await self.moves.go(begin)
         there = await self.moves.measured(begin + wanted.distance)
+        self.there = self.moves.last
         if there.lost_fullsteps:
             await self._mend()
             figures = there, there
@@ -100,6 +106,17 @@ class MoveTrials:
     async def set(self, setting: Mapping[str, float]) -> None:
         """Set speed, acceleration and perhaps jerk. Raises BenchError."""
         await self._apply(self._ranges.space.registers(setting), words_of(setting))
+
+
+def curve_of(move: Sampled, which: Literal["before", "best", "present"], microsteps: int) -> MoveCurve:
+    """A move as it is drawn: at most `CURVE_POINTS` of it. microsteps : of a full step"""
+    every = max(1, math.ceil(len(move.time_s) / CURVE_POINTS))
+    way = (move.encoder[::every] - move.encoder[0]) / microsteps
+    return MoveCurve(
+        which=which,
+        time_s=[round(float(value), 5) for value in move.time_s[::every]],
+        fullsteps=[round(float(value), 3) for value in way],
+    )
 
 
 def words_of(setting: Mapping[str, float]) -> str:
