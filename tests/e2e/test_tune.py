@@ -43,8 +43,7 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     page.get_by_role("button", name=re.compile("40,000 counts a turn")).click()
     expect(page.get_by_test_id("begin")).to_be_enabled(timeout=LONG_MS)
 
-    page.get_by_label("The axis shall be").click()
-    page.get_by_role("option", name="Faster").click()
+    page.get_by_role("radio", name="Faster").check()
     page.get_by_label("Try on an emulated twin first").press("Space")
     expect(plan).not_to_contain_text("on an emulated twin")
     for label, value in (("Distance", "0.25"), ("Settings tried at most", "3")):
@@ -57,6 +56,7 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     expect(verdict).to_contain_text("% faster", timeout=LONG_MS)
     assert slide.register("VMAX")["value"] == before
     expect(page.get_by_role("figure", name="All settings and the time of each trial")).to_be_visible()
+    expect(page.get_by_role("heading", name="The move")).to_be_visible()
 
     page.get_by_role("button", name="Take the best").click()
     wait_for(lambda: slide.register("VMAX")["value"] > before, "the best setting is taken")
@@ -80,5 +80,5 @@ def test_the_microsteps_page_leads_to_a_calibration_by_the_encoder(page: Page, s
     select(page, slide)
     page.goto("/microsteps")
     page.get_by_role("link", name="By the encoder").click()
-    expect(page.get_by_label("The axis shall be")).to_have_value("More exact")
+    expect(page.get_by_role("radio", name="More exact")).to_be_checked()
     expect(page.get_by_test_id("plan")).to_contain_text("the microstep table of axis 0")

@@ -6421,7 +6421,7 @@ export interface components {
          * @description How far an encoder's graduation is off: amplitudes and phases.
          *
          *     Eccentricity makes what comes once a turn, a bent or oval disk what comes twice; unequal A and B what comes once a
-         *     line, between its counts (sub-divisional error).
+         *     line, between its counts (sub-divisional error). A coupling with play makes a difference between both ways.
          */
         EncoderErrors: {
             /**
@@ -6457,6 +6457,12 @@ export interface components {
              * @default 0
              */
             line_error_phase_deg?: number;
+            /**
+             * Backlash Deg
+             * @description play between the shaft and its encoder: the shaft turns so far back before the encoder follows [deg of the shaft]
+             * @default 0
+             */
+            backlash_deg?: number;
         };
         /**
          * EncoderFound
@@ -6554,7 +6560,8 @@ export interface components {
              *       "second_harmonic_deg": 0,
              *       "second_harmonic_phase_deg": 0,
              *       "line_error": 0,
-             *       "line_error_phase_deg": 0
+             *       "line_error_phase_deg": 0,
+             *       "backlash_deg": 0
              *     }
              */
             external_errors?: components["schemas"]["EncoderErrors"];
@@ -6643,6 +6650,15 @@ export interface components {
              * @default 0
              */
             cosine_deg?: number;
+        };
+        /**
+         * Estimate
+         * @description A figure and its 95 % interval.
+         */
+        Estimate: {
+            /** Value */
+            value: number;
+            interval: components["schemas"]["Interval"];
         };
         /** Exchange */
         Exchange: {
@@ -7695,6 +7711,137 @@ export interface components {
             standstill_s: number;
         };
         /**
+         * Identification
+         * @description What hangs on an axis: resonance, damping, friction, detent torque, backlash, encoder, and by them the inertia.
+         *
+         *     It changes nothing that stays.
+         */
+        "Identification-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "identification";
+            /**
+             * Velocity Rps
+             * @description of the slow turns: so fast that the rotor does not stick at each microstep, so slow that four errors a full step stay far below its resonance [turns of the motor a second]
+             * @default 0.1
+             */
+            velocity_rps?: number;
+            /**
+             * Hops
+             * @description short, fast moves, after each of which the rotor rings
+             * @default 24
+             */
+            hops?: number;
+            /**
+             * Current Share
+             * @description of the run current, for the turns that tell friction from backlash
+             * @default 0.5
+             */
+            current_share?: number;
+            /**
+             * Hold Torque Nm
+             * @description holding torque with the current that it runs with, by the motor's data sheet [N m]; null: inertia and torques are told as shares of it alone
+             */
+            hold_torque_nm?: number | null;
+            /**
+             * Torque Tolerance
+             * @description by so much may that torque be off: 0.1 is 10 %
+             * @default 0.1
+             */
+            torque_tolerance?: number;
+        };
+        /**
+         * Identification
+         * @description What hangs on an axis: resonance, damping, friction, detent torque, backlash, encoder, and by them the inertia.
+         *
+         *     It changes nothing that stays.
+         */
+        "Identification-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "identification";
+            /**
+             * Velocity Rps
+             * @description of the slow turns: so fast that the rotor does not stick at each microstep, so slow that four errors a full step stay far below its resonance [turns of the motor a second]
+             * @default 0.1
+             */
+            velocity_rps: number;
+            /**
+             * Hops
+             * @description short, fast moves, after each of which the rotor rings
+             * @default 24
+             */
+            hops: number;
+            /**
+             * Current Share
+             * @description of the run current, for the turns that tell friction from backlash
+             * @default 0.5
+             */
+            current_share: number;
+            /**
+             * Hold Torque Nm
+             * @description holding torque with the current that it runs with, by the motor's data sheet [N m]; null: inertia and torques are told as shares of it alone
+             */
+            hold_torque_nm: number | null;
+            /**
+             * Torque Tolerance
+             * @description by so much may that torque be off: 0.1 is 10 %
+             * @default 0.1
+             */
+            torque_tolerance: number;
+        };
+        /**
+         * Identified
+         * @description Motor and machine. Torques are told with the run current; shares are of the holding torque at that current.
+         *
+         *     Null is what cannot be told: `findings` of the record say why.
+         */
+        Identified: {
+            /** Microsteps Per Turn */
+            microsteps_per_turn: number;
+            /**
+             * Run Scale
+             * @description current scale at which all of it holds: CS, of 31
+             */
+            run_scale: number;
+            /**
+             * Hold Torque Nm
+             * @description holding torque with the run current, as it was told [N m]
+             */
+            hold_torque_nm: number | null;
+            /** @description of small swings around the field, without detent */
+            resonance_hz: components["schemas"]["Estimate"] | null;
+            /** @description viscous friction over the critical one */
+            damping_ratio: components["schemas"]["Estimate"] | null;
+            /** @description Coulomb friction, motor and load */
+            friction_share: components["schemas"]["Estimate"] | null;
+            /** @description amplitude of the detent torque */
+            detent_share: components["schemas"]["Estimate"] | null;
+            /** @description inertia of rotor and load over holding torque [kg m2 / (N m)] */
+            inertia_per_torque_s2: components["schemas"]["Estimate"] | null;
+            /** @description of rotor and load; needs hold_torque_nm */
+            inertia_kgm2: components["schemas"]["Estimate"] | null;
+            viscous_nms: components["schemas"]["Estimate"] | null;
+            friction_nm: components["schemas"]["Estimate"] | null;
+            detent_torque_nm: components["schemas"]["Estimate"] | null;
+            /** @description before the encoder */
+            backlash_microsteps: components["schemas"]["Estimate"] | null;
+            /**
+             * Encoder Lines
+             * @description of a turn, four counts each
+             */
+            encoder_lines: number | null;
+            /** @description as they were measured */
+            encoder_counts_per_turn: components["schemas"]["Estimate"] | null;
+            /** @description of encoder or coupling [deg of the shaft] */
+            eccentricity_deg: components["schemas"]["Estimate"] | null;
+            ringing: components["schemas"]["Ringing"] | null;
+        };
+        /**
          * InputFilter
          * @description A waveform at a pin and the filter behind it.
          */
@@ -8180,7 +8327,8 @@ export interface components {
              *       "second_harmonic_deg": 0,
              *       "second_harmonic_phase_deg": 0,
              *       "line_error": 0,
-             *       "line_error_phase_deg": 0
+             *       "line_error_phase_deg": 0,
+             *       "backlash_deg": 0
              *     }
              */
             errors?: components["schemas"]["EncoderErrors"];
@@ -12717,6 +12865,23 @@ export interface components {
             score: components["schemas"]["Score"] | null;
         };
         /**
+         * Ringing
+         * @description One ring as it was measured, and as the fit has it: electrical angle about where the rotor shall rest.
+         */
+        Ringing: {
+            /** Time S */
+            time_s: number[];
+            /** Measured Deg */
+            measured_deg: number[];
+            /** Fitted Deg */
+            fitted_deg: number[];
+            /**
+             * Residual Deg
+             * @description root mean square of what the fit leaves [deg electrical]
+             */
+            residual_deg: number;
+        };
+        /**
          * RocPoint
          * @description A level, and what a threshold there would do with the runs that were measured.
          */
@@ -13865,13 +14030,13 @@ export interface components {
             push_fullsteps?: number;
             /**
              * Free Runs
-             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %; from 366 on up to two false ones are made up for by more runs
              * @default 100
              */
             free_runs?: number;
             /**
              * Stops
-             * @description runs into the stop of the proof, at each speed
+             * @description runs into the stop of the proof, at each speed: the same of missed ones
              * @default 20
              */
             stops?: number;
@@ -13941,13 +14106,13 @@ export interface components {
             push_fullsteps: number;
             /**
              * Free Runs
-             * @description of the proof, at each speed: 299 without a false stall show less than 1 %
+             * @description of the proof, at each speed: 299 without a false stall show less than 1 %; from 366 on up to two false ones are made up for by more runs
              * @default 100
              */
             free_runs: number;
             /**
              * Stops
-             * @description runs into the stop of the proof, at each speed
+             * @description runs into the stop of the proof, at each speed: the same of missed ones
              * @default 20
              */
             stops: number;
@@ -14500,7 +14665,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
+            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -14542,7 +14707,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
+            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -14562,7 +14727,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
+            kind: "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Device */
@@ -14601,7 +14766,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "microstep_calibration" | "stallguard";
+            kind: "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Purpose */
@@ -14799,6 +14964,8 @@ export interface components {
             findings: components["schemas"]["Finding"][];
             /** @description of a microstep calibration */
             microsteps: components["schemas"]["MicrostepFigures"] | null;
+            /** @description motor and machine, as a study found them */
+            identified: components["schemas"]["Identified"] | null;
             /**
              * Runs
              * @default 0

@@ -1,12 +1,10 @@
-import { Alert, Anchor, Button, Group, Progress, Table, Text } from "@mantine/core";
+import { Skeleton, Text } from "@mantine/core";
 import { IconTargetArrow } from "@tabler/icons-react";
-import { Link } from "wouter";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
-import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Remedies } from "../../lib/Remedies";
-import { titleOf } from "./kinds";
+import { Outcome } from "./Outcome";
 import { figureOf, remedyOf, type Study } from "./study";
 import { type Changes, useStudy } from "./useStudies";
 import { VIEWS } from "./views";
@@ -27,157 +25,22 @@ export function StudyView({ id, changes }: Props) {
         </Text>
       </EmptyState>
     );
-  if (study === undefined) return <ProblemAlert error={error} doing="Reading the study" retry={() => void refetch()} />;
+  if (study === undefined)
+    return error ? (
+      <ProblemAlert error={error} doing="Reading the study" retry={() => void refetch()} />
+    ) : (
+      <Skeleton height={220} aria-label="Reading the study" />
+    );
   const { Results } = VIEWS[study.document.study.kind];
+  const findings = study.findings.length > 0 && <Findings study={study} />;
+  const searches = Object.keys(study.units).length > 0;
   return (
     <>
       <Outcome study={study} changes={changes} />
-      {study.findings.length > 0 && <Findings study={study} />}
+      {!searches && findings}
       {Results && <Results study={study} />}
+      {searches && findings}
     </>
-  );
-}
-
-function Outcome({ study, changes }: { study: Study; changes: Changes }) {
-  const { id } = study;
-  const running = study.state === "running";
-  const best = study.trials.find(({ number }) => number === study.best);
-  const failed = [changes.stop, changes.resume, changes.best, changes.undo, changes.keep, changes.remove];
-  return (
-    <Card
-      title={titleOf(study.document)}
-      note={running ? study.phase : study.state}
-      actions={
-        running ? (
-          <Button
-            size="compact-sm"
-            color="red"
-            loading={changes.stop.isPending}
-            onClick={() => changes.stop.mutate(id)}
-          >
-            Stop, and set back
-          </Button>
-        ) : (
-          <Button
-            size="compact-sm"
-            variant="default"
-            loading={changes.remove.isPending}
-            onClick={() => changes.remove.mutate(id)}
-          >
-            Delete
-          </Button>
-        )
-      }
-    >
-      {running && <Progress value={study.progress * 100} aria-label="How far the study is" mb={6} />}
-      <Text role="status" fw={600} data-testid="verdict">
-        {running ? study.message : study.verdict || study.message}
-      </Text>
-      {running && study.left_s !== null && <Text size="sm">About {duration(study.left_s)} left.</Text>}
-      {study.left.length > 0 && (
-        <Alert color="red" role="alert" mt="xs" title="Not as before">
-          {study.left.map((line) => (
-            <Text key={line} size="sm">
-              {line}
-            </Text>
-          ))}
-        </Alert>
-      )}
-      {best && Object.keys(study.units).length > 0 && (
-        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Before and best">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col">Setting</Table.Th>
-              <Table.Th scope="col">Before</Table.Th>
-              <Table.Th scope="col">Best</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {Object.entries(study.units).map(([name, unit]) => (
-              <Table.Tr key={name}>
-                <Table.Th scope="row">{unit === "" ? name : `${name} [${unit}]`}</Table.Th>
-                <Table.Td className="num">{compact(study.baseline_setting[name], 6)}</Table.Td>
-                <Table.Td className="num">{compact(best.setting[name], 6)}</Table.Td>
-              </Table.Tr>
-            ))}
-            {study.baseline_figures && (
-              <Table.Tr>
-                <Table.Th scope="row">time [s]</Table.Th>
-                <Table.Td className="num">{compact(study.baseline_figures.time_s)}</Table.Td>
-                <Table.Td className="num">{compact(best.figures.time_s)}</Table.Td>
-              </Table.Tr>
-            )}
-          </Table.Tbody>
-        </Table>
-      )}
-      {!running && (
-        <Group gap="xs" mt="sm">
-          {study.improved && best && (
-            <Button size="compact-sm" loading={changes.best.isPending} onClick={() => changes.best.mutate(id)}>
-              Take the best
-            </Button>
-          )}
-          {study.baseline.length > 0 && (
-            <Button
-              size="compact-sm"
-              variant="default"
-              loading={changes.undo.isPending}
-              onClick={() => changes.undo.mutate(id)}
-            >
-              {study.left.length > 0 ? "Set back" : "Undo: as before"}
-            </Button>
-          )}
-          {best && (
-            <Button
-              size="compact-sm"
-              variant="default"
-              loading={changes.keep.isPending}
-              onClick={() => changes.keep.mutate(id)}
-            >
-              Keep both as profiles
-            </Button>
-          )}
-          {study.state !== "done" && (
-            <Button
-              size="compact-sm"
-              variant="default"
-              loading={changes.resume.isPending}
-              onClick={() => changes.resume.mutate(id)}
-            >
-              Go on (moves)
-            </Button>
-          )}
-          <Anchor size="sm" href={`/api/v1/studies/${id}/report`} download>
-            Report
-          </Anchor>
-          {study.recording && (
-            <Anchor size="sm" component={Link} href={`/recordings/${study.recording}`}>
-              Recording
-            </Anchor>
-          )}
-        </Group>
-      )}
-      {changes.keep.data && changes.keep.variables === id && (
-        <Text size="sm" mt={4} role="status">
-          Kept: {changes.keep.data.profiles.map(({ name }) => name).join("; ")}.
-        </Text>
-      )}
-      {failed.map((mutation) =>
-        mutation.error && mutation.variables === id ? (
-          <ProblemAlert
-            key={mutation.submittedAt}
-            error={mutation.error}
-            doing="The study"
-            onClose={() => mutation.reset()}
-          />
-        ) : null,
-      )}
-      {study.next && !running && (
-        <Text size="sm" className="dim" mt={4}>
-          Next: {study.next}.
-        </Text>
-      )}
-    </Card>
   );
 }
 

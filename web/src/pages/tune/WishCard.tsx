@@ -2,10 +2,10 @@ import { Button, List, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
-import { Choice } from "../../lib/Choice";
 import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type AxisScale, scaleOf } from "../../lib/units";
+import { GoalCards } from "./GoalCards";
 import { documentOf, type Forms, firstForms, KINDS, kindAsked, WISHES } from "./kinds";
 import type { Kind, Plan } from "./study";
 import { type Changes, usePlan } from "./useStudies";
@@ -34,13 +34,8 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   return (
     <Card title="What do you want?">
       <div className="column">
-        <Choice
-          label="The axis shall be"
-          data={WISHES}
-          value={kind}
-          onChange={(picked) => setKind(picked as Kind)}
-          description={KINDS[kind].text}
-        />
+        <GoalCards label="The axis shall be" goals={WISHES} value={kind} onChange={setKind} />
+        <Text size="sm">{KINDS[kind].text}</Text>
         <KindFields kind={kind} forms={forms} change={change} scale={scale} />
         {busy ? (
           <Text size="sm">A study of this axis runs. A stop, or any other command to it, ends it.</Text>

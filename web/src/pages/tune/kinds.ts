@@ -24,7 +24,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   stallguard: STALLGUARD,
 };
 
-export const WISHES = Object.entries(KINDS).map(([value, { label }]) => ({ value, label }));
+export const WISHES = (Object.keys(KINDS) as Kind[]).map((value) => ({ value, label: KINDS[value].label }));
 
 /** What all forms begin with. */
 export function firstForms(microstepsPerTurn: number | null): Forms {

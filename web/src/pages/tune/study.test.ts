@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
@@ -141,6 +142,19 @@ describe("a study on the page", () => {
       [400, 1200, 1600, null],
       [null, null, null, 4000],
     ]);
+  });
+
+  it("draws moves over one time, until the slowest has arrived, and nothing where there is none", () => {
+    const slow = { which: "before", time_s: [0, 1, 2, 3, 9], fullsteps: [0, 50, 100, 100, 100] } as const;
+    const fast = { which: "best", time_s: [0.1, 0.5, 1], fullsteps: [0, 100, 100] } as const;
+    const moves = [slow, fast].map((move) => ({ ...move, time_s: [...move.time_s], fullsteps: [...move.fullsteps] }));
+    expect(at(moves[0] as (typeof moves)[0], 0.5)).toBe(25);
+    expect(at(moves[1] as (typeof moves)[0], 0.05)).toBeNull();
+    const [times, before, best, present] = movesOf(moves, ["before", "best", "present"]);
+    expect(Array.from(times).at(-1)).toBeCloseTo(1.15);
+    expect(Array.from(before ?? []).at(-1)).toBeCloseTo(57.5);
+    expect(Array.from(best ?? []).at(-1)).toBeNull();
+    expect(new Set(Array.from(present ?? []))).toEqual(new Set([null]));
   });
 
   it("marks the front of two objectives", () => {

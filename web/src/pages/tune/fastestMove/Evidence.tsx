@@ -5,6 +5,7 @@ import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
+import { Tiles } from "../Tiles";
 
 interface Props {
   study: Study;
@@ -19,6 +20,15 @@ export function Evidence({ study, evidence }: Props) {
   const summary = `${compact(evidence.difference_s * 1e3)} ms on average, 95 %: ${compact(low * 1e3)} to ${compact(high * 1e3)} ms`;
   return (
     <Card title="How sure" note={evidence.significant ? "better" : "not shown to be better"}>
+      <Tiles
+        label="The best setting against the one before"
+        figures={[
+          ["time of a move", `${compact(evidence.share * 100, 3)} %`],
+          ["before", `${compact(evidence.baseline_s, 3)} s`],
+          ["best", `${compact(evidence.winner_s, 3)} s`],
+          ["runs that lost steps", `${evidence.lost_runs} of ${evidence.runs}`],
+        ]}
+      />
       <Text size="sm">
         {summary}; p {compact(evidence.p, 2)} of {evidence.pairs} pairs. Steps lost in {evidence.lost_runs} of{" "}
         {evidence.runs} runs: a rate below {compact(evidence.loss_rate_max * 100, 2)} %, at 95 %.

@@ -1,11 +1,13 @@
 import type { Study } from "../study";
 import { Evidence } from "./Evidence";
+import { MovePlot } from "./MovePlot";
 import { TrialPlots } from "./TrialPlots";
 
-/** How sure it is, and what was tried. */
+/** The move itself, how sure it is, and what was tried. */
 export function Results({ study }: { study: Study }) {
   return (
     <>
+      {study.moves.length > 0 && <MovePlot study={study} />}
       {study.evidence && <Evidence study={study} evidence={study.evidence} />}
       {study.trials.length > 0 && <TrialPlots study={study} />}
     </>

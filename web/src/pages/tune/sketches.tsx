@@ -1,0 +1,38 @@
+import type { ReactNode } from "react";
+
+/** Lines of a sketch in a box of 72 x 30: what is before is dim, what is wanted has the accent. */
+function sketch(before: ReactNode, wanted: ReactNode): ReactNode {
+  return (
+    <svg viewBox="0 0 72 30" width="72" height="30" aria-hidden="true" focusable="false" fill="none" strokeWidth="2">
+      <g stroke="var(--dim)" strokeOpacity="0.6">
+        {before}
+      </g>
+      <g stroke="var(--accent-text)" strokeLinejoin="round" strokeLinecap="round">
+        {wanted}
+      </g>
+    </svg>
+  );
+}
+
+/** What a goal looks like, by the kind of its study. */
+const SKETCHES: Readonly<Record<string, ReactNode>> = {
+  first_look: sketch(
+    <circle cx="36" cy="15" r="11" />,
+    <path d="M27 15a9 9 0 0 1 15.5-6.3M42.5 3.5v5.2h-5.2M45 15a9 9 0 0 1-15.5 6.3M29.5 26.5v-5.2h5.2" />,
+  ),
+  fastest_move: sketch(<path d="M4 26 20 12H52L68 26" />, <path d="M4 26 12 4H26L34 26" />),
+  microstep_calibration: sketch(<path d="M4 26c10 0 12-10 22-10S40 4 68 4" />, <path d="M4 26 68 4" />),
+  stallguard: sketch(
+    <path d="M4 26c8 0 8-20 14-20s6 20 14 20" />,
+    <>
+      <path d="M40 26c8 0 8-20 14-20s6 20 14 20" />
+      <path d="M36 3v24" strokeDasharray="3 3" />
+    </>,
+  ),
+};
+
+const OTHER = sketch(<path d="M10 24a26 26 0 0 1 52 0" />, <path d="M36 24 52 9M36 24h.01" />);
+
+export function sketchOf(kind: string): ReactNode {
+  return SKETCHES[kind] ?? OTHER;
+}
