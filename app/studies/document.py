@@ -213,16 +213,45 @@ class StallGuard(Part):
         return self
 
 
+class TorqueCurve(Part):
+    """How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost."""
+
+    kind: Literal["torque_curve"] = "torque_curve"
+    velocity_max_rps: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
+        default=20.0, description="never faster [turns of the motor a second]"
+    )
+    travel_turns: Annotated[float, Field(strict=True, ge=10, le=10_000, allow_inf_nan=False)] = Field(
+        default=60.0,
+        description="room from where it stands, to positions above [turns of the motor]; a load out of step may run on",
+    )
+    speeds: Annotated[int, Field(strict=True, ge=2, le=30)] = Field(
+        default=8, description="how many between the first and the greatest at which there is torque left"
+    )
+    repeats: Annotated[int, Field(strict=True, ge=2, le=20)] = Field(default=4, description="slips at each speed")
+    inertia_kgm2: Annotated[float, Field(strict=True, gt=0, le=1, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="of rotor and load: torque is it times what is measured; null: accelerations alone are told",
+    )
+    inertia_share: Annotated[float, Field(strict=True, ge=0, le=0.5, allow_inf_nan=False)] = Field(
+        default=0.05, description="how well the inertia is known: 0.05 is +-5 %, of its 95 % interval"
+    )
+    friction_nm: Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)] = Field(
+        default=0.0, description="of the axis where it is known; it is added to the torque"
+    )
+
+
 What: TypeAlias = Annotated[
-    FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard, Field(discriminator="kind")
+    FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard | TorqueCurve,
+    Field(discriminator="kind"),
 ]
-Kind = Literal["fastest_move", "first_look", "identification", "microstep_calibration", "stallguard"]
+Kind = Literal["fastest_move", "first_look", "identification", "microstep_calibration", "stallguard", "torque_curve"]
 TITLES: dict[Kind, str] = {
     "fastest_move": "Fastest move",
     "first_look": "First look",
     "identification": "Motor and machine",
     "microstep_calibration": "Microstep calibration",
     "stallguard": "StallGuard threshold",
+    "torque_curve": "Torque over speed",
 }
 Wanted = TypeVar("Wanted", bound=Part)
 

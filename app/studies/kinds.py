@@ -22,6 +22,8 @@ from .record import StudyRecord
 from .run import Keeper, StudyRun
 from .stallguard import plan as stallguard
 from .stallguard.study import StallGuardStudy
+from .torque_curve import plan as torque_curve
+from .torque_curve.study import TorqueCurveStudy
 from .twins.on_twin import OnTwin
 
 
@@ -84,5 +86,13 @@ KINDS: dict[Kind, StudyKind] = {
         (*POSITIONS, "load_value"),
         StallGuardStudy,
         stallguard.plan,
+    ),
+    "torque_curve": StudyKind(
+        "torque_curve",
+        "Torque over speed",
+        "how much the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost",
+        POSITIONS,
+        TorqueCurveStudy,
+        torque_curve.plan,
     ),
 }

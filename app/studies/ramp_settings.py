@@ -88,6 +88,10 @@ class RampSpace:
             raise WrongState(f"what {rows[0].name} counts in is not known", "")
         return _Setting(rows, unit.value, min(row.maximum for row in rows))
 
+    def names(self, name: str) -> frozenset[str]:
+        """The registers that hold a setting."""
+        return frozenset(row.name for row in self._settings[name].rows)
+
     def most(self, name: str) -> float:
         """The greatest that its registers hold [pps, pps^2, pps^3]."""
         setting = self._settings[name]

@@ -10,6 +10,7 @@ from .document import StudyDocument
 from .identification.found import Identified
 from .parts import Interval, Part
 from .stallguard.found import StallFound
+from .torque_curve.found import TorqueFound
 
 State = Literal["running", "done", "failed", "aborted", "interrupted"]
 """interrupted: the server ended in the middle of it."""
@@ -209,6 +210,7 @@ class StudyRecord(Part):
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
+    torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

@@ -13,6 +13,7 @@ from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
 from .stallguard import report as stallguard
+from .torque_curve import report as torque_curve
 
 STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
@@ -28,6 +29,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "identification": identification.sections,
     "microstep_calibration": microstep_calibration.sections,
     "stallguard": stallguard.sections,
+    "torque_curve": torque_curve.sections,
 }
 """What each kind has to tell beside its verdict and findings."""
 

@@ -46,7 +46,15 @@ from tests.bench import (
     uart_link,
     velocity_stream,
 )
-from tests.bench.studies import aborts, fastest_move, identification, microstep_calibration, stallguard, twins
+from tests.bench.studies import (
+    aborts,
+    fastest_move,
+    identification,
+    microstep_calibration,
+    stallguard,
+    torque_curve,
+    twins,
+)
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -73,6 +81,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "study stallguard": stallguard.measure,
     "study twins": twins.measure,
     "study aborts": aborts.measure,
+    "study torque": torque_curve.measure,
     "lossy": lossy_download.measure,
     "uart": uart_link.measure,
     "velocity": velocity_stream.measure,

@@ -5,6 +5,7 @@ import type { KindForm } from "./kind";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
 import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
 import type { Kind, Wish } from "./study";
+import { TORQUE_CURVE, type TorqueForm } from "./torqueCurve/form";
 
 /** The form of each kind: what was typed stays when another one is looked at. */
 export interface Forms {
@@ -13,6 +14,7 @@ export interface Forms {
   identification: IdentificationForm;
   microstep_calibration: MicrostepForm;
   stallguard: StallGuardForm;
+  torque_curve: TorqueForm;
 }
 
 /** The studies, in the order of the choice. */
@@ -22,6 +24,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   identification: IDENTIFICATION,
   microstep_calibration: MICROSTEP_CALIBRATION,
   stallguard: STALLGUARD,
+  torque_curve: TORQUE_CURVE,
 };
 
 export const WISHES = (Object.keys(KINDS) as Kind[]).map((value) => ({ value, label: KINDS[value].label }));
@@ -34,6 +37,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     identification: IDENTIFICATION.first(microstepsPerTurn),
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
     stallguard: STALLGUARD.first(microstepsPerTurn),
+    torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
   };
 }
 

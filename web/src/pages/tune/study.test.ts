@@ -5,6 +5,7 @@ import { documentOf, firstForms, kindAsked } from "./kinds";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
+import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 
 type Trial = Study["trials"][number];
 
@@ -112,6 +113,21 @@ describe("a study on the page", () => {
       speeds_rps: [0.5, 1, 2],
       stop_confirmed: true,
     });
+  });
+
+  it("asks for torque over speed, and draws it, or the acceleration where the inertia is not known", () => {
+    const forms = firstForms(null);
+    const study = { kind: "torque_curve", travel_turns: 60, inertia_kgm2: null, inertia_share: 0.05 };
+    expect(documentOf("torque_curve", forms, "slide", 0).study).toMatchObject(study);
+    const point = {
+      speed_rps: 2,
+      acceleration_radps2: 100,
+      interval_radps2: { low: 90, high: 110 },
+      torque_nm: 0.1,
+      interval_nm: { low: 0.09, high: 0.11 },
+    } as TorquePoint;
+    expect(curveOf(rowsOf([point]))).toEqual([[2], [0.1], [0.09], [0.11]]);
+    expect(curveOf(rowsOf([{ ...point, torque_nm: null }]))).toEqual([[2], [100], [90], [110]]);
   });
 
   it("tells rates with their bounds, and draws what each threshold would do", () => {

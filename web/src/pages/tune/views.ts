@@ -10,6 +10,8 @@ import { Results as MicrostepResults } from "./microstepCalibration/Results";
 import { Fields as StallGuardFields } from "./stallguard/Fields";
 import { Results as StallGuardResults } from "./stallguard/Results";
 import type { Kind } from "./study";
+import { Fields as TorqueFields } from "./torqueCurve/Fields";
+import { Results as TorqueResults } from "./torqueCurve/Results";
 
 /** What each kind of study shows on the page. */
 export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
@@ -18,4 +20,5 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   identification: { Fields: IdentificationFields, Results: IdentificationResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
+  torque_curve: { Fields: TorqueFields, Results: TorqueResults },
 };

@@ -1,0 +1,1 @@
+"""The study of how much torque a motor has at each speed."""

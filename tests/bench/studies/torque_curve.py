@@ -1,0 +1,189 @@
+"""Torque over speed on plants drawn from a seed that it does not know, judged by a brake.
+
+The judge does what a test bench does: it turns the same plant at the same speed and raises a load torque slowly until
+the rotor falls out of step. What it takes then is what the motor has beyond the friction of its axis.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.devices.core.capabilities import PositionFromEncoder
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.studies.record import StudyRecord
+from tests.bench.table import Row
+from tests.plants.heavy import drawn
+from tests.studies.harness import START, STEP_S, Studied, studied
+
+FULL = replace(START, irun=31, ihold=31)
+"""At the rated current, also at rest."""
+STUDY: dict[str, Any] = {"kind": "torque_curve", "travel_turns": 400.0, "inertia_share": 0.02}
+BUDGET: dict[str, Any] = {"time_s": 3600.0}
+LONGEST_S = 4000.0
+NAMES = ("VMAX", "AMAX", "DMAX", "V1")
+TURN = 51_200
+GENTLE = 0.06
+"""Share of the holding torque by which the judge's load is brought up to speed."""
+LOADED, RAISED = 0.88, 0.0006
+"""The brake begins at this share of what is expected, and is raised by this share every `EVERY_S`."""
+EVERY_S = 0.03
+SLIPPED = 1024
+WITHIN, HOLDS, SPEEDS = 0.05, 0.93, 8
+
+
+async def _advanced(s: Studied, work: Any) -> Any:
+    task = asyncio.ensure_future(work)
+    while not task.done():
+        await s.clock.advance(STEP_S)
+    return await task
+
+
+async def _braked(s: Studied, rps: float, expected_nm: float) -> float:
+    """The load torque at which the rotor slips at a speed [N m]."""
+
+    async def off() -> int:
+        state = await s.device.monitor.axis_state(0)
+        return abs((state.encoder_position or 0) - state.position)
+
+    def load(torque_nm: float) -> None:
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, load_torque_nm=torque_nm)]))
+
+    await s.device.motion.rotate(0, rps * TURN)
+    while abs((await s.device.monitor.axis_state(0)).velocity_pps - rps * TURN) > 10:
+        assert await off() < SLIPPED, "the judge is too hasty"
+        await s.clock.sleep(0.1)
+    await s.clock.sleep(1.0)
+    torque = LOADED * expected_nm
+    for tenth in range(1, 11):
+        load(torque * tenth / 10)
+        await s.clock.sleep(0.1)
+    while await off() < SLIPPED:
+        torque += RAISED * expected_nm
+        load(torque)
+        await s.clock.sleep(EVERY_S)
+    load(0.0)
+    await s.device.motion.stop_axes([0], "immediate")
+    last, at = 0, -SLIPPED
+    while abs(at - last) > SLIPPED // 100:
+        await s.clock.sleep(0.5)
+        last, at = at, (await s.device.monitor.axis_state(0)).encoder_position or 0
+    await s.device.need(PositionFromEncoder).position_from_encoder(0)
+    return torque
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A study on a plant: its record, what the brake says at each of its speeds, and whether the axis is as before."""
+
+    record: StudyRecord
+    truth_nm: tuple[float, ...]
+    as_before: bool
+
+    @property
+    def off(self) -> list[float]:
+        """By how much each torque is off, as a share."""
+        assert self.record.torque is not None
+        points = self.record.torque.points
+        return [(each.torque_nm or 0.0) / truth - 1 for each, truth in zip(points, self.truth_nm, strict=True)]
+
+    @property
+    def held(self) -> list[bool]:
+        """Whether each interval holds it."""
+        assert self.record.torque is not None
+        intervals = [point.interval_nm for point in self.record.torque.points]
+        return [i is not None and i.low <= t <= i.high for i, t in zip(intervals, self.truth_nm, strict=True)]
+
+
+async def _judged(seed: int, folder: Path) -> Judged:
+    options, inertia = drawn(seed)
+    async with studied(folder, FULL, **options) as s:
+        before = await s.settings(*NAMES)
+        study = {**STUDY, "inertia_kgm2": inertia}
+        record = await s.finish(s.begin(s.document(study, budget=BUDGET, seed=seed)), LONGEST_S)
+        as_before = await s.settings(*NAMES) == before
+        found = record.torque
+        if found is None or not found.points:
+            return Judged(record, (), as_before)
+        gentle = GENTLE * options["motor"]["holding_torque_nm"] / inertia / (2 * np.pi) * TURN
+        unit = s.device.clock_hz**2 / (512 * 256 * 2**24)
+        await s.device.registers.write("AMAX", 0, round(gentle / unit))
+        truth = [
+            float(await _advanced(s, _braked(s, point.speed_rps, point.torque_nm or 0.0))) for point in found.points
+        ]
+        return Judged(record, tuple(truth), as_before)
+
+
+async def _aborted(seed: int, folder: Path) -> bool:
+    """Whether the axis is as before, or what is left is told, after a stop at a random moment."""
+    rng = random.Random(seed)
+    options, _ = drawn(seed)
+    async with studied(folder, FULL, **options) as s:
+        before, run = await s.settings(*NAMES), s.begin(s.document(STUDY, budget=BUDGET))
+        await s.clock.advance(rng.uniform(0.05, 60))
+        await s.device.stop_axes([0], rng.choice(("ramp", "immediate")))
+        record = await s.finish(run, 60)
+        return await s.settings(*NAMES) == before or bool(record.left)
+
+
+def measure(quick: bool) -> Sequence[Row]:
+    """Three rows; quick: a few plants of each."""
+    plants, aborts = (2, 3) if quick else (40, 20)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+
+        async def all_of() -> tuple[list[Judged], list[bool]]:
+            return (
+                [await _judged(seed, folder / f"p{seed}") for seed in range(plants)],
+                [await _aborted(2000 + seed, folder / f"a{seed}") for seed in range(aborts)],
+            )
+
+        judged, stops = asyncio.run(all_of())
+    told = [one for one in judged if len(one.truth_nm) >= SPEEDS]
+    off = [value for one in told for value in one.off]
+    held = [value for one in told for value in one.held]
+    near = sum(abs(value) <= WITHIN for value in off)
+    said = [
+        f"{len(one.truth_nm)} speeds: {one.record.verdict or one.record.message}" for one in judged if one not in told
+    ]
+    said += [f"not as before: {one.record.message}" for one in judged if not one.as_before]
+    said += [
+        f"worst {100 * max(one.off, key=abs):.1f} %: {one.record.verdict}"
+        for one in told
+        if max(map(abs, one.off)) > WITHIN
+    ]
+    return [
+        Row(
+            what=f"torque over speed on {plants} blind plants, {len(told)} with {SPEEDS} speeds or more, by a brake",
+            measured=f"{near} within {100 * WITHIN:g} %; median {100 * np.median(np.abs(off)):.1f} %, "
+            f"worst {100 * np.abs(off).max():.1f} %",
+            peer=f"{len(off)} speeds",
+            ratio=near / len(off),
+            required=f">= {HOLDS:g}, every axis as before",
+            ok=near / len(off) >= HOLDS and all(one.as_before for one in judged) and len(told) >= HOLDS * plants,
+            notes=tuple(said),
+        ),
+        Row(
+            what="their 95 % intervals",
+            measured=f"{sum(held)} hold what the brake says",
+            peer=f"{len(held)}",
+            ratio=sum(held) / len(held),
+            required=f">= {HOLDS:g}",
+            ok=sum(held) / len(held) >= HOLDS,
+        ),
+        Row(
+            what=f"studies of torque stopped at {aborts} random moments",
+            measured=f"{sum(stops)} as before, or told what is left",
+            peer=f"{aborts}",
+            ratio=sum(stops) / aborts,
+            required="all",
+            ok=all(stops),
+        ),
+    ]

@@ -1,0 +1,43 @@
+import type { KindForm } from "../kind";
+
+export interface TorqueForm {
+  /** never faster [turns of the motor a second] */
+  velocityMaxRps: number;
+  /** room from where it stands, to positions above [turns of the motor] */
+  travelTurns: number;
+  speeds: number;
+  repeats: number;
+  /** of rotor and load [kg m²]; null: accelerations alone are told */
+  inertiaKgm2: number | null;
+  /** how well it is known */
+  inertiaPercent: number;
+  /** of the axis, added to the torque [N m] */
+  frictionNm: number;
+}
+
+export const TORQUE_CURVE: KindForm<TorqueForm> = {
+  label: "Known in its torque",
+  text: "How much torque the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost.",
+  title: "Torque over speed",
+  first: () => ({
+    velocityMaxRps: 20,
+    travelTurns: 60,
+    speeds: 8,
+    repeats: 4,
+    inertiaKgm2: null,
+    inertiaPercent: 5,
+    frictionNm: 0,
+  }),
+  wish: (form) => ({
+    study: {
+      kind: "torque_curve",
+      velocity_max_rps: form.velocityMaxRps,
+      travel_turns: form.travelTurns,
+      speeds: form.speeds,
+      repeats: form.repeats,
+      inertia_kgm2: form.inertiaKgm2,
+      inertia_share: form.inertiaPercent / 100,
+      friction_nm: form.frictionNm,
+    },
+  }),
+};
