@@ -293,7 +293,9 @@ class TorqueCurveStudy(StudyRun):
         if count > 1:
             spread = float(stats.t.ppf(0.975, count - 1)) * statistics.stdev(values) / math.sqrt(count)
         noise = math.sqrt(sum(each.half**2 for each in told)) / count
-        half = math.hypot(max(spread, noise), FIT_SHARE * mean)
+        # The doubt of a fit is alike in all of them: no mean makes it smaller.
+        doubt = statistics.fmean(each.doubt for each in told)
+        half = math.hypot(max(spread, noise), FIT_SHARE * mean, doubt)
         point = TorquePoint(
             speed_rps=statistics.fmean(each.speed for each in told) / (2 * math.pi),
             acceleration_radps2=mean,

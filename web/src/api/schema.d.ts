@@ -9735,6 +9735,28 @@ export interface components {
              */
             unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
         };
+        /**
+         * MoveCurve
+         * @description A move as its encoder saw it, thinned out for a plot.
+         */
+        MoveCurve: {
+            /**
+             * Which
+             * @description present: of the latest trial
+             * @enum {string}
+             */
+            which: "before" | "best" | "present";
+            /**
+             * Time S
+             * @description from the command on [s]
+             */
+            time_s: number[];
+            /**
+             * Fullsteps
+             * @description of the encoder, from where the move began [full steps]
+             */
+            fullsteps: number[];
+        };
         /** MoveStarted */
         MoveStarted: {
             /** Axis */
@@ -14942,6 +14964,11 @@ export interface components {
              * @description number of the trial that is the best so far
              */
             best: number | null;
+            /**
+             * Moves
+             * @description of a fastest move: moves to the far end
+             */
+            moves: components["schemas"]["MoveCurve"][];
             /**
              * Front
              * @description of two objectives: those that none beats in both
