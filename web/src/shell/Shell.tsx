@@ -1,6 +1,6 @@
 import { Group, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
-import { IconHelpCircle } from "@tabler/icons-react";
+import { IconHelpCircle, IconSearch } from "@tabler/icons-react";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
@@ -15,6 +15,7 @@ import { LeaseNews } from "./lease/LeaseNews";
 import { LeaseQuestion } from "./lease/LeaseQuestion";
 import { PageBoundary } from "./PageBoundary";
 import { isAt, PAGES, pagesFor } from "./pages";
+import { openPalette, Palette } from "./palette/Palette";
 import { RunsUnderWay } from "./RunsUnderWay";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
@@ -65,6 +66,7 @@ export function Shell({ children }: PropsWithChildren) {
         </Group>
         <Group gap={6} wrap="nowrap">
           <LeaseControl />
+          <Palette />
           <Shortcuts />
           <ColorSchemeToggle />
           <LogOut />
@@ -109,6 +111,10 @@ export function Shell({ children }: PropsWithChildren) {
               {short}
             </Link>
           ))}
+          <button type="button" className={`${classes.tab} row hint gap-2`} onClick={openPalette}>
+            <IconSearch size={20} stroke={1.6} aria-hidden />
+            Find
+          </button>
           <a href={HELP} target="_blank" rel="noopener" className={`${classes.tab} row hint gap-2`}>
             <IconHelpCircle size={20} stroke={1.6} aria-hidden />
             Help

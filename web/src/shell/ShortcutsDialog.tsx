@@ -5,6 +5,7 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
     "Everywhere",
     [
       ["Esc", "Stop all axes of all devices while one moves, or may. While all stand: close what is open"],
+      ["Ctrl K", "Find a page, register, field, axis, recording, profile, or a word of the help"],
       ["?", "This list"],
       ["Alt 1 … 9", "Go to a page, in the order of the menu"],
     ],

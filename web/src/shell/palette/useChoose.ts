@@ -1,0 +1,31 @@
+import { useMantineColorScheme } from "@mantine/core";
+import { useLocation } from "wouter";
+import { useScheme } from "../../lib/useScheme";
+import { useSelection } from "../../live/selection";
+import { stopEverything } from "../stopEverything";
+import type { Entry } from "./entries";
+import { useRecent } from "./useFound";
+
+const HELP = "/help/";
+
+function openHelp(location: string) {
+  window.open(`${HELP}${location}`, "_blank", "noopener");
+}
+
+/** Goes where an entry leads, or does what it says, and remembers it. */
+export function useChoose(): (entry: Entry) => void {
+  const [, go] = useLocation();
+  const { select } = useSelection();
+  const { setColorScheme } = useMantineColorScheme();
+  const scheme = useScheme();
+  const [, remember] = useRecent();
+  return ({ id, go: target }) => {
+    remember(id);
+    if ("to" in target) go(target.to);
+    else if ("help" in target) openHelp(target.help);
+    else if ("device" in target) select(target.device, target.axis);
+    else if (target.act === "stop") void stopEverything();
+    else if (target.act === "help") openHelp("");
+    else setColorScheme(scheme === "light" ? "dark" : "light");
+  };
+}

@@ -1,0 +1,88 @@
+import { useQuery } from "@tanstack/react-query";
+import { useMemo } from "react";
+import { api } from "../../api/client";
+import { useCatalogModel, useDevices } from "../../api/queries";
+import { useLocalKept } from "../../lib/useKept";
+import { useScheme } from "../../lib/useScheme";
+import { useSelection } from "../../live/selection";
+import { PAGES } from "../pages";
+import {
+  actionEntries,
+  axisEntries,
+  type Entry,
+  type HelpItem,
+  helpEntries,
+  pageEntries,
+  profileEntries,
+  recordingEntries,
+  registerEntries,
+} from "./entries";
+import { Index } from "./find";
+
+const RECENT = "stepscope.found";
+const RECENT_MAX = 8;
+const RECORDINGS = 1000;
+const WHILE_OPEN = { staleTime: 30_000, retry: false } as const;
+
+/** The index of the help; a server that was started without one has none. */
+async function helpIndex(): Promise<HelpItem[]> {
+  const answer = await fetch("/help/search.json");
+  if (!answer.ok) return [];
+  return ((await answer.json()) as { items: HelpItem[] }).items;
+}
+
+export interface Found {
+  entries: readonly Entry[];
+  /** how many there are to be found */
+  searched: number;
+  /** these are what was chosen last */
+  recent: boolean;
+  waiting: boolean;
+}
+
+/** What fits a query, or what was chosen last where there is none. */
+export function useFound(query: string): Found {
+  const devices = useDevices();
+  const { device } = useSelection();
+  const scheme = useScheme();
+  const catalog = useCatalogModel(device?.model);
+  const recordings = useQuery({
+    queryKey: ["find", "recordings"],
+    queryFn: async () => (await api.GET("/api/v1/recordings", { query: { limit: RECORDINGS } })).recordings,
+    ...WHILE_OPEN,
+  });
+  const profiles = useQuery({
+    queryKey: ["find", "profiles"],
+    queryFn: async () => (await api.GET("/api/v1/profiles", { query: { search: "" } })).profiles,
+    ...WHILE_OPEN,
+  });
+  const help = useQuery({ queryKey: ["find", "help"], queryFn: helpIndex, staleTime: Number.POSITIVE_INFINITY });
+  const [recent] = useRecent();
+
+  const index = useMemo(
+    () =>
+      new Index([
+        ...actionEntries(scheme),
+        ...pageEntries(PAGES, device),
+        ...axisEntries(devices.data ?? []),
+        ...registerEntries(catalog.data, device, PAGES),
+        ...recordingEntries(recordings.data ?? []),
+        ...profileEntries(profiles.data ?? []),
+        ...helpEntries(help.data ?? []),
+      ]),
+    [scheme, device, devices.data, catalog.data, recordings.data, profiles.data, help.data],
+  );
+  const entries = useMemo(() => {
+    if (query.trim() !== "") return index.find(query);
+    const known = new Map(index.entries.map((entry) => [entry.id, entry]));
+    return recent.flatMap((id) => known.get(id) ?? []);
+  }, [index, query, recent]);
+  const waiting = [catalog, recordings, profiles, help].some(({ isLoading }) => isLoading);
+  return { entries, searched: index.entries.length, recent: query.trim() === "", waiting };
+}
+
+/** What was chosen last, the latest first, and how one more is remembered. */
+export function useRecent(): [readonly string[], (id: string) => void] {
+  const [recent, setRecent] = useLocalKept<readonly string[]>(RECENT, []);
+  return [recent, (id) => setRecent([id, ...recent.filter((other) => other !== id)].slice(0, RECENT_MAX))];
+}
