@@ -11,6 +11,7 @@ import pytest
 
 from app.calc.motor_torque import StepperMotor
 from app.calc.motors.pull_out import pull_out
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
 from tests.studies.harness import START, studied
@@ -58,6 +59,21 @@ async def test_slips_tell_the_torque_and_the_axis_is_as_before(tmp_path: Path) -
         assert abs((await s.b.state()).position) <= 1
         assert "Torque over speed" in html_of(record)
         assert html_of(record).count("<svg") == 1
+
+
+async def test_a_load_that_does_not_follow_the_way_back_is_mended(tmp_path: Path) -> None:
+    """It still swung as it set off: the axis stood 40 turns from where it was told."""
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document(QUICK))
+        while run.record.torque is None or len(run.record.torque.points) < 2:
+            await s.clock.advance(0.02)
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
+        await s.clock.advance(2.0)
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=False)]))
+        record = await s.finish(run, 300)
+        assert record.state == "done", record.message
+        state = await s.b.state()
+        assert state.encoder_position == pytest.approx(state.position, abs=256)
 
 
 async def test_an_axis_too_light_to_lose_steps_is_told_what_it_has_at_least(tmp_path: Path) -> None:

@@ -41,8 +41,12 @@ BELOW_TOP = 0.9
 """The last speed, as a share of the greatest one."""
 TRIES = 3
 """Runs for one slip that can be told."""
-REST_S, REST_LOOK_S, REST_FULLSTEPS = 60.0, 0.1, 0.5
+REST_S, REST_FULLSTEPS = 60.0, 0.5
 """How long a load that is out of step may run on, and when it rests."""
+REST_LOOKS_S = (0.1, 0.037, 0.071, 0.053, 0.089)
+"""From one look at it to the next: at no beat of a swing, which would look like rest."""
+LOST_FULLSTEPS, BACK_TRIES = 2.0, 3
+"""What lost steps on a slow way are, and how often that is mended."""
 FIT_SHARE = 0.025
 """What the fit of half a slip leaves out, found on emulated motors: it is in each interval."""
 SWING = 1 / 0.725
@@ -250,8 +254,8 @@ class TorqueCurveStudy(StudyRun):
         device, clock = self.device, self.clock
         until_s = clock.now() + REST_S
         last, still = math.inf, 0
-        while still < 3:
-            await clock.sleep(REST_LOOK_S)
+        while still < len(REST_LOOKS_S):
+            await clock.sleep(REST_LOOKS_S[still])
             state = await self._moves.state()
             now = float(state.encoder_position or 0)
             still = still + 1 if not state.moving and abs(now - last) < REST_FULLSTEPS * self._ground.full_step else 0
@@ -263,15 +267,21 @@ class TorqueCurveStudy(StudyRun):
         await device.need(PositionFromEncoder).position_from_encoder(self.axis)
 
     async def _gently_to(self, position: int) -> None:
-        space = self._ground.space
+        """Slowly to a position; where the load did not follow, as it still swung, from where it is."""
+        space, full_step = self._ground.space, self._ground.full_step
         speed = min(max(space.now()[SPEED], LOW_RPS * self._ground.turn), self._ground.most[SPEED])
         await self.apply(space.registers({SPEED: speed, ACCELERATION: self._gentle}), "moves slowly")
-        await self._moves.go(position)
+        for _ in range(BACK_TRIES):
+            await self._moves.go(position)
+            if abs(await self._moves.deviation()) < LOST_FULLSTEPS * full_step:
+                return
+            await self._run_out(position)
+        raise Failed(f"it loses steps as it moves slowly: it does not come to {position} in {BACK_TRIES} tries")
 
     async def _home(self) -> None:
         """Where the study began; a rotor that stood beside its field falls into step with the first move."""
         await self._gently_to(self._ground.start + 4 * self._ground.full_step)
-        await self._moves.go(self._ground.start)
+        await self._gently_to(self._ground.start)
 
     # --- what it tells ----------------------------------------------------------------------------
 
