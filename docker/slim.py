@@ -1,10 +1,12 @@
-"""Takes out of an environment what a container never uses: tests, headers, symbols, and unused parts.
+"""Takes out of an environment what a container never uses: tests, headers, symbols, unused parts, second copies.
 
 What is left out of requirements.txt altogether is in scripts/lock.py.
 """
 
 from __future__ import annotations
 
+import hashlib
+import os
 import shutil
 import subprocess
 import sys
@@ -14,11 +16,22 @@ from pathlib import Path
 TESTS = {"tests"}
 SOURCES = {".a", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
 UNUSED = {
-    "pyarrow": ("*flight*", "*_s3*", "_pyarrow_cpp_tests*", "include", "src"),
+    "pyarrow": (
+        *("*flight*", "*_s3*", "_pyarrow_cpp_tests*", "include", "src"),
+        *("_substrait*", "_orc*", "_azurefs*", "_gcsfs*", "_hdfs*", "_parquet_encryption*", "_dataset_*"),
+    ),
     "viser": ("client/src", "client/package-lock.json"),
+    "scipy": ("cluster", "datasets", "fftpack", "io", "misc", "odr"),
+    "sqlalchemy": ("testing",),
+    "zstandard": ("_cffi*", "backend_cffi.py"),
+    "optuna": ("visualization",),
 }
-"""Arrow Flight, Amazon S3, tests and headers, which recordings need none of; what the page of viser is built of."""
+"""Of recordings: Arrow Flight, stores in clouds, Substrait, ORC, encryption, tests and headers; what the page of viser
+is built of; parts of SciPy that its statistics stand without; a second way into Zstandard; plots of Optuna's own."""
+LEXERS = ("pygments/lexers", {"__init__.py", "_mapping.py", "python.py", "special.py"})
+"""Python alone is shown in colours, in tracebacks."""
 ELF = b"\x7fELF"
+SHARED_BYTES_MIN = 100_000
 REPACKED = ".libs"
 """Folders of libraries that auditwheel has put into a wheel: `strip` breaks what it has rewritten."""
 
@@ -32,6 +45,7 @@ def main(folder: Path) -> None:
             shutil.rmtree(path)
         else:
             path.unlink(missing_ok=True)
+    share(packages)
     for library in libraries(packages):
         subprocess.run(["strip", "--strip-unneeded", str(library)], check=True)
     print(f"{before / 1e6:.0f} MB before, {size_bytes(folder) / 1e6:.0f} MB now")
@@ -45,6 +59,20 @@ def unused(packages: Path) -> Iterator[Path]:
     for package, patterns in UNUSED.items():
         for pattern in patterns:
             yield from sorted((packages / package).glob(pattern))
+    lexers, kept = LEXERS
+    yield from (path for path in sorted((packages / lexers).glob("*.py")) if path.name not in kept)
+
+
+def share(packages: Path) -> None:
+    """Make one file and links of libraries that are there several times: wheels hold no links."""
+    found: dict[tuple[int, str], Path] = {}
+    for path in sorted(packages.rglob("*.so*")):
+        if not path.is_file() or path.is_symlink() or path.stat().st_size < SHARED_BYTES_MIN:
+            continue
+        first = found.setdefault((path.stat().st_size, hashlib.sha256(path.read_bytes()).hexdigest()), path)
+        if first != path:
+            path.unlink()
+            path.symlink_to(os.path.relpath(first, path.parent))
 
 
 def libraries(packages: Path) -> Iterator[Path]:

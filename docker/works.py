@@ -1,0 +1,90 @@
+"""Whether an environment still works after slim.py: imports all of stepscope, and uses what its packages are there for.
+
+In the image this runs before anybody has the chance to miss a part. It writes nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import pkgutil
+import sys
+
+BY_ALEMBIC = ".store.migrations."
+"""Scripts that alembic runs; they are no modules of their own."""
+
+
+def main() -> int:
+    """0, or the exception of the first part that does not."""
+    sys.dont_write_bytecode = True
+    package = importlib.import_module("stepscope")
+    names = [found.name for found in pkgutil.walk_packages(package.__path__, "stepscope.")]
+    for name in names:
+        if BY_ALEMBIC not in name:
+            importlib.import_module(name)
+    for use in (compile_something, try_statistics, try_studies, write_files, colour_a_traceback):
+        use()
+    print(f"{len(names)} modules, and all that they use, work")
+    return 0
+
+
+def compile_something() -> None:
+    """Numba with its LLVM."""
+    import numba
+
+    assert numba.njit(lambda x: x + 1)(1) == 2
+
+
+def try_statistics() -> None:
+    """What studies prove by."""
+    import numpy as np
+    from scipy import stats
+
+    sample = np.random.default_rng(1).normal(size=30)
+    stats.wilcoxon(sample)
+    stats.ttest_rel(sample, sample[::-1])
+    stats.binomtest(3, 10).proportion_ci()
+    stats.bootstrap((sample,), np.mean, n_resamples=20)
+    assert 0 < stats.beta.ppf(0.5, 2, 3) < stats.t.ppf(0.9, 3) < stats.chi2.ppf(0.9, 3)
+
+
+def try_studies() -> None:
+    """What studies search by."""
+    import optuna
+
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    for sampler in (optuna.samplers.TPESampler(seed=1, multivariate=True), optuna.samplers.CmaEsSampler(seed=1)):
+        study = optuna.create_study(sampler=sampler)
+        study.optimize(lambda trial: trial.suggest_float("x", 0, 1) + trial.suggest_float("y", 0, 1), n_trials=12)
+
+
+def write_files() -> None:
+    """Recordings, as they are kept and as they are handed out."""
+    import pyarrow as pa
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    table = pa.table({"position": [1, 2]})
+    kept = io.BytesIO()
+    with pa.ipc.new_stream(kept, table.schema, options=pa.ipc.IpcWriteOptions(compression="zstd")) as writer:
+        writer.write_table(table)
+    assert pa.ipc.open_stream(kept.getvalue()).read_all() == table
+    parquet = io.BytesIO()
+    pyarrow.parquet.write_table(table, parquet)
+    assert pyarrow.parquet.ParquetFile(io.BytesIO(parquet.getvalue())).read() == table
+    pyarrow.csv.write_csv(table, io.BytesIO())
+
+
+def colour_a_traceback() -> None:
+    """As the command line shows an error that nobody has foreseen."""
+    from rich.console import Console
+    from rich.traceback import Traceback
+
+    try:
+        int("an example")
+    except ValueError as error:
+        Console(file=io.StringIO()).print(Traceback.from_exception(type(error), error, error.__traceback__))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
