@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from . import __version__
+from .byte_code import keep_byte_code
 from .commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
 from .errors import BenchError
 from .settings import LogLevel, OnVanish, Settings
@@ -52,6 +53,7 @@ def _root(
     ] = False,
 ) -> None:
     del version
+    keep_byte_code()  # of what the command brings, which is most of all
 
 
 @cli.command()
