@@ -83,11 +83,15 @@ class Mend(Part):
     moves: bool = Field(default=False, description="it may set the motor in motion")
 
 
+Fault = Literal["open phase", "overload", "encoder slips", "switch backlash"]
+
+
 class Finding(Part):
     """Something that was found of the axis."""
 
     name: str
     text: str
+    fault: Fault | None = Field(default=None, description="what is broken; null: nothing that has a name")
     value: float | None = None
     unit: str = ""
     interval: Interval | None = Field(default=None, description="95 %")

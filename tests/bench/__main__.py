@@ -49,6 +49,7 @@ from tests.bench import (
 )
 from tests.bench.studies import (
     aborts,
+    broken,
     fastest_move,
     identification,
     microstep_calibration,
@@ -84,6 +85,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "study twins": twins.measure,
     "study aborts": aborts.measure,
     "study torque": torque_curve.measure,
+    "study broken plants": broken.measure,
     "lossy": lossy_download.measure,
     "uart": uart_link.measure,
     "velocity": velocity_stream.measure,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, Tmc5xxxPatch
 from app.studies.first_look.encoder_fit import fit_encoder
 from app.studies.record import Finding, StudyRecord
 from app.studies.store import StudyStore
@@ -19,6 +20,8 @@ from tests.devices.tmc4361.harness import bench as bench_4361
 from tests.studies.harness import Studied, studied
 
 TURN = 51_200
+FULL = replace(START, counts_per_rev=40_000, irun=31, ihold=16)
+NEAR = {"left_at_fullsteps": -300.0, "right_at_fullsteps": 300.0}
 NAMES = ("VMAX", "AMAX", "DMAX", "V1")
 
 
@@ -65,12 +68,48 @@ async def test_a_wrong_resolution_is_set_right_by_the_cure_that_it_names(
         assert again["encoder"].value == pytest.approx(1, abs=2e-3)
 
 
-async def test_an_encoder_that_stands_still_is_missing(tmp_path: Path) -> None:
+async def broken(tmp_path: Path, slips: Callable[[], float] = lambda: 0.0, **options: Any) -> Sequence[str]:
+    """The faults that are named of an axis with these options, whose encoder slips 3 times a second [full steps]."""
+    async with studied(tmp_path, FULL, **{"full_scale_a": 1.5, **options}) as s:
+        run = s.begin(s.document({"kind": "first_look", "travel_turns": 4.0 if "stage" in options else 0.0}))
+        while run.running:
+            slip = EncoderChange(slip_fullsteps=slips())
+            s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, encoder=slip)]))
+            await s.clock.advance(0.35)
+        assert run.record.state == "done", run.record.message
+        named = [one.fault for one in run.record.findings if one.fault]
+        assert all(fault in run.record.verdict for fault in named)
+        return named
+
+
+async def test_a_healthy_axis_has_no_fault(tmp_path: Path) -> None:
+    assert await broken(tmp_path, stage=NEAR, load={"friction_nm": 0.06, "inertia_kgm2": 5e-5}) == []
+
+
+async def test_an_encoder_that_slips_is_named(tmp_path: Path) -> None:
+    assert await broken(tmp_path, lambda: 1.3) == ["encoder slips"]
+
+
+@pytest.mark.parametrize("coil", ["a", "b"])
+async def test_an_open_phase_is_named(tmp_path: Path, coil: str) -> None:
+    assert await broken(tmp_path, motor={"open_phase": coil}) == ["open phase"]
+
+
+@pytest.mark.parametrize("load", [{"friction_nm": 0.6}, {"torque_nm": 0.6}])
+async def test_a_load_that_is_too_heavy_is_named(tmp_path: Path, load: dict[str, float]) -> None:
+    assert await broken(tmp_path, load=load) == ["overload"]
+
+
+async def test_the_backlash_of_a_switch_is_named(tmp_path: Path) -> None:
+    assert await broken(tmp_path, stage={**NEAR, "backlash_fullsteps": 4.0}) == ["switch backlash"] * 2
+
+
+async def test_a_shaft_that_is_clamped_is_named(tmp_path: Path) -> None:
     async with studied(tmp_path) as s:
         s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
         record = await looked(s)
-        assert named(record)["encoder"].sure == "missing"
-        assert "encoder" in record.verdict
+        assert named(record)["overload"].fault == "overload"
+        assert "overload" in record.verdict
 
 
 @pytest.mark.parametrize("amplitude_deg", [0.0, 0.15, 0.4])

@@ -46,6 +46,8 @@ _BLANK_CLOCKS, _PWM_CLOCKS = (16, 24, 36, 54), (1024, 683, 512, 410)
 _S2G = {"a": 1 << 27, "b": 1 << 28}
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
+_OPEN_LOADS = {"none": 0, "a": 1, "b": 2}
+"""Of DRV_STATUS: ola and olb."""
 _KEPT = (
     k.TICK,
     k.CLOCK,
@@ -305,8 +307,8 @@ class Drive:
             word |= 1 << 25
         if self.plant.temperature_c >= self.warning_c:
             word |= 1 << 26
-        if not self.plant.motor_connected and self._toff > 0:
-            word |= 3 << 29
+        if self._toff > 0:
+            word |= (3 if not self.plant.motor_connected else _OPEN_LOADS[self.options.motor.open_phase]) << 29
         return word
 
     def _pwm_scale(self) -> int:

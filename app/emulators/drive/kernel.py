@@ -175,7 +175,9 @@ NOISE_V, POLES = range(76, 78)
 """StallGuard2: noise for each full step a second, and what the poles do to a value."""
 PLAY, BEHIND = range(78, 80)
 """Between the shaft and its encoder: play, and how far the shaft is ahead of what the encoder sees [rad]."""
-REALS = 80
+SWITCH_PLAY = 80
+"""How far behind the place where it is pressed a switch is released [rad of the shaft]."""
+REALS = 81
 
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
@@ -1162,13 +1164,14 @@ def driver_stat(s: Cells) -> int:
 @inlined
 def physical(s: Cells, f: Floats) -> int:
     """The switches: 1 left, 2 right, 4 home."""
-    theta = f[THETA]
+    theta, play, held = f[THETA], f[SWITCH_PLAY], s[PHYS]
     pressed = 0
-    if theta <= f[LEFT_AT]:
+    if theta <= f[LEFT_AT] + play * (held & 1):
         pressed |= 1
-    if theta >= f[RIGHT_AT]:
+    if theta >= f[RIGHT_AT] - play * (held >> 1 & 1):
         pressed |= 2
-    if f[HOME_FROM] <= theta <= f[HOME_TO]:
+    of_home = play * (held >> 2 & 1)
+    if f[HOME_FROM] - of_home <= theta <= f[HOME_TO] + of_home:
         pressed |= 4
     return (pressed & ~s[FORCE] | s[FORCED] & s[FORCE]) & s[PINS]
 
@@ -1430,10 +1433,11 @@ def _steady_steps(s: Cells, f: Floats, direction: int) -> int:
     # the field is behind by up to a step with interpolation, and a microstep is lost to rounding
     spare = 2 * a_step + 2
     microstep = math.pi / 512.0 / f[TEETH]
-    for cell in (LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO):
-        left = way * (f[cell] - f[THETA]) / microstep
-        if left > -2.0 and left < 1e12:
-            steps = min(steps, (int(left) - spare) // a_step)
+    for cell, side in ((LEFT_AT, 1.0), (RIGHT_AT, -1.0), (HOME_FROM, -1.0), (HOME_TO, 1.0)):
+        for play in (0.0, side * f[SWITCH_PLAY]):
+            left = way * (f[cell] + play - f[THETA]) / microstep
+            if left > -2.0 and left < 1e12:
+                steps = min(steps, (int(left) - spare) // a_step)
     per_turn = s[EXTERNAL + E_PER_TURN]
     counting = way if f[SCALE_E] > 0 else -way
     counts_a_step = a_step * per_turn / (1024.0 * f[TEETH])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -109,6 +109,12 @@ class MotorOptions(_Closed):
         json_schema_extra=REST_ONLY,
     )
 
+    open_phase: Literal["none", "a", "b"] = Field(
+        default="none",
+        description="the coil that no current comes through: a broken wire, a solder joint; DRV_STATUS tells it",
+        json_schema_extra=REST_ONLY,
+    )
+
     load_value: LoadValueOptions = Field(default=LoadValueOptions(), json_schema_extra=REST_ONLY)
 
     @property
@@ -169,6 +175,12 @@ class StageSwitches(_Closed):
     right_end_fullsteps: FullSteps | None = Field(
         default=None,
         description="the carriage can go no further to the right than here [full steps]; null: no hard end",
+        json_schema_extra=REST_ONLY,
+    )
+
+    backlash_fullsteps: Annotated[float, Field(strict=True, ge=0, le=100, allow_inf_nan=False)] = Field(
+        default=0.0,
+        description="a switch is released so far behind where it is pressed: play of its lever, its mount [full steps]",
         json_schema_extra=REST_ONLY,
     )
 

@@ -57,11 +57,13 @@ def _set_flux(motor: MotorOptions, s: k.Cells, f: k.Floats) -> None:
     """Flux of both coils: A's is cos(e) + h cos(3e), B's sin(e + q) - h sin(3e), each with its share of the torque."""
     kt_a = motor.torque_constant * (1 + motor.phase_unbalance / 2)
     kt_b = motor.torque_constant * (1 - motor.phase_unbalance / 2)
+    if motor.open_phase != "none":  # without current a coil makes no torque
+        kt_a, kt_b = (0.0, kt_b) if motor.open_phase == "a" else (kt_a, 0.0)
     apart, third = math.radians(motor.quadrature_error_deg), math.radians(motor.fourth_harmonic_deg)
     f[k.FLUX_A], f[k.FLUX_A3] = kt_a * (1 + third), 4 * kt_a * third
     f[k.FLUX_B], f[k.FLUX_B3] = kt_b * (math.cos(apart) - 3 * third), 4 * kt_b * third
     f[k.FLUX_BX] = kt_b * math.sin(apart)
-    s[k.UNEVEN] = bool(motor.phase_unbalance or apart or third)
+    s[k.UNEVEN] = bool(motor.phase_unbalance or apart or third or motor.open_phase != "none")
 
 
 def plant_state_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> PlantState:

@@ -224,6 +224,7 @@ class Plant:
         f[k.SLIP_E] = numbers["external_slip_fullsteps"] * step
         f[k.LEFT_AT], f[k.RIGHT_AT] = numbers["left_at_fullsteps"] * step, numbers["right_at_fullsteps"] * step
         f[k.HOME_FROM], f[k.HOME_TO] = numbers["home_from_fullsteps"] * step, numbers["home_to_fullsteps"] * step
+        f[k.SWITCH_PLAY] = self._options.stage.backlash_fullsteps * step
         self._s[k.FORCE], self._s[k.FORCED], self._s[k.BLOCKED] = self.force, self.forced, self._blocked
         if self._blocked:
             f[k.OMEGA] = 0.0

@@ -12,6 +12,10 @@ from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 
 SPEED_UP_S = 0.25
 """How long these moves speed up and brake [s]."""
+CREEP_FULLSTEPS = 10.0
+"""How fast the edge of a switch is looked at [full steps a second], so that a look is a fifth of one apart."""
+EDGE_FULLSTEPS = 40.0
+"""As far from where the motor came to rest in a switch as its edge is looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,18 +75,22 @@ def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: Fi
     far = ground.start + round(wanted.turns * ground.turn)
     told.position_from, told.position_to = ground.start, far
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.ramp[SPEED], ground.ramp[ACCELERATION]
-    told.moves_max, ways = 2, 2 * abs(far - ground.start)
-    told.steps = [f"{plain(wanted.turns)} turns there and back at {plain(wanted.velocity_rps)} turns a second"]
+    told.moves_max, ways, edges_s = 4, 4 * abs(far - ground.start), 0.0
+    told.steps = [
+        f"twice {plain(wanted.turns)} turns there and back at {plain(wanted.velocity_rps)} turns a second",
+        "no further where the motor does not go where it is told",
+    ]
     if wanted.travel_turns:
         low, high = travel_of(device, axis, wanted, ground)
         told.position_from, told.position_to = min(low, ground.start), max(high, far)
         told.steps.append(
             f"slowly to the left until a switch, {low} at most, then to the right, {high} at most, and back"
         )
-        told.moves_max, ways = 5, ways + 2 * (high - low)
+        told.steps.append(f"out of each switch and in again, {plain(EDGE_FULLSTEPS)} full steps at most")
+        told.moves_max, ways, edges_s = 11, ways + 2 * (high - low), 4 * EDGE_FULLSTEPS / CREEP_FULLSTEPS
     told.steps.append("the setting as it is now goes back")
     told.way_fullsteps = ways / (ground.turn / device.axes[axis].settings.full_steps_per_rev)
-    told.time_s = ways / ground.ramp[SPEED] + told.moves_max * (SPEED_UP_S + 0.3)
+    told.time_s = ways / ground.ramp[SPEED] + told.moves_max * (SPEED_UP_S + 0.3) + edges_s
     told.registers = [f"{each.name} of axis {axis}" for each in ground.space.before]
     told.unwatched = [
         "where a hard stop is, nothing tells: leave the travel out, or set soft limits, where one is near"

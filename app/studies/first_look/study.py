@@ -13,22 +13,21 @@ from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ...telemetry.sampling import FloatArray
 from ..document import FirstLook
+from ..moves import PERIOD_FULLSTEPS
 from ..parts import Interval
-from ..ramp_settings import UNITS
+from ..ramp_settings import ACCELERATION, SPEED, UNITS
 from ..record import Finding, Mend
 from ..run import StudyRun
 from ..sampled import sampling
 from .encoder_fit import EncoderFit, fit_encoder
-from .plan import Ground, look, travel_of
+from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase
+from .plan import CREEP_FULLSTEPS, EDGE_FULLSTEPS, Ground, look, travel_of
 
 RATE_HZ = 250.0
 POLL_S = 0.02
 LONGEST = 3.0
 REST_S = 0.2
-STANDS = 0.02
-"""An encoder that has gone less than this share of the way stands still."""
 RIGHT = 0.01
 """A ratio this near to 1 is right: slips and wrong resolutions are farther off."""
 
@@ -37,6 +36,11 @@ class FirstLookStudy(StudyRun):
     """Tells what an axis is: findings with how sure they are, and the registers that would set it right."""
 
     _ground: Ground
+    _looks: list[dict[str, bool]]
+    """Flags of the driver, of each look under way."""
+    _loads: list[float]
+    _stays: bool
+    """Whether the motor had better not be moved on."""
 
     @property
     def wanted(self) -> FirstLook:
@@ -47,13 +51,17 @@ class FirstLookStudy(StudyRun):
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         record.findings = []
+        self._stays = False
+        self._looks, self._loads = list[dict[str, bool]](), list[float]()
         if not record.baseline:
             record.baseline, record.baseline_setting = ground.space.before, ground.space.now()
         record.units = {name: UNITS[name] for name in ground.ramp}
         await self.keeper.save(record)
         await self.apply(ground.space.registers(ground.ramp), "slow moves")
         await self._encoder()
-        if wanted.travel_turns:
+        if self._stays:
+            self._find("switches", "not looked for: the motor does not go where it is told", sure="cannot be told")
+        elif wanted.travel_turns:
             await self._travel()
         else:
             self._find("switches", "not looked for: travel_turns is 0", sure="cannot be told")
@@ -63,7 +71,7 @@ class FirstLookStudy(StudyRun):
             sure="cannot be told",
         )
         await self.back()
-        wrong = [one for one in record.findings if one.remedy or one.sure == "missing"]
+        wrong = [one for one in record.findings if one.remedy or one.fault or one.sure == "missing"]
         record.verdict = (
             f"{len(wrong)} to be set right: {', '.join(one.name for one in wrong)}" if wrong else "all is well"
         )
@@ -71,6 +79,14 @@ class FirstLookStudy(StudyRun):
 
     def _find(self, name: str, text: str, **more: object) -> None:
         self.record.findings.append(Finding.model_validate({"name": name, "text": text, **more}))
+
+    def _broken(self, named: Named) -> None:
+        self._stays = self._stays or named.fault in ("open phase", "overload")
+        self._find(named.fault, f"{named.text}: {TO_DO[named.fault]}", fault=named.fault, sure="measured")
+
+    @property
+    def _full_step(self) -> int:
+        return self._ground.turn // self.device.axes[self.axis].settings.full_steps_per_rev
 
     # --- the encoder --------------------------------------------------------------------------------
 
@@ -83,17 +99,37 @@ class FirstLookStudy(StudyRun):
         self.tell("look", 0.1, "turning there")
         self.keeper.mark("turning there and back")
         far = ground.start + round(wanted.turns * ground.turn)
-        there = await self._sampled(far)
-        self.tell("look", 0.4, "and back")
-        back = await self._sampled(ground.start)
-        position = np.concatenate((there[0], back[0]))
-        encoder = np.concatenate((there[1], back[1]))
-        forward = np.arange(len(position)) < len(there[0])
+        ways: list[Way] = []
+        for part, target in enumerate((far, ground.start, far, ground.start)):
+            self.tell("look", 0.1 + 0.1 * part, "and back" if part % 2 else "turning there")
+            fault = await self._way(ways, target)
+            if fault is not None:
+                self._broken(fault)
+                return
+        there, back = ways[:2]
+        position = np.concatenate((there.position, back.position))
+        encoder = np.concatenate((there.encoder, back.encoder))
+        forward = np.arange(len(position)) < len(there.position)
         try:
             found = fit_encoder(position, encoder, forward, ground.turn)
         except ValueError as error:
             raise Failed(f"nothing to fit: {error}") from error
         self._tell_encoder(found, await self._state(), far - ground.start)
+
+    async def _way(self, ways: list[Way], target: int) -> Named | None:
+        """One more way, and what is broken by all of them. Raises Failed where it ends elsewhere, nothing named."""
+        before = await self._state()
+        try:
+            ways.append(await self._sampled(target))
+        except Failed as error:
+            after = await self._state()
+            gone = (after.encoder_position or 0) - (before.encoder_position or 0)
+            pulled = abs(after.position - before.position) < self._full_step < abs(gone) / PERIOD_FULLSTEPS
+            if not pulled and self._load() != 0:
+                raise
+            by = "its load turns the shaft" if pulled else "its load value is 0"
+            return Named("overload", f"{by}, and {error}")
+        return open_phase(self._looks) or of_turns(ways, self._full_step, self._load())
 
     def _tell_encoder(self, found: EncoderFit, state: AxisState, way: int) -> None:
         if abs(found.ratio) < STANDS:
@@ -152,14 +188,20 @@ class FirstLookStudy(StudyRun):
             )
         self._find("index", "not looked for: see the encoder page", sure="cannot be told")
 
-    async def _sampled(self, target: int) -> tuple[FloatArray, FloatArray]:
+    async def _sampled(self, target: int) -> Way:
         """A move, and position and encoder on its way [microsteps]."""
-        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
+        there = {channel.name for channel in self.device.telemetry.channels()}
+        load = f"load_value.{self.axis}"
+        names = [f"position.{self.axis}", f"encoder_position.{self.axis}", *([load] if load in there else [])]
         with sampling(self.device, names, RATE_HZ, self.clock) as samples:
             await self._go(target, samples.take)
-        position, encoder = samples.all()[1].T
+        position, encoder, *loads = samples.all()[1].T
+        self._loads += [float(value) for each in loads for value in each[np.isfinite(each)]]
         known = np.isfinite(position) & np.isfinite(encoder)
-        return position[known], encoder[known]
+        return Way(position[known], encoder[known])
+
+    def _load(self) -> float | None:
+        return float(np.median(self._loads)) if self._loads else None
 
     # --- the switches -------------------------------------------------------------------------------
 
@@ -175,6 +217,7 @@ class FirstLookStudy(StudyRun):
             else:
                 edges[side] = place
                 self._find(f"{side} switch", f"active at {place}", value=float(place), unit="microsteps")
+                await self._edge(side, low, high)
         if len(edges) == 2:
             turns = (edges["right"] - edges["left"]) / self._ground.turn
             self._find("travel", "from switch to switch", value=turns, unit="turns of the motor")
@@ -202,6 +245,45 @@ class FirstLookStudy(StudyRun):
                 raise Failed(f"neither the {side} switch nor {end} came within its time")
             await self.clock.sleep(POLL_S)
 
+    async def _edge(self, side: str, low: int, high: int) -> None:
+        """Look at the edge of a switch from both sides, slowly."""
+        ground, at = self._ground, (await self._state()).position
+        far, over = (round(each * self._full_step) for each in (EDGE_FULLSTEPS, PERIOD_FULLSTEPS))
+        creep = {SPEED: CREEP_FULLSTEPS * self._full_step, ACCELERATION: ground.ramp[ACCELERATION]}
+        await self.apply(ground.space.registers(creep), "slowly, at the edge of a switch")
+        out, within = (at + far, at - over) if side == "left" else (at - far, at + over)
+        out, within = (min(max(place, low), high) for place in (out, within))
+        released = await self._creep(side, out, pressed=False)
+        pressed = None if released is None else await self._creep(side, within, pressed=True)
+        await self.apply(ground.space.registers(ground.ramp), "slow moves")
+        if released is None or pressed is None:
+            where = "released" if released is None else "pressed again"
+            text = f"the {side} switch is not {where} within {EDGE_FULLSTEPS:g} full steps"
+            self._broken(Named("switch backlash", text))
+            return
+        play = abs(released - pressed) / self._full_step
+        if play > SWITCH_PLAY_FULLSTEPS:
+            text = f"the {side} switch is released {play:.2g} full steps from where it is pressed"
+            self._broken(Named("switch backlash", text))
+
+    async def _creep(self, side: str, target: int, *, pressed: bool) -> int | None:
+        """Where a switch is pressed or released on the way to `target`; None where it is not."""
+        self.record.runs += 1
+        await self.device.motion.move(self.axis, target)
+        until_s = self.clock.now() + LONGEST * 2 * EDGE_FULLSTEPS / CREEP_FULLSTEPS
+        while True:
+            await self.clock.sleep(POLL_S)
+            state = await self._state()
+            if bool(getattr(state.switches, side)) == pressed:
+                if state.moving:
+                    await self.device.stop(self.axis)
+                    await self._come_to_rest(until_s)
+                return state.position
+            if not state.moving and state.position == target:
+                return None
+            if self.clock.now() > until_s:
+                raise Failed(f"neither an edge of the {side} switch nor {target} came within its time")
+
     # --- moves ----------------------------------------------------------------------------------------
 
     async def _go(self, target: int, take: Callable[[], None]) -> None:
@@ -218,6 +300,8 @@ class FirstLookStudy(StudyRun):
             state = await self._state()
             if not state.moving and state.position == target:
                 break
+            if state.moving:
+                self._looks.append(state.flags)
             if not state.moving and self.clock.now() > until_s - self._longest_s(0):
                 raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
             if self.clock.now() > until_s:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -291,3 +292,13 @@ def test_a_motor_that_stands_costs_nothing() -> None:
     assert until(drive, EventKind.POSITION_REACHED).position == 51_200
     wait(drive, 0.1)
     assert drive.internal.position == pytest.approx(51_200, abs=110)
+
+
+@pytest.mark.parametrize(("coil", "told"), [("a", 1), ("b", 2)])
+def test_a_coil_that_is_open_makes_no_torque_and_is_told(coil: Literal["a", "b"], told: int) -> None:
+    drive = energised(motor=MotorOptions(open_phase=coil))
+    assert (drive.read("DRV_STATUS") >> 29) & 3 == told
+    write(drive, {"XTARGET": 256 * 400})
+    wait(drive, 4.0)
+    assert drive.read("XACTUAL") == 256 * 400
+    assert abs(drive.plant_state.rotor_fullsteps - 400) > 4

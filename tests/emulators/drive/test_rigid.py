@@ -80,6 +80,7 @@ STEPS = st.tuples(st.lists(WRITES, max_size=3), st.integers(1, 3 * SECOND))
     lines=st.sampled_from([1, 50, 1000, 2500]),
     reversed_=st.booleans(),
     switches=st.sampled_from([(-3750.0, 3750.0), (-40.0, 77.5), (-3.0, 1e7)]),
+    backlash=st.sampled_from([0.0, 3.3]),
     start=st.sampled_from([0.0, 12.5, -1000.0]),
 )
 def test_leaps_change_nothing_but_the_time_that_it_takes(
@@ -88,11 +89,16 @@ def test_leaps_change_nothing_but_the_time_that_it_takes(
     lines: int,
     reversed_: bool,
     switches: tuple[float, float],
+    backlash: float,
     start: float,
 ) -> None:
     encoders = EncoderOptions(external_lines=lines, external_reversed=reversed_)
     stage = StageSwitches(
-        left_at_fullsteps=switches[0], right_at_fullsteps=switches[1], home_from_fullsteps=5, home_to_fullsteps=9
+        left_at_fullsteps=switches[0],
+        right_at_fullsteps=switches[1],
+        home_from_fullsteps=5,
+        home_to_fullsteps=9,
+        backlash_fullsteps=backlash,
     )
     drives = [rigid(leaps, encoders=encoders, stage=stage, start_fullsteps=start) for leaps in (True, False)]
     for drive in drives:

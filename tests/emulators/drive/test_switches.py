@@ -41,6 +41,20 @@ def test_a_switch_follows_the_rotor() -> None:
     assert not drive.switches.home
 
 
+def test_a_switch_with_backlash_is_released_behind_where_it_is_pressed() -> None:
+    drive = energised(stage=STAGE.model_copy(update={"backlash_fullsteps": 6.0}))
+    write(drive, {"VMAX": ONE_TURN_A_SECOND, "AMAX": 1000, "DMAX": 1000, "XTARGET": 256 * 130})
+    for place in (40, 44 + 6):
+        until(drive, EventKind.SWITCH_HOME)
+        assert drive.plant_state.rotor_fullsteps == pytest.approx(place, abs=0.2)
+    until(drive, EventKind.SWITCH_RIGHT)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(120, abs=0.2)
+    until(drive, EventKind.POSITION_REACHED)
+    write(drive, {"XTARGET": 0})
+    until(drive, EventKind.SWITCH_RIGHT)
+    assert drive.plant_state.rotor_fullsteps == pytest.approx(120 - 6, abs=0.2)
+
+
 def test_a_hard_stop_is_at_once_and_lets_the_motor_back() -> None:
     drive = staged(RAMPMODE=1, TZEROWAIT=500)
     event = until(drive, EventKind.SWITCH_STOP)
