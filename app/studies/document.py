@@ -164,6 +164,37 @@ class Identification(Part):
     )
 
 
+class ClosedLoop(Part):
+    """Gains of a position loop (PID alone) for asked margins: the motor's resonance is measured, the loop worked out,
+    and shown by steps."""
+
+    kind: Literal["closed_loop"] = "closed_loop"
+    phase_margin_deg: Annotated[float, Field(strict=True, ge=30, le=80, allow_inf_nan=False)] = Field(
+        default=60.0, description="of the worst plant that the measurement leaves open [deg]"
+    )
+    gain_margin: Annotated[float, Field(strict=True, ge=1.3, le=10, allow_inf_nan=False)] = Field(
+        default=2.0, description="so many times more gain would it take to oscillate; 2 is 6 dB"
+    )
+    step_fullsteps: Annotated[float, Field(strict=True, ge=0.5, le=50, allow_inf_nan=False)] = Field(
+        default=2.0, description="of the steps by which it is shown [full steps]"
+    )
+    tolerance_microsteps: Annotated[int, Field(strict=True, ge=0, le=1000)] = Field(
+        default=4, description="a deviation within it is none: a count of the encoder at the least [microsteps]"
+    )
+    hops: Annotated[int, Field(strict=True, ge=6, le=20)] = Field(
+        default=10, description="short, fast moves without regulation, after each of which the rotor rings"
+    )
+    pairs: Annotated[int, Field(strict=True, ge=6, le=50)] = Field(
+        default=6, description="of the proof: steps there and back with the old gains and with the new, in turn"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.05, description="what settles less than this share sooner is no improvement"
+    )
+    keep: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="leave the new gains set, and the loop on, where they do as was asked"
+    )
+
+
 Speed = Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)]
 
 
@@ -241,11 +272,14 @@ class TorqueCurve(Part):
 
 
 What: TypeAlias = Annotated[
-    FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard | TorqueCurve,
+    ClosedLoop | FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard | TorqueCurve,
     Field(discriminator="kind"),
 ]
-Kind = Literal["fastest_move", "first_look", "identification", "microstep_calibration", "stallguard", "torque_curve"]
+Kind = Literal[
+    "closed_loop", "fastest_move", "first_look", "identification", "microstep_calibration", "stallguard", "torque_curve"
+]
 TITLES: dict[Kind, str] = {
+    "closed_loop": "Closed loop",
     "fastest_move": "Fastest move",
     "first_look": "First look",
     "identification": "Motor and machine",

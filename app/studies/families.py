@@ -6,16 +6,19 @@ from collections.abc import Mapping, Sequence
 
 from ..devices.core.device import Device
 from ..errors import WrongState
+from .closed_loop.setting import LoopPlaces
 from .identification.places import IdentificationPlaces
 from .ramp_settings import RampRegisters
 from .stallguard.setting import StallPlaces
 from .tmc5xxx.identification import CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.stall import STALL
+from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER)}
+LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 
@@ -47,5 +50,15 @@ def identification_of(device: Device) -> IdentificationPlaces:
         raise WrongState(
             f"no study identifies what hangs on a {device.family.title} yet",
             "a TMC5xxx with an encoder can be looked at",
+        )
+    return found
+
+
+def loop_of(device: Device) -> LoopPlaces:
+    """Where it keeps the gains of its position loop. Raises WrongState for a family without one that a study sets."""
+    found = LOOPS.get(device.family.family)
+    if found is None:
+        raise WrongState(
+            f"no study sets a position loop of a {device.family.title}", "a TMC4361 with an encoder has one (PID)"
         )
     return found

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from ..clock import Clock
 from ..devices.core.device import Device
+from .closed_loop import plan as closed_loop
+from .closed_loop.study import ClosedLoopStudy
 from .document import Kind, StudyDocument
 from .fastest_move import ranges as fastest_move
 from .fastest_move.study import FastestMoveStudy
@@ -78,6 +80,14 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         MicrostepCalibrationStudy,
         microstep_calibration.plan,
+    ),
+    "closed_loop": StudyKind(
+        "closed_loop",
+        "Closed loop",
+        "holds by its encoder: gains of a position loop for asked margins, by the motor's own resonance",
+        POSITIONS,
+        ClosedLoopStudy,
+        closed_loop.plan,
     ),
     "stallguard": StudyKind(
         "stallguard",

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from .closed_loop.found import LoopFound
 from .document import StudyDocument
 from .identification.found import Identified
 from .parts import Interval, Part
@@ -208,6 +209,7 @@ class StudyRecord(Part):
     findings: list[Finding] = Field(default_factory=list)
     microsteps: MicrostepFigures | None = Field(default=None, description="of a microstep calibration")
     identified: Identified | None = Field(default=None, description="motor and machine, as a study found them")
+    loop: LoopFound | None = Field(default=None, description="of a study of the closed loop")
     runs: int = 0
     way_fullsteps: float = 0.0
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")

@@ -50,6 +50,7 @@ from tests.bench import (
 from tests.bench.studies import (
     aborts,
     broken,
+    closed_loop,
     fastest_move,
     identification,
     microstep_calibration,
@@ -78,6 +79,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "programs": tmcl_programs.measure,
     "editor": editor.measure,
     "homing": stall_homing.measure,
+    "study closed loop": closed_loop.measure,
     "study fastest move": fastest_move.measure,
     "study identification": identification.measure,
     "study microstep calibration": microstep_calibration.measure,

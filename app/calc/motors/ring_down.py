@@ -75,6 +75,7 @@ class Fitted:
 @dataclass(frozen=True, slots=True)
 class RingDown:
     """What was found. friction, detent : shares of the holding torque; residual : root mean square [rad electrical].
+    alike : correlation of what is left with the next of it; 0 for white noise
 
     samples : a ring as it was measured, fitted : the same as it was fitted
     """
@@ -84,6 +85,7 @@ class RingDown:
     friction: Fitted
     detent: Fitted
     residual: float
+    alike: float
     time_s: FloatArray
     samples: FloatArray
     fitted: FloatArray
@@ -195,12 +197,15 @@ def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | 
     hz = math.exp(x[LOG_W]) / (2 * math.pi)
     ring = max(range(len(rings)), key=lambda at: float(np.ptp(rings[at].seen)))
     shown = rings[ring].time_s <= ALL_PERIODS / seen_hz
+    left = whole.residual(x)
+    next_to = np.concatenate([left[part][:-1] * left[part][1:] for part in whole.parts])
     return RingDown(
         resonance_hz=Fitted(hz, hz * float(halves[LOG_W])),
         damping=Fitted(float(x[DAMPING]), float(halves[DAMPING])),
         friction=Fitted(float(x[FRICTION]), float(halves[FRICTION])),
         detent=Fitted(math.hypot(x[SINE], x[COSINE]), float(max(halves[SINE], halves[COSINE]))),
-        residual=float(np.sqrt(np.mean(whole.residual(x) ** 2))),
+        residual=float(np.sqrt(np.mean(left**2))),
+        alike=float(np.mean(next_to) / max(float(np.mean(left**2)), 1e-12)),
         time_s=rings[ring].time_s[shown],
         samples=rings[ring].seen[shown] - rings[ring].field - x[OFFSET],
         fitted=whole.modelled(x, ring) - rings[ring].field - x[OFFSET],

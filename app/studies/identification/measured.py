@@ -36,15 +36,15 @@ def identified(found: Measured, ground: Ground, wanted: Identification) -> Ident
         microsteps_per_turn=ground.turn,
         run_scale=ground.current.run_scale,
         hold_torque_nm=wanted.hold_torque_nm,
-        eccentricity_deg=_estimate(found.turn.eccentricity, 360 / ground.turn),
+        eccentricity_deg=estimate(found.turn.eccentricity, 360 / ground.turn),
     )
     if found.torn is not None:
-        told.backlash_microsteps = _estimate(found.torn.backlash, 4 * ground.full_step / (2 * math.pi))
-        told.friction_share = _estimate(found.torn.friction)
+        told.backlash_microsteps = estimate(found.torn.backlash, 4 * ground.full_step / (2 * math.pi))
+        told.friction_share = estimate(found.torn.friction)
     if ground.a_count is not None:
         per_turn = ground.turn / ground.a_count
         counts = found.turn.ratio.scaled(per_turn)
-        told.encoder_counts_per_turn = _estimate(counts)
+        told.encoder_counts_per_turn = estimate(counts)
         told.encoder_lines = _lines(counts)
     if found.rings is not None:
         _of_rings(told, found.rings, ground.turn / ground.full_step / 4, wanted)
@@ -54,9 +54,9 @@ def identified(found: Measured, ground: Ground, wanted: Identification) -> Ident
 def _of_rings(told: Identified, rings: RingDown, teeth: float, wanted: Identification) -> None:
     square = (2 * math.pi * rings.resonance_hz.value) ** 2
     share = 2 * rings.resonance_hz.half / rings.resonance_hz.value
-    told.resonance_hz, told.damping_ratio = _estimate(rings.resonance_hz), _estimate(rings.damping)
-    told.detent_share = _estimate(rings.detent)
-    told.inertia_per_torque_s2 = _estimate(Fitted(teeth / square, share * teeth / square))
+    told.resonance_hz, told.damping_ratio = estimate(rings.resonance_hz), estimate(rings.damping)
+    told.detent_share = estimate(rings.detent)
+    told.inertia_per_torque_s2 = estimate(Fitted(teeth / square, share * teeth / square))
     degrees = 180 / math.pi
     told.ringing = Ringing(
         time_s=rings.time_s.tolist(),
@@ -70,13 +70,14 @@ def _of_rings(told: Identified, rings: RingDown, teeth: float, wanted: Identific
     viscous = rings.damping.value * 2 * teeth / math.sqrt(square)
     ratio = Fitted(viscous, viscous * (rings.damping.half / rings.damping.value + share / 2))
     told.inertia_kgm2 = _scaled(told.inertia_per_torque_s2, torque, off)
-    told.viscous_nms = _scaled(_estimate(ratio), torque, off)
+    told.viscous_nms = _scaled(estimate(ratio), torque, off)
     told.detent_torque_nm = _scaled(told.detent_share, torque, off)
     if told.friction_share is not None:
         told.friction_nm = _scaled(told.friction_share, torque, off)
 
 
-def _estimate(found: Fitted, scale: float = 1.0) -> Estimate:
+def estimate(found: Fitted, scale: float = 1.0) -> Estimate:
+    """As a record tells it, perhaps in another unit."""
     told = found.scaled(scale)
     return Estimate(value=told.value, interval=Interval(low=told.value - told.half, high=told.value + told.half))
 

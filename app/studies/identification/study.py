@@ -14,22 +14,17 @@ from ...procedures.procedure import Failed
 from ..document import Identification
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves
 from ..ramp_settings import ACCELERATION, SPEED
+from ..ringing import RATE_HZ, ring_after
 from ..run import StudyRun
-from ..sampled import sampling
 from .measured import Measured, findings, identified
 from .plan import HOPS, RING_S, SPEEDS, Ground, hop_targets, look
 
-RATE_HZ = 1000.0
-BEFORE_S = 0.02
-"""Sampled before a hop [s]."""
 TURNS_WITH = 0.02
 """How much less or more than the motor is told may an encoder show, on the whole way."""
 TURNS_TAKE = 0.85
 """Share of the time."""
 ROUNDS = 2
 """So often are rings fitted, with what the fit before told."""
-STEADY = 5
-"""Samples that follow its last step belong to a ring."""
 
 
 class IdentificationStudy(StudyRun):
@@ -142,25 +137,17 @@ class IdentificationStudy(StudyRun):
     async def _ring(self, target: int) -> Ring:
         """Hop to `target`, and what the encoder shows from there on."""
         ground = self._ground
-        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
-        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
-            start = (await self._moves.state()).position
-            await self.clock.sleep(BEFORE_S)
-            self._moves.way_fullsteps += abs(target - start) / ground.full_step
-            await self.device.motion.move(self.axis, target)
-            await self.clock.sleep(RING_S)
-            samples.take()
-        times_s, rows = samples.all()
-        position, encoder = rows.T
-        known = np.isfinite(position) & np.isfinite(encoder)
-        times_s, position, encoder = times_s[known], position[known], encoder[known]
-        away = np.flatnonzero(position != target)
-        begin = int(away[-1]) + 1 if len(away) else 0
-        if begin + STEADY >= len(position):
-            raise Failed(f"the motor stands at {position[-1]:g}, not {target}: by a switch, or its ramp is 0")
+
+        async def hop(to: int) -> None:
+            await self.device.motion.move(self.axis, to)
+
+        start = (await self._moves.state()).position
+        self._moves.way_fullsteps += abs(target - start) / ground.full_step
+        ring = await ring_after(
+            hop, self.device, self.axis, self.clock, target, ring_s=RING_S, full_step=ground.full_step
+        )
         self._count_run()
-        rad = 2 * math.pi / (4 * ground.full_step)
-        return Ring(times_s[begin:] - times_s[begin], encoder[begin:] * rad, target * rad, target > start)
+        return ring
 
     # --- fits ---------------------------------------------------------------------------------------
 

@@ -4095,7 +4095,6 @@ export interface components {
              *       "phase_unbalance": 0,
              *       "quadrature_error_deg": 0,
              *       "fourth_harmonic_deg": 0,
-             *       "open_phase": "none",
              *       "load_value": {
              *         "full_scale": 500,
              *         "half_speed_fullsteps_per_s": 100,
@@ -4585,6 +4584,126 @@ export interface components {
              * @description false: as asked for
              */
             chosen: boolean;
+        };
+        /**
+         * ClosedLoop
+         * @description Gains of a position loop (PID alone) for asked margins: the motor's resonance is measured, the loop worked out,
+         *     and shown by steps.
+         */
+        "ClosedLoop-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "closed_loop";
+            /**
+             * Phase Margin Deg
+             * @description of the worst plant that the measurement leaves open [deg]
+             * @default 60
+             */
+            phase_margin_deg?: number;
+            /**
+             * Gain Margin
+             * @description so many times more gain would it take to oscillate; 2 is 6 dB
+             * @default 2
+             */
+            gain_margin?: number;
+            /**
+             * Step Fullsteps
+             * @description of the steps by which it is shown [full steps]
+             * @default 2
+             */
+            step_fullsteps?: number;
+            /**
+             * Tolerance Microsteps
+             * @description a deviation within it is none: a count of the encoder at the least [microsteps]
+             * @default 4
+             */
+            tolerance_microsteps?: number;
+            /**
+             * Hops
+             * @description short, fast moves without regulation, after each of which the rotor rings
+             * @default 10
+             */
+            hops?: number;
+            /**
+             * Pairs
+             * @description of the proof: steps there and back with the old gains and with the new, in turn
+             * @default 6
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what settles less than this share sooner is no improvement
+             * @default 0.05
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new gains set, and the loop on, where they do as was asked
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * ClosedLoop
+         * @description Gains of a position loop (PID alone) for asked margins: the motor's resonance is measured, the loop worked out,
+         *     and shown by steps.
+         */
+        "ClosedLoop-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "closed_loop";
+            /**
+             * Phase Margin Deg
+             * @description of the worst plant that the measurement leaves open [deg]
+             * @default 60
+             */
+            phase_margin_deg: number;
+            /**
+             * Gain Margin
+             * @description so many times more gain would it take to oscillate; 2 is 6 dB
+             * @default 2
+             */
+            gain_margin: number;
+            /**
+             * Step Fullsteps
+             * @description of the steps by which it is shown [full steps]
+             * @default 2
+             */
+            step_fullsteps: number;
+            /**
+             * Tolerance Microsteps
+             * @description a deviation within it is none: a count of the encoder at the least [microsteps]
+             * @default 4
+             */
+            tolerance_microsteps: number;
+            /**
+             * Hops
+             * @description short, fast moves without regulation, after each of which the rotor rings
+             * @default 10
+             */
+            hops: number;
+            /**
+             * Pairs
+             * @description of the proof: steps there and back with the old gains and with the new, in turn
+             * @default 6
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what settles less than this share sooner is no improvement
+             * @default 0.05
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new gains set, and the loop on, where they do as was asked
+             * @default false
+             */
+            keep: boolean;
         };
         /**
          * CoilCurrent
@@ -7353,11 +7472,6 @@ export interface components {
             name: string;
             /** Text */
             text: string;
-            /**
-             * Fault
-             * @description what is broken; null: nothing that has a name
-             */
-            fault: ("open phase" | "overload" | "encoder slips" | "switch backlash") | null;
             /** Value */
             value: number | null;
             /**
@@ -8769,6 +8883,92 @@ export interface components {
             pole_tolerance?: number;
         };
         /**
+         * LoopCurves
+         * @description The open loop over frequency.
+         */
+        LoopCurves: {
+            /** Frequency Hz */
+            frequency_hz: number[];
+            /** Gain Db */
+            gain_db: number[];
+            /** Phase Deg */
+            phase_deg: number[];
+        };
+        /**
+         * LoopEffect
+         * @description Settling with the new gains against the old ones, by pairs [s]; differences are new less old.
+         */
+        LoopEffect: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline S */
+            baseline_s: number;
+            /** Winner S */
+            winner_s: number;
+            /** Difference S */
+            difference_s: number;
+            interval_s: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Significant */
+            significant: boolean;
+        };
+        /**
+         * LoopFound
+         * @description A position loop and the plant that it is for. Margins are those of the worst plant that the fit leaves open.
+         */
+        LoopFound: {
+            resonance_hz: components["schemas"]["Estimate"];
+            damping_ratio: components["schemas"]["Estimate"];
+            friction_share: components["schemas"]["Estimate"];
+            /**
+             * Delay S
+             * @description of chip, driver and coils, taken as so much [s]
+             */
+            delay_s: number;
+            ringing: components["schemas"]["Ringing"];
+            /**
+             * Alike
+             * @description correlation of what the fit leaves with the next of it; 0 is white noise
+             */
+            alike: number;
+            /** Proportional Per S */
+            proportional_per_s: number;
+            /** Integral Per S2 */
+            integral_per_s2: number;
+            /** Gain Margin */
+            gain_margin: number;
+            /** Phase Margin Deg */
+            phase_margin_deg: number;
+            /** Bandwidth Hz */
+            bandwidth_hz: number;
+            open_loop: components["schemas"]["LoopCurves"];
+            /**
+             * Expected Overshoot
+             * @description share of a step
+             */
+            expected_overshoot: number;
+            /** @description measured, share of a step */
+            overshoot: components["schemas"]["Estimate"] | null;
+            /**
+             * Settling S
+             * @description mean over the steps [s]
+             */
+            settling_s: number | null;
+            step: components["schemas"]["LoopStep"] | null;
+            /**
+             * Captures
+             * @description recordings that were made
+             * @default 0
+             */
+            captures: number;
+            /** @description null: nothing regulated before */
+            effect: components["schemas"]["LoopEffect"] | null;
+        };
+        /**
          * LoopHealth
          * @description How much later than wanted the event loop wakes a sleeper.
          */
@@ -8788,6 +8988,18 @@ export interface components {
              * @description the worst of each of the last 60 s, oldest first; null where nothing was measured
              */
             lag_ms_by_second: (number | null)[];
+        };
+        /**
+         * LoopStep
+         * @description A step: the encoder over the size of the step, as it was measured and as it was expected.
+         */
+        LoopStep: {
+            /** Time S */
+            time_s: number[];
+            /** Measured */
+            measured: number[];
+            /** Expected */
+            expected: number[];
         };
         /**
          * MapFinding
@@ -9682,13 +9894,6 @@ export interface components {
              */
             fourth_harmonic_deg?: number;
             /**
-             * Open Phase
-             * @description the coil that no current comes through: a broken wire, a solder joint; DRV_STATUS tells it
-             * @default none
-             * @enum {string}
-             */
-            open_phase?: "none" | "a" | "b";
-            /**
              * @default {
              *       "full_scale": 500,
              *       "half_speed_fullsteps_per_s": 100,
@@ -9747,28 +9952,6 @@ export interface components {
              * @enum {string}
              */
             unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
-        };
-        /**
-         * MoveCurve
-         * @description A move as its encoder saw it, thinned out for a plot.
-         */
-        MoveCurve: {
-            /**
-             * Which
-             * @description present: of the latest trial
-             * @enum {string}
-             */
-            which: "before" | "best" | "present";
-            /**
-             * Time S
-             * @description from the command on [s]
-             */
-            time_s: number[];
-            /**
-             * Fullsteps
-             * @description of the encoder, from where the move began [full steps]
-             */
-            fullsteps: number[];
         };
         /** MoveStarted */
         MoveStarted: {
@@ -11696,33 +11879,6 @@ export interface components {
             unit: string;
             /** Reached */
             reached: boolean;
-        };
-        /**
-         * RampMargin
-         * @description The ramp that was set before, against what the motor has at its worst speed.
-         */
-        RampMargin: {
-            /**
-             * Speed Rps
-             * @description where the least is left [turns/s]
-             */
-            speed_rps: number;
-            /**
-             * Acceleration Radps2
-             * @description that the ramp asks for
-             */
-            acceleration_radps2: number;
-            /**
-             * Times
-             * @description so many times that is there
-             */
-            times: number;
-            interval: components["schemas"]["Interval"];
-            /**
-             * Whole
-             * @description whether the whole ramp lies within the speeds that were looked at
-             */
-            whole: boolean;
         };
         /**
          * RampMotor
@@ -13961,12 +14117,6 @@ export interface components {
              * @description the carriage can go no further to the right than here [full steps]; null: no hard end
              */
             right_end_fullsteps?: number | null;
-            /**
-             * Backlash Fullsteps
-             * @description a switch is released so far behind where it is pressed: play of its lever, its mount [full steps]
-             * @default 0
-             */
-            backlash_fullsteps?: number;
         };
         /**
          * StallFound
@@ -14711,7 +14861,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -14753,7 +14903,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -14773,7 +14923,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Device */
@@ -14812,7 +14962,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
             /** Title */
             title: string;
             /** Purpose */
@@ -14984,11 +15134,6 @@ export interface components {
              */
             best: number | null;
             /**
-             * Moves
-             * @description of a fastest move: moves to the far end
-             */
-            moves: components["schemas"]["MoveCurve"][];
-            /**
              * Front
              * @description of two objectives: those that none beats in both
              */
@@ -15012,6 +15157,8 @@ export interface components {
             microsteps: components["schemas"]["MicrostepFigures"] | null;
             /** @description motor and machine, as a study found them */
             identified: components["schemas"]["Identified"] | null;
+            /** @description of a study of the closed loop */
+            loop: components["schemas"]["LoopFound"] | null;
             /**
              * Runs
              * @default 0
@@ -15036,8 +15183,6 @@ export interface components {
             twin: components["schemas"]["TwinSetting"][];
             /** @description of a study of StallGuard */
             stallguard: components["schemas"]["StallFound"] | null;
-            /** @description of a study of torque over speed */
-            torque: components["schemas"]["TorqueFound"] | null;
             /**
              * Next
              * @description what would be worth doing next
@@ -15832,171 +15977,6 @@ export interface components {
             role: "look" | "drive" | "administer";
             /** Token */
             token: string;
-        };
-        /**
-         * TorqueCurve
-         * @description How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost.
-         */
-        "TorqueCurve-Input": {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "torque_curve";
-            /**
-             * Velocity Max Rps
-             * @description never faster [turns of the motor a second]
-             * @default 20
-             */
-            velocity_max_rps?: number;
-            /**
-             * Travel Turns
-             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
-             * @default 60
-             */
-            travel_turns?: number;
-            /**
-             * Speeds
-             * @description how many between the first and the greatest at which there is torque left
-             * @default 8
-             */
-            speeds?: number;
-            /**
-             * Repeats
-             * @description slips at each speed
-             * @default 4
-             */
-            repeats?: number;
-            /**
-             * Inertia Kgm2
-             * @description of rotor and load: torque is it times what is measured; null: accelerations alone are told
-             */
-            inertia_kgm2?: number | null;
-            /**
-             * Inertia Share
-             * @description how well the inertia is known: 0.05 is +-5 %, of its 95 % interval
-             * @default 0.05
-             */
-            inertia_share?: number;
-            /**
-             * Friction Nm
-             * @description of the axis where it is known; it is added to the torque
-             * @default 0
-             */
-            friction_nm?: number;
-        };
-        /**
-         * TorqueCurve
-         * @description How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost.
-         */
-        "TorqueCurve-Output": {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "torque_curve";
-            /**
-             * Velocity Max Rps
-             * @description never faster [turns of the motor a second]
-             * @default 20
-             */
-            velocity_max_rps: number;
-            /**
-             * Travel Turns
-             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
-             * @default 60
-             */
-            travel_turns: number;
-            /**
-             * Speeds
-             * @description how many between the first and the greatest at which there is torque left
-             * @default 8
-             */
-            speeds: number;
-            /**
-             * Repeats
-             * @description slips at each speed
-             * @default 4
-             */
-            repeats: number;
-            /**
-             * Inertia Kgm2
-             * @description of rotor and load: torque is it times what is measured; null: accelerations alone are told
-             */
-            inertia_kgm2: number | null;
-            /**
-             * Inertia Share
-             * @description how well the inertia is known: 0.05 is +-5 %, of its 95 % interval
-             * @default 0.05
-             */
-            inertia_share: number;
-            /**
-             * Friction Nm
-             * @description of the axis where it is known; it is added to the torque
-             * @default 0
-             */
-            friction_nm: number;
-        };
-        /**
-         * TorqueFound
-         * @description Torque over speed.
-         */
-        TorqueFound: {
-            /**
-             * Inertia Kgm2
-             * @description of rotor and load, as told
-             */
-            inertia_kgm2: number | null;
-            /**
-             * Friction Nm
-             * @description of the axis, as told: it is added to the torque
-             */
-            friction_nm: number;
-            /** Points */
-            points: components["schemas"]["TorquePoint"][];
-            margin: components["schemas"]["RampMargin"] | null;
-            /**
-             * Speed Most Rps
-             * @description where a gentle acceleration lost steps [turns/s]
-             */
-            speed_most_rps: number | null;
-            /**
-             * At Least Radps2
-             * @description null where steps were lost; else the most that the chip can, and none were
-             */
-            at_least_radps2: number | null;
-        };
-        /**
-         * TorquePoint
-         * @description What the motor has at one speed, beyond the friction of its axis.
-         */
-        TorquePoint: {
-            /**
-             * Speed Rps
-             * @description of the slips, mean [turns/s]
-             */
-            speed_rps: number;
-            /**
-             * Acceleration Radps2
-             * @description the most that it gives its load, mean of both ways [rad/s^2]
-             */
-            acceleration_radps2: number;
-            /** @description 95 % */
-            interval_radps2: components["schemas"]["Interval"];
-            /**
-             * Both Ways Radps2
-             * @description positive way less negative way: a weight, a spring
-             */
-            both_ways_radps2: number;
-            /**
-             * Torque Nm
-             * @description null where the inertia was not told
-             */
-            torque_nm: number | null;
-            /** @description 95 %, with that of the inertia */
-            interval_nm: components["schemas"]["Interval"] | null;
-            /** Slips */
-            slips: number;
         };
         /**
          * Trial

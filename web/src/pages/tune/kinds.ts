@@ -1,3 +1,4 @@
+import { CLOSED_LOOP, type ClosedLoopForm } from "./closedLoop/form";
 import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
 import { IDENTIFICATION, type IdentificationForm } from "./identification/form";
@@ -15,6 +16,7 @@ export interface Forms {
   microstep_calibration: MicrostepForm;
   stallguard: StallGuardForm;
   torque_curve: TorqueForm;
+  closed_loop: ClosedLoopForm;
 }
 
 /** The studies, in the order of the choice. */
@@ -25,6 +27,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   microstep_calibration: MICROSTEP_CALIBRATION,
   stallguard: STALLGUARD,
   torque_curve: TORQUE_CURVE,
+  closed_loop: CLOSED_LOOP,
 };
 
 export const WISHES = (Object.keys(KINDS) as Kind[]).map((value) => ({ value, label: KINDS[value].label }));
@@ -38,6 +41,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
     stallguard: STALLGUARD.first(microstepsPerTurn),
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
+    closed_loop: CLOSED_LOOP.first(microstepsPerTurn),
   };
 }
 

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { at, movesOf } from "./fastestMove/moves";
+import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
@@ -66,6 +67,16 @@ describe("a study on the page", () => {
     expect(kindAsked("?kind=microstep_calibration")).toBe("microstep_calibration");
     expect(kindAsked("?kind=toString")).toBe("first_look");
     expect(kindAsked("")).toBe("first_look");
+  });
+
+  it("asks for margins and draws the open loop over the logarithm of the frequency", () => {
+    const forms = firstForms(null);
+    expect(documentOf("closed_loop", forms, "slide", 0).study).toMatchObject({ phase_margin_deg: 60, gain_margin: 2 });
+    expect(documentOf("identification", forms, "slide", 0).study).toMatchObject({ hops: 24, hold_torque_nm: null });
+    const loop = { open_loop: { frequency_hz: [1, 10, 100], gain_db: [20, 0, -40], phase_deg: [-120, -110, -250] } };
+    expect(bodeOf(loop as Loop)[0]).toEqual([0, 1, 2]);
+    expect(nicholsOf(loop as Loop).data[0]).toEqual([-250, -110]);
+    expect(tensTicks([0, 2])).toEqual(["1", "100"]);
   });
 
   it("draws the error of each measurement over the electrical angle, and harmonics that are more than noise", () => {

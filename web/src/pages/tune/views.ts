@@ -1,3 +1,5 @@
+import { Fields as ClosedLoopFields } from "./closedLoop/Fields";
+import { Results as ClosedLoopResults } from "./closedLoop/Results";
 import { Fields as FastestMoveFields } from "./fastestMove/Fields";
 import { Results as FastestMoveResults } from "./fastestMove/Results";
 import { Fields as FirstLookFields } from "./firstLook/Fields";
@@ -19,6 +21,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   fastest_move: { Fields: FastestMoveFields, Results: FastestMoveResults },
   identification: { Fields: IdentificationFields, Results: IdentificationResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
+  closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
   torque_curve: { Fields: TorqueFields, Results: TorqueResults },
 };

@@ -1,0 +1,1 @@
+"""The study that finds the gains of a position loop."""

@@ -1,0 +1,321 @@
+"""The study itself: rings without regulation, gains for the worst plant that they leave open, and steps that show it.
+
+Gains are set while nothing regulates: each change switches the loop off, and on again.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...calc.motors.position_loop import Gains, Margins, Plant, gains_for, open_loop_curves, step_answer, worst
+from ...calc.motors.ring_down import Fitted, RingDown, fit_ring_downs
+from ...calc.signals.step_response import score
+from ...devices.core.capabilities import VelocityJumps
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ...telemetry.sampling import FloatArray
+from ..document import ClosedLoop
+from ..identification.found import Ringing
+from ..identification.measured import estimate
+from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
+from ..parts import Interval
+from ..proof import is_better, paired_effect
+from ..record import Figures, Held, Trial
+from ..ringing import BEFORE_S, RATE_HZ, ring_after
+from ..run import StudyRun
+from ..sampled import sampling
+from .found import LoopCurves, LoopEffect, LoopFound, LoopStep
+from .plan import HOPS, RING_S, SHOWN, STEP_S, Ground, look
+from .setting import INTEGRAL, PROPORTIONAL, UNITS
+
+DELAY_S = 2e-4
+"""What regulation, driver and coils take at most."""
+LEAST_DAMPING = 0.003
+BAND = 0.05
+"""A step has settled within this share of it."""
+REST_S = 0.3
+OVERSHOOT_SHARE, OVERSHOOT_LEAST = 0.1, 0.02
+"""A loop does as asked where its overshoot is as expected within this share of it, or of the step."""
+NEW = 1
+"""The number of the one trial: the new gains."""
+SHOWN_POINTS = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Stepped:
+    """A step as it was recorded, over its size; overshoot is a share of it; settling_s is None where it did not."""
+
+    time_s: FloatArray
+    encoder: FloatArray
+    overshoot: float
+    settling_s: float | None
+
+
+class ClosedLoopStudy(StudyRun):
+    """Measures, works out, and proves."""
+
+    _ground: Ground
+    _moves: MeasuredMoves
+    _gains: Gains
+    _plant: Plant
+
+    @property
+    def wanted(self) -> ClosedLoop:
+        """What is asked for."""
+        return self.record.document.wanted(ClosedLoop)
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
+        record.findings, record.loop, record.trials, record.best, record.units = [], None, [], None, UNITS
+        now = ground.loop.now
+        record.baseline_setting = {PROPORTIONAL: now.proportional, INTEGRAL: now.integral}
+        if not record.baseline:
+            record.baseline = ground.loop.before
+        await self.keeper.save(record)
+        rings = await self._rings()
+        gains, found = self._worked_out(rings)
+        record.loop = found
+        registers = ground.loop.registers(gains, ground.most_pps, wanted.tolerance_microsteps)
+        setting = {PROPORTIONAL: gains.proportional, INTEGRAL: gains.integral}
+        record.trials = [
+            Trial(
+                number=NEW, setting=setting, registers=registers, state="feasible", figures=Figures(), why="new gains"
+            )
+        ]
+        record.best = NEW
+        await self.keeper.save(record)
+        await (self._prove(found) if ground.loop.on else self._show(found))
+        await self.back()
+        await self.device.need(VelocityJumps).stand_ready(self.axis)
+        await self._moves.go(ground.start)
+        if record.improved and wanted.keep:
+            await self._regulate(registers)
+            self._touched = False
+
+    async def back(self) -> None:
+        """Gains as before the study, and what regulated then. Raises BenchError."""
+        loop = self._ground.loop
+        self._touched = True
+        await loop.switch(loop.open)
+        await self.apply(self.record.baseline, "the setting before the study")
+        await loop.switch(loop.mode)
+        self._touched = False
+
+    async def _regulate(self, registers: Sequence[Held]) -> None:
+        """Set gains, and let the loop regulate by them."""
+        loop = self._ground.loop
+        self._touched = True
+        await loop.switch(loop.open)
+        await self.apply(registers, "gains of a position loop")
+        await loop.switch(loop.alone)
+
+    # --- the plant ----------------------------------------------------------------------------------
+
+    async def _rings(self) -> RingDown:
+        ground = self._ground
+        self.keeper.mark("hops without regulation")
+        self._touched = True
+        await ground.loop.switch(ground.loop.open)
+        jumps = self.device.need(VelocityJumps)
+        before = deviation_of(await self._moves.state())
+
+        async def hop(to: int) -> None:
+            await jumps.move_in_steps(self.axis, to, velocity_pps=ground.jump_pps)
+
+        rings, place = [], ground.start
+        for index in range(2 * (self.wanted.hops // 2)):
+            self.tell("baseline", 0.5 * index / self.wanted.hops, f"hop {index + 1} of {self.wanted.hops}")
+            by = round(HOPS[index % (self.wanted.hops // 2) % len(HOPS)] * ground.full_step)
+            place += by if index < self.wanted.hops // 2 else -by
+            rings.append(
+                await ring_after(
+                    hop, self.device, self.axis, self.clock, place, ring_s=RING_S, full_step=ground.full_step
+                )
+            )
+            self._count(by)
+        lost = (deviation_of(await self._moves.state()) - before) / ground.full_step
+        if abs(lost) > PERIOD_FULLSTEPS / 2:
+            raise Failed(f"the hops lost {plain(abs(lost), 3)} full steps: too heavy a load, or too little current")
+        try:
+            return fit_ring_downs(rings)
+        except ValueError as error:
+            raise Failed(f"the rotor's resonance cannot be told: {error}") from error
+
+    def _worked_out(self, rings: RingDown) -> tuple[Gains, LoopFound]:
+        """Gains as the chip holds them, and the loop that they make."""
+        w, half = rings.resonance_hz.value * 2 * math.pi, rings.resonance_hz.half * 2 * math.pi
+        plants = [
+            Plant(w + at * half, max(rings.damping.value + by * rings.damping.half, LEAST_DAMPING), DELAY_S)
+            for at in (-1, 0, 1)
+            for by in (-1, 0, 1)
+        ]
+        gains = self._ground.loop.rounded(gains_for(plants, self.wanted.gain_margin, self.wanted.phase_margin_deg))
+        if gains.proportional <= 0 or gains.integral <= 0:
+            raise Failed("no gains keep these margins: ask for smaller ones")
+        margins: Margins = worst(gains, plants)
+        middle = plants[4]
+        frequency_hz, gain_db, phase_deg = open_loop_curves(gains, middle, SHOWN_POINTS)
+        time_s = np.linspace(0.0, STEP_S, 2 * SHOWN_POINTS)
+        degrees = 180 / math.pi
+        found = LoopFound(
+            resonance_hz=estimate(rings.resonance_hz),
+            damping_ratio=estimate(rings.damping),
+            friction_share=estimate(rings.friction),
+            delay_s=DELAY_S,
+            ringing=Ringing(
+                time_s=rings.time_s.tolist(),
+                measured_deg=(rings.samples * degrees).tolist(),
+                fitted_deg=(rings.fitted * degrees).tolist(),
+                residual_deg=rings.residual * degrees,
+            ),
+            alike=rings.alike,
+            proportional_per_s=gains.proportional,
+            integral_per_s2=gains.integral,
+            gain_margin=margins.gain,
+            phase_margin_deg=margins.phase_deg,
+            bandwidth_hz=margins.bandwidth_hz,
+            open_loop=LoopCurves(
+                frequency_hz=frequency_hz.tolist(), gain_db=gain_db.tolist(), phase_deg=phase_deg.tolist()
+            ),
+            expected_overshoot=float(np.max(step_answer(gains, middle, time_s))) - 1,
+            captures=self.record.runs,
+        )
+        self._gains, self._plant = gains, middle
+        return gains, found
+
+    # --- steps ----------------------------------------------------------------------------------------
+
+    async def _step(self, target: int) -> Stepped:
+        """A step to `target` with the loop as it is set."""
+        ground = self._ground
+        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
+        await self.clock.sleep(REST_S)
+        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
+            await self.clock.sleep(BEFORE_S)
+            start = (await self._moves.state()).position
+            jumps = self.device.need(VelocityJumps)
+            began_s = (await jumps.move_in_steps(self.axis, target, velocity_pps=ground.jump_pps)).started_at_s
+            await self.clock.sleep(STEP_S)
+            samples.take()
+        times_s, rows = samples.all()
+        position, encoder = rows.T
+        times_s, size = times_s - began_s, float(target - start)
+        known = np.isfinite(position) & np.isfinite(encoder)
+        before = encoder[known & (times_s < 0)]
+        if not len(before) or size == 0:
+            raise Failed("a step without samples before it is none")
+        scored = score(times_s, float(target), position, encoder, BAND * abs(size), size)
+        after = known & (times_s >= 0)
+        self._count(size)
+        return Stepped(
+            times_s[after],
+            (encoder[after] - start) / size,
+            max(0.0, scored.overshoot / abs(size)),
+            scored.settling_s,
+        )
+
+    async def _show(self, found: LoopFound) -> None:
+        """Steps where nothing regulated before: the loop is good where it does as was asked."""
+        ground = self._ground
+        await self._regulate(self.record.trials[0].registers)
+        steps: list[Stepped] = []
+        for index in range(SHOWN // 2):
+            self.tell("proof", 0.5 + index / SHOWN, f"steps {2 * index + 1} and {2 * index + 2} of {SHOWN}")
+            self.keeper.mark("steps with the new gains")
+            steps += [await self._step(place) for place in (ground.start + ground.step, ground.start)]
+        self._tell_steps(found, steps)
+        self._decide(found, as_asked=self._as_asked(found))
+
+    async def _prove(self, found: LoopFound) -> None:
+        """The new gains against the old ones, step by step."""
+        ground, wanted = self._ground, self.wanted
+        sets = {"A": ground.loop.before, "B": self.record.trials[0].registers}
+        settled: dict[str, list[float]] = {"A": [], "B": []}
+        steps: list[Stepped] = []
+        for index in range(wanted.pairs):
+            self.tell("proof", 0.5 + 0.5 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
+            self.keeper.mark(f"pair {index + 1} of {wanted.pairs}")
+            target = ground.start + (0 if index % 2 else ground.step)
+            away = ground.start + (ground.step if index % 2 else 0)
+            for which in "BA" if index % 2 else "AB":
+                await self._regulate(sets[which])
+                await self._return(away)
+                one = await self._step(target)
+                settled[which].append(STEP_S if one.settling_s is None else one.settling_s)
+                steps += [one] if which == "B" else []
+        self._tell_steps(found, steps)
+        effect = paired_effect(settled["A"], settled["B"], self.record.document.seed)
+        old, new = statistics.fmean(settled["A"]), statistics.fmean(settled["B"])
+        better = is_better(effect, old, wanted.smallest_gain)
+        found.effect = LoopEffect(
+            pairs=wanted.pairs,
+            baseline_s=old,
+            winner_s=new,
+            difference_s=effect.mean,
+            interval_s=Interval(low=effect.low, high=effect.high),
+            p=effect.p,
+            significant=better,
+        )
+        self._decide(found, as_asked=self._as_asked(found), better=better)
+
+    async def _return(self, place: int) -> None:
+        """Go where a step begins, with the loop as it is set."""
+        if (await self._moves.state()).position == place:
+            return
+        jumps = self.device.need(VelocityJumps)
+        await jumps.move_in_steps(self.axis, place, velocity_pps=self._ground.jump_pps)
+        await self.clock.sleep(STEP_S)
+
+    def _tell_steps(self, found: LoopFound, steps: list[Stepped]) -> None:
+        from scipy import stats
+
+        over = [one.overshoot for one in steps]
+        mean, spread = statistics.fmean(over), statistics.stdev(over)
+        half = float(stats.t.ppf(0.975, len(over) - 1)) * spread / math.sqrt(len(over))
+        found.overshoot = estimate(Fitted(mean, half))
+        known = [one.settling_s for one in steps if one.settling_s is not None]
+        found.settling_s = statistics.fmean(known) if len(known) == len(steps) else None
+        first = steps[0]
+        even = np.linspace(0.0, float(first.time_s[-1]), 2 * SHOWN_POINTS)
+        found.step = LoopStep(
+            time_s=even.tolist(),
+            measured=np.interp(even, first.time_s, first.encoder).tolist(),
+            expected=step_answer(self._gains, self._plant, even).tolist(),
+        )
+        found.captures = self.record.runs
+
+    def _as_asked(self, found: LoopFound) -> bool:
+        assert found.overshoot is not None
+        off = abs(found.overshoot.value - found.expected_overshoot)
+        return off <= max(OVERSHOOT_SHARE * found.expected_overshoot, OVERSHOOT_LEAST) and found.settling_s is not None
+
+    def _decide(self, found: LoopFound, *, as_asked: bool, better: bool = True) -> None:
+        record, told = self.record, found.overshoot
+        assert told is not None
+        words = (
+            f"overshoot {100 * told.value:.3g} %, {100 * found.expected_overshoot:.3g} % expected; phase margin "
+            f"{plain(found.phase_margin_deg, 3)} degrees, gain margin {plain(found.gain_margin, 3)}, bandwidth "
+            f"{plain(found.bandwidth_hz, 3)} Hz"
+        )
+        record.improved = as_asked and better
+        if record.improved:
+            stays = "it is set" if self.wanted.keep else "one click takes it"
+            record.verdict = f"the loop does as was asked: {words}; {stays}"
+            record.next = "push it by hand, or let a load push: Closed loop, Disturbance"
+            return
+        record.best = None
+        why = "not shown to settle sooner" if as_asked else "steps are not as the loop that was worked out"
+        record.verdict = f"{why}: {words}; it stays as it was"
+        record.next = "" if as_asked else "less friction, or larger margins: friction is in no margin"
+
+    def _count(self, by: float) -> None:
+        self.record.runs += 1
+        self.record.way_fullsteps += abs(by) / self._ground.full_step

@@ -1,0 +1,49 @@
+"""A hop, and how the rotor rings after it, as the encoder shows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Awaitable, Callable
+
+import numpy as np
+
+from ..calc.motors.ring_down import Ring
+from ..clock import Clock
+from ..devices.core.device import Device
+from ..procedures.procedure import Failed
+from .sampled import sampling
+
+RATE_HZ = 1000.0
+BEFORE_S = 0.02
+"""Sampled before a hop [s]."""
+LEAST = 5
+"""Samples that follow its last step belong to a ring."""
+
+
+async def ring_after(
+    hop: Callable[[int], Awaitable[object]],
+    device: Device,
+    axis: int,
+    clock: Clock,
+    target: int,
+    *,
+    ring_s: float,
+    full_step: int,
+) -> Ring:
+    """Hop to `target`, and what the encoder shows from there on. Raises Failed where it does not get there."""
+    with sampling(device, [f"position.{axis}", f"encoder_position.{axis}"], RATE_HZ, clock) as samples:
+        await clock.sleep(BEFORE_S)
+        await hop(target)
+        await clock.sleep(ring_s)
+        samples.take()
+    times_s, rows = samples.all()
+    position, encoder = rows.T
+    known = np.isfinite(position) & np.isfinite(encoder)
+    times_s, position, encoder = times_s[known], position[known], encoder[known]
+    away = np.flatnonzero(position != target)
+    begin = int(away[-1]) + 1 if len(away) else 0
+    if begin + LEAST >= len(position):
+        raise Failed(f"the motor stands at {position[-1]:g}, not {target}: by a switch, or its ramp is 0")
+    rad = 2 * math.pi / (4 * full_step)
+    forward = not len(away) or bool(position[away[0]] < target)
+    return Ring(times_s[begin:] - times_s[begin], encoder[begin:] * rad, target * rad, forward)
