@@ -53,9 +53,9 @@ async def _state(s: Studied) -> list[int | None]:
     return [value_now(s.device, held, Held(name=name, axis=0, value=0)) for name in NAMES]
 
 
-async def judged(seed: int, folder: Path, **more: object) -> Judged:
-    """A study of the plant of that seed."""
-    plant = drawn(seed)
+async def judged(number: int, folder: Path, **more: object) -> Judged:
+    """A study of the plant of that number; `more` : options of its own."""
+    plant = drawn(number)
     start = replace(START, stops=False, counts_per_rev=4 * plant.options["encoder"]["lines"])
     async with bench(start, **{**plant.options, **more}) as b:
         s = Studied(b, StudyStore(folder, aside=False))

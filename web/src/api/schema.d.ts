@@ -9953,6 +9953,28 @@ export interface components {
              */
             unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
         };
+        /**
+         * MoveCurve
+         * @description A move as its encoder saw it, thinned out for a plot.
+         */
+        MoveCurve: {
+            /**
+             * Which
+             * @description present: of the latest trial
+             * @enum {string}
+             */
+            which: "before" | "best" | "present";
+            /**
+             * Time S
+             * @description from the command on [s]
+             */
+            time_s: number[];
+            /**
+             * Fullsteps
+             * @description of the encoder, from where the move began [full steps]
+             */
+            fullsteps: number[];
+        };
         /** MoveStarted */
         MoveStarted: {
             /** Axis */
@@ -11879,6 +11901,33 @@ export interface components {
             unit: string;
             /** Reached */
             reached: boolean;
+        };
+        /**
+         * RampMargin
+         * @description The ramp that was set before, against what the motor has at its worst speed.
+         */
+        RampMargin: {
+            /**
+             * Speed Rps
+             * @description where the least is left [turns/s]
+             */
+            speed_rps: number;
+            /**
+             * Acceleration Radps2
+             * @description that the ramp asks for
+             */
+            acceleration_radps2: number;
+            /**
+             * Times
+             * @description so many times that is there
+             */
+            times: number;
+            interval: components["schemas"]["Interval"];
+            /**
+             * Whole
+             * @description whether the whole ramp lies within the speeds that were looked at
+             */
+            whole: boolean;
         };
         /**
          * RampMotor
@@ -14861,7 +14910,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"];
+            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -14903,7 +14952,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"];
+            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -14923,7 +14972,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -14962,7 +15011,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -15134,6 +15183,11 @@ export interface components {
              */
             best: number | null;
             /**
+             * Moves
+             * @description of a fastest move: moves to the far end
+             */
+            moves: components["schemas"]["MoveCurve"][];
+            /**
              * Front
              * @description of two objectives: those that none beats in both
              */
@@ -15183,6 +15237,8 @@ export interface components {
             twin: components["schemas"]["TwinSetting"][];
             /** @description of a study of StallGuard */
             stallguard: components["schemas"]["StallFound"] | null;
+            /** @description of a study of torque over speed */
+            torque: components["schemas"]["TorqueFound"] | null;
             /**
              * Next
              * @description what would be worth doing next
@@ -15977,6 +16033,171 @@ export interface components {
             role: "look" | "drive" | "administer";
             /** Token */
             token: string;
+        };
+        /**
+         * TorqueCurve
+         * @description How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost.
+         */
+        "TorqueCurve-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "torque_curve";
+            /**
+             * Velocity Max Rps
+             * @description never faster [turns of the motor a second]
+             * @default 20
+             */
+            velocity_max_rps?: number;
+            /**
+             * Travel Turns
+             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
+             * @default 60
+             */
+            travel_turns?: number;
+            /**
+             * Speeds
+             * @description how many between the first and the greatest at which there is torque left
+             * @default 8
+             */
+            speeds?: number;
+            /**
+             * Repeats
+             * @description slips at each speed
+             * @default 4
+             */
+            repeats?: number;
+            /**
+             * Inertia Kgm2
+             * @description of rotor and load: torque is it times what is measured; null: accelerations alone are told
+             */
+            inertia_kgm2?: number | null;
+            /**
+             * Inertia Share
+             * @description how well the inertia is known: 0.05 is +-5 %, of its 95 % interval
+             * @default 0.05
+             */
+            inertia_share?: number;
+            /**
+             * Friction Nm
+             * @description of the axis where it is known; it is added to the torque
+             * @default 0
+             */
+            friction_nm?: number;
+        };
+        /**
+         * TorqueCurve
+         * @description How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost.
+         */
+        "TorqueCurve-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "torque_curve";
+            /**
+             * Velocity Max Rps
+             * @description never faster [turns of the motor a second]
+             * @default 20
+             */
+            velocity_max_rps: number;
+            /**
+             * Travel Turns
+             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
+             * @default 60
+             */
+            travel_turns: number;
+            /**
+             * Speeds
+             * @description how many between the first and the greatest at which there is torque left
+             * @default 8
+             */
+            speeds: number;
+            /**
+             * Repeats
+             * @description slips at each speed
+             * @default 4
+             */
+            repeats: number;
+            /**
+             * Inertia Kgm2
+             * @description of rotor and load: torque is it times what is measured; null: accelerations alone are told
+             */
+            inertia_kgm2: number | null;
+            /**
+             * Inertia Share
+             * @description how well the inertia is known: 0.05 is +-5 %, of its 95 % interval
+             * @default 0.05
+             */
+            inertia_share: number;
+            /**
+             * Friction Nm
+             * @description of the axis where it is known; it is added to the torque
+             * @default 0
+             */
+            friction_nm: number;
+        };
+        /**
+         * TorqueFound
+         * @description Torque over speed.
+         */
+        TorqueFound: {
+            /**
+             * Inertia Kgm2
+             * @description of rotor and load, as told
+             */
+            inertia_kgm2: number | null;
+            /**
+             * Friction Nm
+             * @description of the axis, as told: it is added to the torque
+             */
+            friction_nm: number;
+            /** Points */
+            points: components["schemas"]["TorquePoint"][];
+            margin: components["schemas"]["RampMargin"] | null;
+            /**
+             * Speed Most Rps
+             * @description where a gentle acceleration lost steps [turns/s]
+             */
+            speed_most_rps: number | null;
+            /**
+             * At Least Radps2
+             * @description null where steps were lost; else the most that the chip can, and none were
+             */
+            at_least_radps2: number | null;
+        };
+        /**
+         * TorquePoint
+         * @description What the motor has at one speed, beyond the friction of its axis.
+         */
+        TorquePoint: {
+            /**
+             * Speed Rps
+             * @description of the slips, mean [turns/s]
+             */
+            speed_rps: number;
+            /**
+             * Acceleration Radps2
+             * @description the most that it gives its load, mean of both ways [rad/s^2]
+             */
+            acceleration_radps2: number;
+            /** @description 95 % */
+            interval_radps2: components["schemas"]["Interval"];
+            /**
+             * Both Ways Radps2
+             * @description positive way less negative way: a weight, a spring
+             */
+            both_ways_radps2: number;
+            /**
+             * Torque Nm
+             * @description null where the inertia was not told
+             */
+            torque_nm: number | null;
+            /** @description 95 %, with that of the inertia */
+            interval_nm: components["schemas"]["Interval"] | null;
+            /** Slips */
+            slips: number;
         };
         /**
          * Trial

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { at, movesOf } from "./fastestMove/moves";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
+import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
