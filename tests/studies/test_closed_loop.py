@@ -112,7 +112,7 @@ async def test_a_loop_that_settles_as_soon_stays_as_it_is(tmp_path: Path) -> Non
 async def test_what_is_missing_is_told_before_anything_moves(tmp_path: Path) -> None:
     async with studied(tmp_path) as other:
         plan = await KINDS["closed_loop"].plan(other.device, 0, other.document(STUDY))
-        assert any("no" in one for one in plan.missing)
+        assert any("no study sets a position loop" in one for one in plan.missing)
     async with with_loop(tmp_path) as s:
         await s.device.registers.write("ENC_IN_CONF", 0, None, {"regulation_modus": 1})
         plan = await KINDS["closed_loop"].plan(s.device, 0, s.document(STUDY))

@@ -45,9 +45,9 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
         return looked
     state, full_step = found.state, found.full_step
     try:
+        places = loop_of(device)
         device.need(EncoderSetting).require_encoder(axis)
         device.need(VelocityJumps)
-        places = loop_of(device)
         loop = LoopSpace(device, axis, places, found.held, await regulation_now(device, axis, places))
     except WrongState as error:
         say(str(error))

@@ -4095,6 +4095,7 @@ export interface components {
              *       "phase_unbalance": 0,
              *       "quadrature_error_deg": 0,
              *       "fourth_harmonic_deg": 0,
+             *       "open_phase": "none",
              *       "load_value": {
              *         "full_scale": 500,
              *         "half_speed_fullsteps_per_s": 100,
@@ -7472,6 +7473,11 @@ export interface components {
             name: string;
             /** Text */
             text: string;
+            /**
+             * Fault
+             * @description what is broken; null: nothing that has a name
+             */
+            fault: ("open phase" | "overload" | "encoder slips" | "switch backlash") | null;
             /** Value */
             value: number | null;
             /**
@@ -9893,6 +9899,13 @@ export interface components {
              * @default 0
              */
             fourth_harmonic_deg?: number;
+            /**
+             * Open Phase
+             * @description the coil that no current comes through: a broken wire, a solder joint; DRV_STATUS tells it
+             * @default none
+             * @enum {string}
+             */
+            open_phase?: "none" | "a" | "b";
             /**
              * @default {
              *       "full_scale": 500,
@@ -14166,6 +14179,12 @@ export interface components {
              * @description the carriage can go no further to the right than here [full steps]; null: no hard end
              */
             right_end_fullsteps?: number | null;
+            /**
+             * Backlash Fullsteps
+             * @description a switch is released so far behind where it is pressed: play of its lever, its mount [full steps]
+             * @default 0
+             */
+            backlash_fullsteps?: number;
         };
         /**
          * StallFound
