@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
+from .calc.motors import ring_down
 from .calc.ramps import sramp
 from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.drive import DRIVE_JOB
@@ -40,6 +41,7 @@ JOBS: Mapping[str, Callable[[], None]] = {
     DRIVE_JOB: warm_up_drive,
     "S-ramps": sramp.warm_up,
     "ramps": _exact_ramp,
+    "swings": ring_down.warm_up,
 }
 """What compiles, or takes from disk, by what it is for: families of emulators, what they share, then calculators."""
 NEEDS: Mapping[str, tuple[str, ...]] = {family.name: family.needs for family in FAMILIES}

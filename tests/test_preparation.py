@@ -248,3 +248,13 @@ def test_where_nothing_can_be_kept_a_child_hands_it_on_in_a_folder_that_ends_wit
     )
     assert done.stdout.split() == ["0o700", "1", "False"], done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_server_imports_no_kernel_that_the_preparation_does_not_compile() -> None:
+    # Else what an image was prepared with would never be all, and each of its starts would begin to compile.
+    code = (
+        "import app.preparation, app.kernels as kernels; known = set(kernels._sources); import app.main; "
+        "print(sorted(path.name for path in kernels._sources - known))"
+    )
+    told = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "[]"

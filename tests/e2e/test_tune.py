@@ -44,6 +44,10 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     expect(page.get_by_test_id("begin")).to_be_enabled(timeout=LONG_MS)
 
     page.get_by_role("radio", name="Faster").check()
+    expect(plan).to_contain_text("settings: 2 times there and back")
+    expect(plan).not_to_contain_text("on an emulated twin")
+    page.get_by_role("combobox", name="Motor").fill("ldo-36sth20-1004ahg-9T")
+    expect(plan).to_contain_text("on an emulated twin")
     page.get_by_label("Try on an emulated twin first").press("Space")
     expect(plan).not_to_contain_text("on an emulated twin")
     for label, value in (("Distance", "0.25"), ("Settings tried at most", "3")):

@@ -212,6 +212,11 @@ def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | 
     )
 
 
+def warm_up() -> None:
+    """Compile the kernel, or load it from disk: seconds once, milliseconds after that."""
+    k.swing(np.ones(k.PARAMETERS), 0.0, 0.0, 0.0, 0.0, 1e-4, np.zeros(2))
+
+
 def _until_rest(ring: Ring) -> Ring:
     """As long as it swings: where it sticks in the end, friction at rest decides, which is another one."""
     rest = float(np.median(ring.seen[-(len(ring.seen) // 5) :]))

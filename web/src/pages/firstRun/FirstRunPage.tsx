@@ -17,7 +17,7 @@ import { MotorStep } from "./MotorStep";
 import { SetUpStep } from "./SetUpStep";
 import type { StepProps } from "./StepProps";
 import { SwitchesStep } from "./SwitchesStep";
-import { BEGIN, before, done, type Progress, STEPS, type StepId } from "./steps";
+import { BEGIN, before, done, type Progress, progressKey, STEPS, type StepId } from "./steps";
 import { TurnStep } from "./TurnStep";
 
 const MoveStep = lazy(() => import("./MoveStep").then((part) => ({ default: part.MoveStep })));
@@ -43,7 +43,7 @@ export default function FirstRunPage() {
 }
 
 function FirstRun({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
-  const [progress, setProgress] = useSessionKept<Progress>(`stepscope.first-run.${device.id}.${axis.index}`, BEGIN);
+  const [progress, setProgress] = useSessionKept<Progress>(progressKey(device.id, axis.index), BEGIN);
   const { condition } = useStanding(device.id, axis.index);
   const step = STEPS.find(({ id }) => id === progress.at) ?? STEPS[0];
   if (step === undefined) return null;

@@ -64,6 +64,11 @@ export interface ChosenMotor {
 
 export const BEGIN: Progress = { at: "motor", done: [], motor: null };
 
+/** Under which name the browser keeps it. */
+export function progressKey(device: string, axis: number): string {
+  return `stepscope.first-run.${device}.${axis}`;
+}
+
 /** The step behind `id`, or `id` where it is the last. */
 export function after(id: StepId): StepId {
   return beside(id, 1);

@@ -4,8 +4,9 @@ import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { type AxisScale, scaleOf } from "../../lib/units";
+import { scaleOf } from "../../lib/units";
 import { GoalCards } from "./GoalCards";
+import type { FieldsProps } from "./kind";
 import { documentOf, type Forms, firstForms, KINDS, kindAsked, WISHES } from "./kinds";
 import type { Kind, Plan } from "./study";
 import { type Changes, usePlan } from "./useStudies";
@@ -36,7 +37,13 @@ export function WishCard({ device, axis, changes, busy }: Props) {
       <div className="column">
         <GoalCards label="The axis shall be" goals={WISHES} value={kind} onChange={setKind} />
         <Text size="sm">{KINDS[kind].text}</Text>
-        <KindFields kind={kind} forms={forms} change={change} scale={scale} />
+        <KindFields
+          kind={kind}
+          forms={forms}
+          change={change}
+          scale={scale}
+          axis={{ device: device.id, index: axis.index }}
+        />
         {busy ? (
           <Text size="sm">A study of this axis runs. A stop, or any other command to it, ends it.</Text>
         ) : (
@@ -59,17 +66,16 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   );
 }
 
-interface FieldsProps<K extends Kind> {
+interface KindFieldsProps<K extends Kind> extends Pick<FieldsProps<never>, "scale" | "axis"> {
   kind: K;
   forms: Forms;
   change: (of: K, part: Partial<Forms[K]>) => void;
-  scale: AxisScale;
 }
 
 /** The fields of one kind of study. */
-function KindFields<K extends Kind>({ kind, forms, change, scale }: FieldsProps<K>) {
+function KindFields<K extends Kind>({ kind, forms, change, ...axis }: KindFieldsProps<K>) {
   const { Fields } = VIEWS[kind];
-  return <Fields form={forms[kind]} change={(part) => change(kind, part)} scale={scale} />;
+  return <Fields form={forms[kind]} change={(part) => change(kind, part)} {...axis} />;
 }
 
 /** The plan, in words: what moves, how far, how fast, how long; and what is missing. */

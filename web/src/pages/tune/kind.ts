@@ -2,11 +2,12 @@ import type { ComponentType } from "react";
 import type { AxisScale } from "../../lib/units";
 import type { Study, Wish } from "./study";
 
-/** What the fields of a kind of study get: its part of the form, and the scale of the axis. */
+/** What the fields of a kind of study get: its part of the form, the axis and its scale. */
 export interface FieldsProps<F> {
   form: F;
   change: (part: Partial<F>) => void;
   scale: AxisScale;
+  axis: { device: string; index: number };
 }
 
 /** A kind of study as it is asked for. */

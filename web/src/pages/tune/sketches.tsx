@@ -22,6 +22,10 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
   ),
   fastest_move: sketch(<path d="M4 26 20 12H52L68 26" />, <path d="M4 26 12 4H26L34 26" />),
   microstep_calibration: sketch(<path d="M4 26c10 0 12-10 22-10S40 4 68 4" />, <path d="M4 26 68 4" />),
+  identification: sketch(
+    <path d="M4 15h64" />,
+    <path d="M4 4c6 0 6 22 12 22S22 8 28 8s6 12 12 12 6-8 12-8 6 5 16 4" />,
+  ),
   stallguard: sketch(
     <path d="M4 26c8 0 8-20 14-20s6 20 14 20" />,
     <>

@@ -7,6 +7,7 @@ import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalib
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
+import { asIdentified, FIRST_TWIN, type Identified, named, twinOf } from "./twin/form";
 
 type Trial = Study["trials"][number];
 
@@ -43,17 +44,43 @@ describe("a study on the page", () => {
         kind: "fastest_move",
         distance: 102_400,
         margin: 0.15,
-        twin: { motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 } },
+        twin: null,
       },
     });
-    expect(
-      documentOf("fastest_move", { ...forms, fastest_move: { ...fast, twin: false } }, "slide", 0).study,
-    ).toMatchObject({ twin: null });
     expect(documentOf("first_look", forms, "slide", 0)).toEqual({
       device: "slide",
       axis: 0,
       study: { kind: "first_look", turns: 1, travel_turns: 0 },
     });
+  });
+
+  it("tries a twin first where the motor is known: by its name, or as identified", () => {
+    const motor = {
+      name: "17HS",
+      own: false,
+      source: "",
+      rated_current_a: 2,
+      full_steps_per_rev: 200,
+      resistance_ohm: 1.4,
+      inductance_h: null,
+      holding_torque_nm: 0.59,
+    };
+    expect(twinOf(FIRST_TWIN)).toBeNull();
+    expect(twinOf({ ...FIRST_TWIN, typed: "17" })).toBeNull();
+    expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBeNull();
+    const known = named(FIRST_TWIN, motor);
+    const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0 };
+    expect(known && twinOf(known)).toEqual({ motor: figures });
+    expect(known && twinOf({ ...known, on: false })).toBeNull();
+    const found = { inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
+    const twin = known && asIdentified(known, found as unknown as Identified, "today");
+    expect(twin?.motor).toMatchObject({
+      ...figures,
+      rotor_inertia_kgm2: 3e-5,
+      load_friction_nm: 0.02,
+      counts_per_turn: 4000,
+    });
+    expect(asIdentified(FIRST_TWIN, { ...found, inertia_kgm2: null } as unknown as Identified, "today")).toBeNull();
   });
 
   it("asks for a calibration, whose form a link may open", () => {

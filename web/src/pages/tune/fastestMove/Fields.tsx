@@ -3,10 +3,11 @@ import { useState } from "react";
 import { NumberField } from "../../../lib/NumberField";
 import { QuantityField } from "../../../lib/QuantityField";
 import type { FieldsProps } from "../kind";
+import { TwinFields } from "../twin/TwinFields";
 import type { FastestMoveForm } from "./form";
 
 /** The move, what it may cost, its limits, and what is known of the motor for a twin. */
-export function Fields({ form, change, scale }: FieldsProps<FastestMoveForm>) {
+export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveForm>) {
   const [unit, setUnit] = useState("rev");
   return (
     <>
@@ -53,39 +54,7 @@ export function Fields({ form, change, scale }: FieldsProps<FastestMoveForm>) {
         onChange={(accelerationMaxPps2) => change({ accelerationMaxPps2 })}
         onClear={() => change({ accelerationMaxPps2: null })}
       />
-      <Switch
-        label="Try on an emulated twin first"
-        checked={form.twin}
-        onChange={({ currentTarget }) => change({ twin: currentTarget.checked })}
-      />
-      {form.twin && (
-        <>
-          <NumberField
-            label="Holding torque of the motor"
-            value={form.holdingTorqueNm}
-            min={0.001}
-            max={50}
-            unit="N m"
-            onChange={(holdingTorqueNm) => change({ holdingTorqueNm })}
-          />
-          <NumberField
-            label="Rated current of the motor"
-            value={form.ratedCurrentA}
-            min={0.05}
-            max={20}
-            unit="A"
-            onChange={(ratedCurrentA) => change({ ratedCurrentA })}
-          />
-          <NumberField
-            label="Inertia of the load, at the motor"
-            value={form.loadInertiaKgm2}
-            min={0}
-            max={1}
-            unit="kg m²"
-            onChange={(loadInertiaKgm2) => change({ loadInertiaKgm2 })}
-          />
-        </>
-      )}
+      <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
       <Switch
         label="Quiet under way too"
         checked={form.quiet}

@@ -1,4 +1,5 @@
 import type { KindForm } from "../kind";
+import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
 
 export interface FastestMoveForm {
   /** of a move [microsteps] */
@@ -8,11 +9,7 @@ export interface FastestMoveForm {
   quiet: boolean;
   velocityMaxPps: number | null;
   accelerationMaxPps2: number | null;
-  /** try on an emulated twin first, with this motor */
-  twin: boolean;
-  holdingTorqueNm: number;
-  ratedCurrentA: number;
-  loadInertiaKgm2: number;
+  twin: TwinForm;
 }
 
 export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
@@ -26,10 +23,7 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
     quiet: false,
     velocityMaxPps: null,
     accelerationMaxPps2: null,
-    twin: true,
-    holdingTorqueNm: 0.45,
-    ratedCurrentA: 1.5,
-    loadInertiaKgm2: 0,
+    twin: FIRST_TWIN,
   }),
   wish: (form) => ({
     budget: { trials: form.trials },
@@ -40,15 +34,7 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
       quiet: form.quiet,
       velocity_max_pps: form.velocityMaxPps,
       acceleration_max_pps2: form.accelerationMaxPps2,
-      twin: form.twin
-        ? {
-            motor: {
-              holding_torque_nm: form.holdingTorqueNm,
-              rated_current_a: form.ratedCurrentA,
-              load_inertia_kgm2: form.loadInertiaKgm2,
-            },
-          }
-        : null,
+      twin: twinOf(form.twin),
     },
   }),
 };

@@ -1,0 +1,62 @@
+import type { Schemas } from "../../../api/client";
+
+type TwinMotor = Schemas["TwinMotor-Input"];
+export type NamedMotor = Schemas["MotorInfo"];
+export type Identified = Schemas["Identified"];
+
+/** What a twin is made of beside the axis's registers. */
+export interface TwinForm {
+  /** null: as soon as the motor is known */
+  on: boolean | null;
+  /** what was typed to find the motor; null: nothing yet */
+  typed: string | null;
+  /** the motor's name in the data base; empty: none of it */
+  name: string;
+  /** where its inertia and friction are from; empty: as typed */
+  identified: string;
+  motor: Required<Pick<TwinMotor, "holding_torque_nm" | "rated_current_a" | "load_inertia_kgm2">> & Partial<TwinMotor>;
+}
+
+export const FIRST_TWIN: TwinForm = {
+  on: null,
+  typed: null,
+  name: "",
+  identified: "",
+  motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 },
+};
+
+/** Whether the twin is tried: where nobody said, only one whose motor is known. */
+export function isTried({ on, name, identified }: TwinForm): boolean {
+  return on ?? (name !== "" || identified !== "");
+}
+
+/** What the server wants of it. */
+export function twinOf(form: TwinForm): Schemas["Twin-Input"] | null {
+  return isTried(form) ? { motor: form.motor } : null;
+}
+
+/** With the figures of a motor of the data base; null where it does not tell its torque. */
+export function named(form: TwinForm, motor: NamedMotor): TwinForm | null {
+  if (motor.holding_torque_nm === null) return null;
+  const coil = {
+    ...(motor.resistance_ohm === null ? {} : { resistance_ohm: motor.resistance_ohm }),
+    ...(motor.inductance_h === null ? {} : { inductance_h: motor.inductance_h }),
+  };
+  const plate = { holding_torque_nm: motor.holding_torque_nm, rated_current_a: motor.rated_current_a };
+  return { ...form, typed: motor.name, name: motor.name, motor: { ...form.motor, ...coil, ...plate } };
+}
+
+/**
+ * With inertia, friction and encoder as a study of motor and machine found them, `when`; null where it could not tell
+ * the inertia. That is of rotor and load together: the twin's rotor has all of it.
+ */
+export function asIdentified(form: TwinForm, found: Identified, when: string): TwinForm | null {
+  if (found.inertia_kgm2 === null) return null;
+  const friction = found.friction_nm === null ? {} : { load_friction_nm: found.friction_nm.value };
+  const lines = found.encoder_lines === null ? {} : { counts_per_turn: 4 * found.encoder_lines };
+  return {
+    ...form,
+    identified: when,
+    motor: { ...form.motor, ...friction, ...lines, rotor_inertia_kgm2: found.inertia_kgm2.value, load_inertia_kgm2: 0 },
+  };
+}
