@@ -42,12 +42,13 @@ class CurrentSpace:
         self.before = [Held(name=self._row.name, axis=self._row.axis, value=self._row.decode(word))]
         self.run_scale = run.unpack(word)
         """As it was before."""
+        self.hold_scale = hold.unpack(word)
 
     def share(self, scale: int) -> float:
         """The current at a scale, of that at the run scale."""
         return (scale + 1) / (self.run_scale + 1)
 
-    def registers(self, scale: int) -> list[Held]:
-        """What to write for this scale, also at rest."""
-        word = self._hold.pack(scale, self._run.pack(scale, self._word))
+    def registers(self, scale: int, hold: int | None = None) -> list[Held]:
+        """What to write for this scale; `hold`: the one at rest, None for the same."""
+        word = self._hold.pack(scale if hold is None else hold, self._run.pack(scale, self._word))
         return [Held(name=self._row.name, axis=self._row.axis, value=self._row.decode(word))]

@@ -244,6 +244,37 @@ class StallGuard(Part):
         return self
 
 
+class LeastCurrent(Part):
+    """The least run current at which a load cycle (there and back, the ramp as it is) loses no step, with a margin."""
+
+    kind: Literal["least_current"] = "least_current"
+    distance: Int = Field(description="of a load cycle, and back; its sign says to which side [microsteps]")
+    margin: Annotated[float, Field(strict=True, ge=0, le=0.6, allow_inf_nan=False)] = Field(
+        default=0.25, description="no step may be lost at so much less current either: for warmth, supply and load"
+    )
+    repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
+        default=3, description="cycles at each current that is tried"
+    )
+    loss_rate_max: Annotated[float, Field(strict=True, ge=0.001, le=0.2, allow_inf_nan=False)] = Field(
+        default=0.05, description="bound of the share of cycles that lose a step, at the current less the margin"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.1, description="what is less than this share less heat is no improvement"
+    )
+    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] | None = Field(
+        default=None, description="of one coil, at 20 deg C; null: the saving is told as a share"
+    )
+    run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
+        default=None, description="RMS of one coil, as it is set now [A]; null: the same"
+    )
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> LeastCurrent:
+        if self.distance == 0:
+            raise ValueError("distance is 0: a load cycle goes somewhere")
+        return self
+
+
 class TorqueCurve(Part):
     """How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost."""
 
@@ -272,17 +303,32 @@ class TorqueCurve(Part):
 
 
 What: TypeAlias = Annotated[
-    ClosedLoop | FastestMove | FirstLook | Identification | MicrostepCalibration | StallGuard | TorqueCurve,
+    ClosedLoop
+    | FastestMove
+    | FirstLook
+    | Identification
+    | LeastCurrent
+    | MicrostepCalibration
+    | StallGuard
+    | TorqueCurve,
     Field(discriminator="kind"),
 ]
 Kind = Literal[
-    "closed_loop", "fastest_move", "first_look", "identification", "microstep_calibration", "stallguard", "torque_curve"
+    "closed_loop",
+    "fastest_move",
+    "first_look",
+    "identification",
+    "least_current",
+    "microstep_calibration",
+    "stallguard",
+    "torque_curve",
 ]
 TITLES: dict[Kind, str] = {
     "closed_loop": "Closed loop",
     "fastest_move": "Fastest move",
     "first_look": "First look",
     "identification": "Motor and machine",
+    "least_current": "Least current",
     "microstep_calibration": "Microstep calibration",
     "stallguard": "StallGuard threshold",
     "torque_curve": "Torque over speed",

@@ -17,6 +17,8 @@ from .first_look import plan as first_look
 from .first_look.study import FirstLookStudy
 from .identification import plan as identification
 from .identification.study import IdentificationStudy
+from .least_current import plan as least_current
+from .least_current.study import LeastCurrentStudy
 from .microstep_calibration import plan as microstep_calibration
 from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
@@ -72,6 +74,14 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         IdentificationStudy,
         identification.plan,
+    ),
+    "least_current": StudyKind(
+        "least_current",
+        "Least current",
+        "cooler: the least run current at which a load cycle loses no step, with a margin, and what it saves",
+        POSITIONS,
+        LeastCurrentStudy,
+        least_current.plan,
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",

@@ -9,6 +9,7 @@ from pydantic import Field
 from .closed_loop.found import LoopFound
 from .document import StudyDocument
 from .identification.found import Identified
+from .least_current.found import LeastCurrentFound
 from .parts import Interval, Part
 from .stallguard.found import StallFound
 from .torque_curve.found import TorqueFound
@@ -216,6 +217,7 @@ class StudyRecord(Part):
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
+    least_current: LeastCurrentFound | None = Field(default=None, description="of a study of the least current")
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     next: str = Field(default="", description="what would be worth doing next")
 

@@ -10,6 +10,7 @@ from .closed_loop import report as closed_loop
 from .document import Kind
 from .fastest_move import report as fastest_move
 from .identification import report as identification
+from .least_current import report as least_current
 from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
@@ -29,6 +30,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "first_look": lambda _: [],
     "fastest_move": fastest_move.sections,
     "identification": identification.sections,
+    "least_current": least_current.sections,
     "microstep_calibration": microstep_calibration.sections,
     "stallguard": stallguard.sections,
     "torque_curve": torque_curve.sections,

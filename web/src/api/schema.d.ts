@@ -5348,6 +5348,28 @@ export interface components {
              */
             eighths: number;
         };
+        /**
+         * CurrentTried
+         * @description A run current that was tried, and whether its load cycles lost no step.
+         */
+        CurrentTried: {
+            /** Scale */
+            scale: number;
+            /**
+             * Share
+             * @description of the current before
+             */
+            share: number;
+            /** Held */
+            held: boolean;
+            /** Cycles */
+            cycles: number;
+            /**
+             * Deviation Fullsteps
+             * @description peak of encoder less position, under way
+             */
+            deviation_fullsteps: number | null;
+        };
         /** Curve */
         Curve: {
             /** Channel */
@@ -8260,6 +8282,145 @@ export interface components {
              * @description what others see
              */
             name: string;
+        };
+        /**
+         * LeastCurrent
+         * @description The least run current at which a load cycle (there and back, the ramp as it is) loses no step, with a margin.
+         */
+        "LeastCurrent-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "least_current";
+            /**
+             * Distance
+             * @description of a load cycle, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Margin
+             * @description no step may be lost at so much less current either: for warmth, supply and load
+             * @default 0.25
+             */
+            margin?: number;
+            /**
+             * Repeats
+             * @description cycles at each current that is tried
+             * @default 3
+             */
+            repeats?: number;
+            /**
+             * Loss Rate Max
+             * @description bound of the share of cycles that lose a step, at the current less the margin
+             * @default 0.05
+             */
+            loss_rate_max?: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share less heat is no improvement
+             * @default 0.1
+             */
+            smallest_gain?: number;
+            /**
+             * Resistance Ohm
+             * @description of one coil, at 20 deg C; null: the saving is told as a share
+             */
+            resistance_ohm?: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a?: number | null;
+        };
+        /**
+         * LeastCurrent
+         * @description The least run current at which a load cycle (there and back, the ramp as it is) loses no step, with a margin.
+         */
+        "LeastCurrent-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "least_current";
+            /**
+             * Distance
+             * @description of a load cycle, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Margin
+             * @description no step may be lost at so much less current either: for warmth, supply and load
+             * @default 0.25
+             */
+            margin: number;
+            /**
+             * Repeats
+             * @description cycles at each current that is tried
+             * @default 3
+             */
+            repeats: number;
+            /**
+             * Loss Rate Max
+             * @description bound of the share of cycles that lose a step, at the current less the margin
+             * @default 0.05
+             */
+            loss_rate_max: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share less heat is no improvement
+             * @default 0.1
+             */
+            smallest_gain: number;
+            /**
+             * Resistance Ohm
+             * @description of one coil, at 20 deg C; null: the saving is told as a share
+             */
+            resistance_ohm: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a: number | null;
+        };
+        /**
+         * LeastCurrentFound
+         * @description The least current.
+         */
+        LeastCurrentFound: {
+            /** Scale Before */
+            scale_before: number;
+            /** Tried */
+            tried: components["schemas"]["CurrentTried"][];
+            /**
+             * Edge
+             * @description least scale at which no step was lost
+             */
+            edge: number | null;
+            /**
+             * Proved
+             * @description scale of the proof: the margin below the chosen one
+             */
+            proved: number | null;
+            /** Chosen */
+            chosen: number | null;
+            /**
+             * Cycles
+             * @description of the proof, without a lost step
+             * @default 0
+             */
+            cycles: number;
+            /**
+             * Loss Rate Max
+             * @description upper bound of the loss rate there, 95 %, exact
+             */
+            loss_rate_max: number | null;
+            /**
+             * Heat Share
+             * @description of the heat of the coils before
+             */
+            heat_share: number | null;
+            saving: components["schemas"]["Saving"] | null;
         };
         /**
          * Leg
@@ -13214,6 +13375,20 @@ export interface components {
             warnings: string[];
         };
         /**
+         * Saving
+         * @description Heat of both coils while it moves: calculated from the resistance and the current as told, not measured.
+         */
+        Saving: {
+            /** Before W */
+            before_w: number;
+            /** After W */
+            after_w: number;
+            /** Saved W */
+            saved_w: number;
+            /** @description with the winding between 20 and 80 deg C, and the current within 5 % */
+            interval_w: components["schemas"]["Interval"];
+        };
+        /**
          * ScaleCurrent
          * @description The fields of current and chopper, and how the board measures; with `wanted_rms_a` the nearest settings, too.
          */
@@ -14929,7 +15104,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -14971,7 +15146,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -14991,7 +15166,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15030,7 +15205,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -15256,6 +15431,8 @@ export interface components {
             twin: components["schemas"]["TwinSetting"][];
             /** @description of a study of StallGuard */
             stallguard: components["schemas"]["StallFound"] | null;
+            /** @description of a study of the least current */
+            least_current: components["schemas"]["LeastCurrentFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
             /**

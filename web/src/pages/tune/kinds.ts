@@ -3,6 +3,7 @@ import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
 import { IDENTIFICATION, type IdentificationForm } from "./identification/form";
 import type { KindForm } from "./kind";
+import { LEAST_CURRENT, type LeastCurrentForm } from "./leastCurrent/form";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
 import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
 import type { Kind, Wish } from "./study";
@@ -13,6 +14,7 @@ export interface Forms {
   first_look: FirstLookForm;
   fastest_move: FastestMoveForm;
   identification: IdentificationForm;
+  least_current: LeastCurrentForm;
   microstep_calibration: MicrostepForm;
   stallguard: StallGuardForm;
   torque_curve: TorqueForm;
@@ -24,6 +26,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   first_look: FIRST_LOOK,
   fastest_move: FASTEST_MOVE,
   identification: IDENTIFICATION,
+  least_current: LEAST_CURRENT,
   microstep_calibration: MICROSTEP_CALIBRATION,
   stallguard: STALLGUARD,
   torque_curve: TORQUE_CURVE,
@@ -38,6 +41,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     first_look: FIRST_LOOK.first(microstepsPerTurn),
     fastest_move: FASTEST_MOVE.first(microstepsPerTurn),
     identification: IDENTIFICATION.first(microstepsPerTurn),
+    least_current: LEAST_CURRENT.first(microstepsPerTurn),
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
     stallguard: STALLGUARD.first(microstepsPerTurn),
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),

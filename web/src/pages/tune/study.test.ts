@@ -3,6 +3,7 @@ import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, kindAsked } from "./kinds";
+import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
@@ -166,6 +167,20 @@ describe("a study on the page", () => {
     } as TorquePoint;
     expect(curveOf(rowsOf([point]))).toEqual([[2], [0.1], [0.09], [0.11]]);
     expect(curveOf(rowsOf([{ ...point, torque_nm: null }]))).toEqual([[2], [100], [90], [110]]);
+  });
+
+  it("asks for less current, and draws what held apart from what lost steps", () => {
+    const study = { kind: "least_current", distance: 102_400, margin: 0.25, loss_rate_max: 0.05, run_current_a: null };
+    expect(documentOf("least_current", firstForms(null), "slide", 0).study).toMatchObject(study);
+    const tried = [
+      { scale: 15, share: 0.5, held: true, cycles: 3, deviation_fullsteps: 0.6 },
+      { scale: 7, share: 0.25, held: false, cycles: 1, deviation_fullsteps: 4 },
+    ];
+    expect(triedOf({ tried })).toEqual([
+      [8, 16],
+      [null, 0.6],
+      [4, null],
+    ]);
   });
 
   it("tells rates with their bounds, and draws what each threshold would do", () => {

@@ -7,6 +7,8 @@ import { Fields as IdentificationFields } from "./identification/Fields";
 import { Results as IdentificationResults } from "./identification/Results";
 import type { KindView } from "./kind";
 import type { Forms } from "./kinds";
+import { Fields as LeastCurrentFields } from "./leastCurrent/Fields";
+import { Results as LeastCurrentResults } from "./leastCurrent/Results";
 import { Fields as MicrostepFields } from "./microstepCalibration/Fields";
 import { Results as MicrostepResults } from "./microstepCalibration/Results";
 import { Fields as StallGuardFields } from "./stallguard/Fields";
@@ -20,6 +22,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   first_look: { Fields: FirstLookFields, Results: null },
   fastest_move: { Fields: FastestMoveFields, Results: FastestMoveResults },
   identification: { Fields: IdentificationFields, Results: IdentificationResults },
+  least_current: { Fields: LeastCurrentFields, Results: LeastCurrentResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },

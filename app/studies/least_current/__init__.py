@@ -1,0 +1,1 @@
+"""The study of how little current a load cycle needs."""

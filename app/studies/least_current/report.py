@@ -1,0 +1,56 @@
+"""What a report tells of the least current: what held, and what it saves."""
+
+from __future__ import annotations
+
+from ...number_text import plain
+from ..record import StudyRecord
+from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
+from .found import LeastCurrentFound
+
+
+def sections(record: StudyRecord) -> list[str]:
+    """Each with its heading."""
+    found = record.least_current
+    if found is None or not found.tried:
+        return []
+    parts = ["<h2>What was tried</h2>" + _plot(found) + _tried(found)]
+    if found.saving is not None:
+        around = found.saving.interval_w
+        rows = (
+            ("before", f"{plain(found.saving.before_w, 3)} W"),
+            ("after", f"{plain(found.saving.after_w, 3)} W"),
+            ("saved", f"{plain(found.saving.saved_w, 3)} W"),
+            ("with the winding at 20 to 80 deg C", f"{plain(around.low, 3)} to {plain(around.high, 3)} W"),
+        )
+        parts.append("<h2>Heat of the coils, calculated</h2>" + table(("", ""), rows))
+    return parts
+
+
+def _plot(found: LeastCurrentFound) -> str:
+    shown = [(one, one.deviation_fullsteps or 0.0) for one in found.tried]
+    x = PlotAxis([one.scale + 1 for one, _ in shown], EDGE, WIDTH - 10)
+    y = PlotAxis([0.0, *(deviation for _, deviation in shown)], HEIGHT - EDGE, 10)
+    marks = "".join(
+        mark(
+            x.at(one.scale + 1),
+            y.at(deviation),
+            "feasible" if one.held else "infeasible",
+            f"{one.scale + 1}/32: {'held' if one.held else 'lost steps'}",
+        )
+        for one, deviation in shown
+    )
+    return frame(x, y, "run current [1/32]", "peak deviation [full steps]", marks)
+
+
+def _tried(found: LeastCurrentFound) -> str:
+    rows = [
+        (
+            f"{one.scale + 1}/32",
+            f"{100 * one.share:.3g} %",
+            "held" if one.held else "lost steps",
+            str(one.cycles),
+            number(one.deviation_fullsteps, 3),
+        )
+        for one in found.tried
+    ]
+    return table(("run current", "of before", "", "load cycles", "peak deviation [full steps]"), rows)

@@ -1,0 +1,60 @@
+import { useState } from "react";
+import { NumberField } from "../../../lib/NumberField";
+import { QuantityField } from "../../../lib/QuantityField";
+import type { FieldsProps } from "../kind";
+import type { LeastCurrentForm } from "./form";
+
+/** The load cycle, the margin, how sure it has to be, and what watts are reckoned with. */
+export function Fields({ form, change, scale }: FieldsProps<LeastCurrentForm>) {
+  const [unit, setUnit] = useState("rev");
+  return (
+    <>
+      <QuantityField
+        label="Load cycle: there and back"
+        motion="position"
+        scale={scale}
+        value={form.distance}
+        unit={unit}
+        onUnit={setUnit}
+        onChange={(distance) => change({ distance })}
+      />
+      <NumberField
+        label="Margin of current"
+        description="for a heavier load, a warm motor, a lower supply"
+        value={form.marginPercent}
+        min={0}
+        max={60}
+        unit="%"
+        onChange={(marginPercent) => change({ marginPercent })}
+      />
+      <NumberField
+        label="Cycles that may lose a step, at most"
+        description="1 % takes 299 cycles to show, 5 % takes 59"
+        value={form.lossPercent}
+        min={0.1}
+        max={20}
+        unit="%"
+        onChange={(lossPercent) => change({ lossPercent })}
+      />
+      <NumberField
+        label="Resistance of one coil"
+        description="empty: the saving is a share, not watts"
+        value={form.resistanceOhm}
+        min={0.01}
+        max={200}
+        unit="Ω"
+        onChange={(resistanceOhm) => change({ resistanceOhm })}
+        onClear={() => change({ resistanceOhm: null })}
+      />
+      <NumberField
+        label="Run current as it is set now, RMS of one coil"
+        value={form.runCurrentA}
+        min={0.01}
+        max={30}
+        unit="A"
+        onChange={(runCurrentA) => change({ runCurrentA })}
+        onClear={() => change({ runCurrentA: null })}
+      />
+    </>
+  );
+}

@@ -1,0 +1,66 @@
+import { Table, Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot } from "../../../plots/Plot";
+import type { Study } from "../study";
+import { type LeastCurrentFound, triedOf } from "./tried";
+
+/** What held at which current, and what it saves. */
+export function Results({ study }: { study: Study }) {
+  const found = study.least_current;
+  return found && found.tried.length > 0 ? <Found found={found} /> : null;
+}
+
+function Found({ found }: { found: LeastCurrentFound }) {
+  const scheme = useScheme();
+  const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
+  const { saving } = found;
+  const note = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3)} % less heat`;
+  return (
+    <Card title="Current" note={note}>
+      <Plot
+        label="Peak deviation over the run current"
+        height={190}
+        series={[
+          { label: "no step lost", unit: "full steps", color: colorOf("velocity", scheme), dots: 7 },
+          { label: "steps lost", unit: "full steps", color: lost, dots: 7 },
+        ]}
+        x={{ label: "run current", unit: "1/32" }}
+        scales={{ y: { label: "peak deviation", unit: "full steps", include: [0] } }}
+        data={triedOf(found)}
+      />
+      <Table.ScrollContainer minWidth={320} type="native">
+        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Currents that were tried">
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col">Run current</Table.Th>
+              <Table.Th scope="col">Of before</Table.Th>
+              <Table.Th scope="col">Cycles</Table.Th>
+              <Table.Th scope="col" />
+            </Table.Tr>
+          </Table.Thead>
+          <Table.Tbody>
+            {found.tried.map((one, index) => (
+              // biome-ignore lint/suspicious/noArrayIndexKey: a scale may be tried again, and the list only grows
+              <Table.Tr key={index}>
+                <Table.Th scope="row">{one.scale + 1}/32</Table.Th>
+                <Table.Td className="num">{compact(100 * one.share, 3)} %</Table.Td>
+                <Table.Td className="num">{one.cycles}</Table.Td>
+                <Table.Td>{one.held ? "held" : "steps lost"}</Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </Table>
+      </Table.ScrollContainer>
+      {saving && (
+        <Text size="sm">
+          Heat of the coils while it moves, calculated: {compact(saving.before_w, 3)} W before,{" "}
+          {compact(saving.after_w, 3)} W after; {compact(saving.saved_w, 3)} W less ({compact(saving.interval_w.low, 3)}{" "}
+          to {compact(saving.interval_w.high, 3)} W with the winding at 20 to 80 °C).
+        </Text>
+      )}
+    </Card>
+  );
+}

@@ -1,0 +1,37 @@
+import type { KindForm } from "../kind";
+
+export interface LeastCurrentForm {
+  /** of a load cycle, and back [microsteps] */
+  distance: number;
+  /** no step may be lost at so much less current either */
+  marginPercent: number;
+  /** bound of the share of cycles that lose a step, at that lower current */
+  lossPercent: number;
+  /** of one coil [Ohm]; null: the saving is told as a share */
+  resistanceOhm: number | null;
+  /** RMS of one coil as it is set now [A] */
+  runCurrentA: number | null;
+}
+
+export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
+  label: "Cooler",
+  text: "The least run current at which a load cycle loses no step, with a margin; what that saves is told.",
+  title: "Least current",
+  first: (microstepsPerTurn) => ({
+    distance: 2 * (microstepsPerTurn ?? 51_200),
+    marginPercent: 25,
+    lossPercent: 5,
+    resistanceOhm: null,
+    runCurrentA: null,
+  }),
+  wish: (form) => ({
+    study: {
+      kind: "least_current",
+      distance: Math.round(form.distance),
+      margin: form.marginPercent / 100,
+      loss_rate_max: form.lossPercent / 100,
+      resistance_ohm: form.resistanceOhm,
+      run_current_a: form.runCurrentA,
+    },
+  }),
+};
