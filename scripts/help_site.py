@@ -87,7 +87,7 @@ def build(*, force: bool = False) -> bool:
         shutil.copy(ROOT / "web" / "public" / "favicon.svg", folder / "docs" / "assets")
         for page in (folder / "docs").rglob("*.md"):
             page.write_text(NOT_FOR_READERS.sub("", page.read_text()))
-        run_python([str(ROOT / "scripts" / "reference_pages.py"), str(folder / "docs" / "reference")], ROOT)
+        make_reference(folder / "docs" / "reference")
         run_python(["-m", "zensical", "build", "--strict"], folder)
         (folder / "site" / "404.html").unlink()  # the server says by itself what is not there
         _scripts_to_files(folder / "site")
@@ -102,6 +102,12 @@ def _require_generator() -> None:
         raise HelpBuildError(f'the help is built with zensical: `pip install "{GENERATOR}"` in this environment')
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
     subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), GENERATOR], check=True)
+
+
+def make_reference(folder: Path) -> None:
+    """Write the pages of the reference into `folder`. Raises HelpBuildError."""
+    # As a module of this folder: pip takes a checkout that is installed already off the path of its isolated build.
+    run_python(["-m", "scripts.reference_pages", str(folder)], ROOT)
 
 
 def run_python(arguments: Sequence[str], folder: Path) -> None:

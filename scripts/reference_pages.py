@@ -1,6 +1,6 @@
 """The reference part of the help: Markdown made of register tables, the API's schema, the command line and the client.
 
-    PYTHONPATH=. python scripts/reference_pages.py FOLDER
+    python -m scripts.reference_pages FOLDER
 
 Needs no more than the tables do (pydantic) and typer: a wheel is built in an environment that has nothing else.
 """

@@ -117,3 +117,14 @@ def test_its_parts_find_what_an_isolated_build_has_brought(tmp_path: Path, monke
     (brought / "brought_along.py").touch()
     monkeypatch.setenv("PYTHONPATH", str(brought))
     help_site.run_python(["-c", "import brought_along, app"], elsewhere)
+
+
+def test_the_reference_is_made_where_pip_has_taken_the_checkout_off_the_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As it does in an isolated build in an environment that has the checkout installed already."""
+    here = tmp_path / "sitecustomize.py"
+    here.write_text(f"import sys\nsys.path[:] = [path for path in sys.path if path != {str(help_site.ROOT)!r}]\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    help_site.make_reference(tmp_path / "reference")
+    assert (tmp_path / "reference" / "python.md").exists()
