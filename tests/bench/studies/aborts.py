@@ -162,13 +162,17 @@ class Bench:
 
         _until("started up", known)
 
+    def at_rest(self) -> None:
+        """Return when the motor stands."""
+        _until("at rest", lambda: not self.api.get("/devices/slide/axes/0").json()["moving"])
+
     def in_place(self) -> None:
         """At rest where it began, as the encoder has it."""
-        _until("at rest", lambda: not self.api.get("/devices/slide/axes/0").json()["moving"])
+        self.at_rest()
         self.api.post("/devices/slide/axes/0/position-from-encoder").raise_for_status()
         self.api.post("/devices/slide/axes/0/move", json={"target": 0}).raise_for_status()
         _until("back", lambda: self.api.get("/devices/slide/axes/0").json()["position"] == 0)
-        _until("at rest", lambda: not self.api.get("/devices/slide/axes/0").json()["moving"])
+        self.at_rest()
 
     def end(self, way: str, study: str, cut_s: float) -> dict[str, Any]:
         """End the study by one of the ways, and its record when it is over and the device there again."""
@@ -213,6 +217,7 @@ def _abort(bench: Bench, way: str, study: dict[str, Any], chance: random.Random)
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
     untold = [one for one in _other(before, bench.chip.setting()) if one not in " ".join(left)] if left else []
     if left:
+        bench.at_rest()  # where the link was cut, the motor has gone on to its target
         answer = bench.api.post(f"/studies/{name}/take", json={"which": "baseline"})
         if not answer.is_success:
             return state, f"what is left cannot be put back: {answer.text}"
