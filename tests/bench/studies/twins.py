@@ -20,6 +20,7 @@ from typing import Any
 from app.studies.record import StudyRecord
 from app.studies.twins.dask_cluster import DaskCluster
 from app.studies.twins.executor import TwinJob
+from app.studies.twins.search import AHEAD
 from tests.bench.table import Row
 from tests.studies.cluster import Cluster
 from tests.studies.harness import STEP_S, studied
@@ -40,16 +41,22 @@ async def _ratios(one: Cluster, two: Cluster, job: TwinJob, jobs: int, turns: in
     """How many times as fast two workers are as one, in each of `turns`."""
     alone, both = DaskCluster(one.address), DaskCluster(two.address)
 
-    async def seconds(twins: DaskCluster) -> float:
+    async def seconds(twins: DaskCluster, workers: int) -> float:
+        under_way = asyncio.Semaphore(AHEAD * workers)  # as a search has it: what waits is not lost to a busy machine
+
+        async def submit() -> None:
+            async with under_way:
+                await twins.submit(job)
+
         began_s = time.perf_counter()
-        await asyncio.gather(*(twins.submit(job) for _ in range(jobs)))
+        await asyncio.gather(*(submit() for _ in range(jobs)))
         return time.perf_counter() - began_s
 
     try:
         assert (await alone.ready(), await both.ready()) == (1, 2)
-        for twins in (alone, both):
-            await seconds(twins)  # all of them warm
-        return [await seconds(alone) / await seconds(both) for _ in range(turns)]
+        for twins, workers in ((alone, 1), (both, 2)):
+            await seconds(twins, workers)  # all of them warm
+        return [await seconds(alone, 1) / await seconds(both, 2) for _ in range(turns)]
     finally:
         await alone.close()
         await both.close()
