@@ -28,7 +28,7 @@ class TwinJob:
     values: Mapping[str, float]
 
 
-class JobLost(BenchError):
+class JobLost(Exception):
     """Its worker is gone, or does not answer: that setting is not known, and nothing else is lost."""
 
 
