@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from app.errors import WrongState
 from app.studies.record import StudyRecord, Trial
 from app.studies.twins.executor import JobLost
 from app.studies.twins.local import Here, Processes
@@ -94,7 +95,7 @@ async def test_a_twin_that_cannot_be_made_costs_nothing_on_the_axis(tmp_path: Pa
 
 class Unready(Here):
     async def ready(self) -> int:
-        raise JobLost("nobody here")
+        raise WrongState("nobody here", "")
 
 
 async def test_a_lost_worker_costs_its_setting_only(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ...devices.core.config import AxisSettings
-from ...errors import BenchError, WrongState
+from ...errors import WrongState
 
 JOB_S = 120.0
 """A setting that no worker has answered for after that long is lost [s]."""
