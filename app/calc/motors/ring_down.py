@@ -37,6 +37,8 @@ SHARED = 6
 UNSURE = 0.1
 """A share by which nobody knows the frequency."""
 TINY = 1e-9
+LEFT_OUT = 0.003
+"""Share of the resonance by which the pendulum is no motor: currents follow late, which pulls it down by some 0.2 %."""
 LOWEST = (-math.inf, 1e-4, 0.0, -0.5, -0.5, -math.pi)
 HIGHEST = (math.inf, 2.0, 0.8, 0.5, 0.5, math.pi)
 
@@ -70,6 +72,10 @@ class Fitted:
     def scaled(self, by: float) -> Fitted:
         """In another unit."""
         return Fitted(self.value * by, abs(self.half * by))
+
+    def wider(self, half: float) -> Fitted:
+        """With what the fit does not see: half of an interval of its own."""
+        return Fitted(self.value, math.hypot(self.half, half))
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +206,7 @@ def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | 
     left = whole.residual(x)
     next_to = np.concatenate([left[part][:-1] * left[part][1:] for part in whole.parts])
     return RingDown(
-        resonance_hz=Fitted(hz, hz * float(halves[LOG_W])),
+        resonance_hz=Fitted(hz, hz * float(halves[LOG_W])).wider(LEFT_OUT * hz),
         damping=Fitted(float(x[DAMPING]), float(halves[DAMPING])),
         friction=Fitted(float(x[FRICTION]), float(halves[FRICTION])),
         detent=Fitted(math.hypot(x[SINE], x[COSINE]), float(max(halves[SINE], halves[COSINE]))),
