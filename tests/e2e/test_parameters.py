@@ -71,7 +71,9 @@ def test_names_and_flags_are_chosen_in_the_row(page: Page, api: httpx.Client, dr
     find(page, "relative positioning")
     page.get_by_label("Relative positioning option").select_option("1")
     find(page, "swap")
-    page.get_by_label("Swap limit switches").press("Space")
+    swap = page.get_by_label("Swap limit switches")
+    expect(swap).to_be_enabled()  # a row that was not shown before is read first
+    swap.press("Space")
     page.get_by_role("button", name="Review").click()
     changes = page.get_by_role("tabpanel", name="Changes")
     expect(changes).to_contain_text("last target")
