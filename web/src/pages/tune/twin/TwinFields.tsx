@@ -75,13 +75,11 @@ function MotorName({ form, change, axis }: Props) {
     retry: false,
   });
   const motors = found.data?.motors.filter(({ holding_torque_nm: torque }) => torque !== null) ?? [];
-  const withMotor = (name: string) => {
-    const one = motors.find((each) => each.name === name);
-    return one === undefined ? null : named(form, one);
-  };
-  const byItself = form.typed === null && asked !== "" ? withMotor(asked) : null;
+  // however the name came here, and whenever the list that has it: typed, pasted, chosen, or asked in the first run
+  const meant = form.name === text ? undefined : motors.find(({ name }) => name === text);
+  const known = meant && named(form, meant);
   useEffect(() => {
-    if (byItself) change(byItself);
+    if (known) change(known);
   });
   return (
     <Autocomplete
@@ -91,7 +89,7 @@ function MotorName({ form, change, axis }: Props) {
       data={motors.map(({ name }) => name)}
       filter={({ options }) => options}
       value={text}
-      onChange={(name) => change(withMotor(name) ?? { ...form, typed: name, name: "" })}
+      onChange={(name) => change({ ...form, typed: name, name: "" })}
       limit={SHOWN}
       maxDropdownHeight={260}
     />
