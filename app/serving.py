@@ -43,6 +43,8 @@ YOUNG_OBJECTS = 5000
 """Objects that come before the garbage collector looks. By default it is 700, less than one answer makes: what only
 lives for a request then counts as old, and all that is old is looked through every few requests, 0.1 s with many
 devices."""
+IDLE_S = 15
+"""How long a connection without a call is kept [s]: longer than clients do (httpx: 5 s), else a call meets its end."""
 HSTS = ("strict-transport-security", "max-age=31536000")
 """Sent with https alone: for a year browsers come to this name by https, whatever is typed."""
 GRACE_S = 0.3
@@ -184,6 +186,7 @@ def _options(settings: Settings) -> dict[str, object]:
         "log_level": "warning" if settings.log_level == "info" else settings.log_level,
         "access_log": settings.log_level == "debug",
         "timeout_graceful_shutdown": GRACE_S,
+        "timeout_keep_alive": IDLE_S,
         "server_header": False,
         "headers": [] if settings.tls_cert is None else [HSTS],
         "ssl_certfile": settings.tls_cert,
