@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 
 from pydantic import Field
 
+from ..devices.core.axis_limits import AxisLimits
 from ..devices.core.capabilities import EncoderSetting, PositionFromEncoder
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
@@ -104,6 +105,18 @@ async def axis_that_sees_lost_steps(device: Device, axis: int, missing: list[str
     if found is not None and found.state.encoder_position is None:
         missing.append(f"no encoder tells its position: {why}")
     return found
+
+
+def faults_told(device: Device, axis: int, state: AxisState) -> list[str]:
+    """What is wrong with the axis now: nothing is studied meanwhile."""
+    return [f"{sign.cause}: see the condition of the axis" for sign in device.monitor.signs(axis, state).faults]
+
+
+def room_told(limits: AxisLimits) -> list[str]:
+    """What to mind where no soft limits of position are set."""
+    if limits.ranged:
+        return []
+    return ["no soft limits of position are set: nothing keeps it from going further than it shall"]
 
 
 async def planned(

@@ -13,6 +13,12 @@ from ..devices.core.device import Device
 from ..procedures.procedure import Failed
 from .sampled import sampling
 
+HOP_PPS = 200_000.0
+"""A hop of three quarters of a full step is over within a millisecond."""
+HOPS = (0.75, 0.65, 0.85, 0.70, 0.80)
+"""Of a full step, in turn: the rotor rings far, does not slip, and rests at another place of the detent torque."""
+RING_S = 0.5
+"""How long a ring is looked at [s]."""
 RATE_HZ = 1000.0
 BEFORE_S = 0.02
 """Sampled before a hop [s]."""
@@ -26,15 +32,13 @@ async def ring_after(
     axis: int,
     clock: Clock,
     target: int,
-    *,
-    ring_s: float,
     full_step: int,
 ) -> Ring:
     """Hop to `target`, and what the encoder shows from there on. Raises Failed where it does not get there."""
     with sampling(device, [f"position.{axis}", f"encoder_position.{axis}"], RATE_HZ, clock) as samples:
         await clock.sleep(BEFORE_S)
         await hop(target)
-        await clock.sleep(ring_s)
+        await clock.sleep(RING_S)
         samples.take()
     times_s, rows = samples.all()
     position, encoder = rows.T

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from app.studies.identification.found import Estimate, Identified
+from app.studies.fitted import Estimate
+from app.studies.identification.found import Identified
 from app.studies.identification.measured import findings
 from app.studies.kinds import KINDS
 from app.studies.report import html_of

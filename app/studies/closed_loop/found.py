@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from ..identification.found import Estimate, Ringing
+from ..fitted import Estimate, Ringing
 from ..parts import Interval, Part
 
 

@@ -11,14 +11,12 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..document import ClosedLoop, StudyDocument
 from ..families import loop_of
-from ..plan import Looked, StudyPlan, axis_now, planned
+from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import SPEED, RampSpace
+from ..ringing import HOP_PPS, HOPS, RING_S
 from .setting import LoopSpace, regulation_now
 
-HOP_PPS = 200_000.0
-HOPS = (0.75, 0.65, 0.85, 0.70, 0.80)
-"""Of a full step, in turn: the rotor rings far, does not slip, and rests at another place of the detent torque."""
-RING_S, STEP_S = 0.5, 1.0
+STEP_S = 1.0
 SHOWN = 4
 """Steps that show a loop where nothing regulated before."""
 
@@ -56,16 +54,14 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
         say("no encoder tells its position: nothing could be regulated by it")
     if not (loop.on or loop.off):
         say("another regulation is on (regulation_modus): switch it off on the page Closed loop first")
-    for sign in device.monitor.signs(axis, state).faults:
-        say(f"{sign.cause}: see the condition of the axis")
+    looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     step = round(wanted.step_fullsteps * full_step)
     far = state.position + max(hop_span(full_step, wanted.hops), 2 * step)
     for end in (state.position - step, far):
         if limits.beyond(end):
             say(f"it would turn to {end}, and the soft limits end before: begin elsewhere")
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     most = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED))
     looked.ground = Ground(found.space, loop, state.position, full_step, step, min(HOP_PPS, most), most)
     return looked

@@ -20,17 +20,16 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ...telemetry.sampling import FloatArray
 from ..document import ClosedLoop
-from ..identification.found import Ringing
-from ..identification.measured import estimate
+from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..parts import Interval
 from ..proof import is_better, paired_effect
 from ..record import Figures, Held, Trial
-from ..ringing import BEFORE_S, RATE_HZ, ring_after
+from ..ringing import BEFORE_S, HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
 from ..sampled import sampling
 from .found import LoopCurves, LoopEffect, LoopFound, LoopStep
-from .plan import HOPS, RING_S, SHOWN, STEP_S, Ground, look
+from .plan import SHOWN, STEP_S, Ground, look
 from .setting import INTEGRAL, PROPORTIONAL, UNITS
 
 DELAY_S = 2e-4
@@ -135,11 +134,7 @@ class ClosedLoopStudy(StudyRun):
             self.tell("baseline", 0.5 * index / self.wanted.hops, f"hop {index + 1} of {self.wanted.hops}")
             by = round(HOPS[index % (self.wanted.hops // 2) % len(HOPS)] * ground.full_step)
             place += by if index < self.wanted.hops // 2 else -by
-            rings.append(
-                await ring_after(
-                    hop, self.device, self.axis, self.clock, place, ring_s=RING_S, full_step=ground.full_step
-                )
-            )
+            rings.append(await ring_after(hop, self.device, self.axis, self.clock, place, ground.full_step))
             self._count(by)
         lost = (deviation_of(await self._moves.state()) - before) / ground.full_step
         if abs(lost) > PERIOD_FULLSTEPS / 2:
@@ -164,18 +159,12 @@ class ClosedLoopStudy(StudyRun):
         middle = plants[4]
         frequency_hz, gain_db, phase_deg = open_loop_curves(gains, middle, SHOWN_POINTS)
         time_s = np.linspace(0.0, STEP_S, 2 * SHOWN_POINTS)
-        degrees = 180 / math.pi
         found = LoopFound(
             resonance_hz=estimate(rings.resonance_hz),
             damping_ratio=estimate(rings.damping),
             friction_share=estimate(rings.friction),
             delay_s=DELAY_S,
-            ringing=Ringing(
-                time_s=rings.time_s.tolist(),
-                measured_deg=(rings.samples * degrees).tolist(),
-                fitted_deg=(rings.fitted * degrees).tolist(),
-                residual_deg=rings.residual * degrees,
-            ),
+            ringing=ringing(rings),
             alike=rings.alike,
             proportional_per_s=gains.proportional,
             integral_per_s2=gains.integral,

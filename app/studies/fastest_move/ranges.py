@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
 from ..search import Dimension
 
@@ -69,8 +69,7 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if limits.beyond(end):
             say(f"it would go to {end}, and the soft limits end before: begin elsewhere, or by a shorter distance")
             break
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     ranges = _limits(device, axis, wanted, space)
     for name, (low, high) in ranges.items():
         if high <= low:

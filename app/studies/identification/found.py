@@ -7,23 +7,8 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from ..parts import Interval, Part
-
-
-class Estimate(Part):
-    """A figure and its 95 % interval."""
-
-    value: float
-    interval: Interval
-
-
-class Ringing(Part):
-    """One ring as it was measured, and as the fit has it: electrical angle about where the rotor shall rest."""
-
-    time_s: list[float] = Field(default_factory=list)
-    measured_deg: list[float] = Field(default_factory=list)
-    fitted_deg: list[float] = Field(default_factory=list)
-    residual_deg: float = Field(description="root mean square of what the fit leaves [deg electrical]")
+from ..fitted import Estimate, Ringing
+from ..parts import Part
 
 
 class Identified(Part):

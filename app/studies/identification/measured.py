@@ -11,9 +11,10 @@ from ...calc.motors.slow_turns import SlowTurn, Torn
 from ...calc.positions.encoder_resolution import USUAL_COUNTS
 from ...number_text import plain
 from ..document import Identification
+from ..fitted import Estimate, estimate, ringing
 from ..parts import Interval
 from ..record import Finding
-from .found import Estimate, Identified, Ringing
+from .found import Identified
 from .plan import Ground
 
 LINE = 4
@@ -57,13 +58,7 @@ def _of_rings(told: Identified, rings: RingDown, teeth: float, wanted: Identific
     told.resonance_hz, told.damping_ratio = estimate(rings.resonance_hz), estimate(rings.damping)
     told.detent_share = estimate(rings.detent)
     told.inertia_per_torque_s2 = estimate(Fitted(teeth / square, share * teeth / square))
-    degrees = 180 / math.pi
-    told.ringing = Ringing(
-        time_s=rings.time_s.tolist(),
-        measured_deg=(rings.samples * degrees).tolist(),
-        fitted_deg=(rings.fitted * degrees).tolist(),
-        residual_deg=rings.residual * degrees,
-    )
+    told.ringing = ringing(rings)
     torque, off = wanted.hold_torque_nm, wanted.torque_tolerance
     if torque is None:
         return
@@ -74,12 +69,6 @@ def _of_rings(told: Identified, rings: RingDown, teeth: float, wanted: Identific
     told.detent_torque_nm = _scaled(told.detent_share, torque, off)
     if told.friction_share is not None:
         told.friction_nm = _scaled(told.friction_share, torque, off)
-
-
-def estimate(found: Fitted, scale: float = 1.0) -> Estimate:
-    """As a record tells it, perhaps in another unit."""
-    told = found.scaled(scale)
-    return Estimate(value=told.value, interval=Interval(low=told.value - told.half, high=told.value + told.half))
 
 
 def _scaled(share: Estimate, torque: float, off: float) -> Estimate:

@@ -13,17 +13,12 @@ from ..current_settings import CurrentSpace
 from ..document import Identification, StudyDocument
 from ..encoder_scale import microsteps_a_count
 from ..families import identification_of
-from ..plan import Looked, StudyPlan, axis_now, planned
+from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
+from ..ringing import HOP_PPS, HOPS, RING_S
 
 SPEEDS = (1.0, 2.0)
 """Slow turns are made at so many times their speed, to tell what of them is the speed's."""
-HOP_PPS = 200_000.0
-"""A hop of three quarters of a full step is over within a millisecond."""
-HOPS = (0.75, 0.65, 0.85, 0.70, 0.80)
-"""Of a full step, in turn: the rotor rings far, does not slip, and rests at another place of the detent torque."""
-RING_S = 0.5
-"""How long a ring is looked at [s]."""
 TURN_S = 0.5
 """What a slow turn takes beside its way [s]."""
 LEAST_SCALE = 3
@@ -74,8 +69,7 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
         return looked
     if state.encoder_position is None:
         say("no encoder tells its position: nothing else sees the rotor ring")
-    for sign in device.monitor.signs(axis, state).faults:
-        say(f"{sign.cause}: see the condition of the axis")
+    looked.missing += faults_told(device, axis, state)
     low = round(wanted.current_share * (current.run_scale + 1)) - 1
     if low < LEAST_SCALE:
         say(f"the run current is set to scale {current.run_scale} of {current.steps - 1}: too little to tell by")
@@ -83,8 +77,7 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
     lead = 4 * full_step
     if limits.beyond(state.position + turn + 2 * lead):
         say(f"it would turn to {state.position + turn + 2 * lead}, and the soft limits end before: begin elsewhere")
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     hop = min(HOP_PPS, limits.velocity_max_pps or math.inf, ramp.most(SPEED))
     if hop < HOP_PPS:
         looked.warnings.append(

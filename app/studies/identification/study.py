@@ -14,10 +14,10 @@ from ...procedures.procedure import Failed
 from ..document import Identification
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves
 from ..ramp_settings import ACCELERATION, SPEED
-from ..ringing import RATE_HZ, ring_after
+from ..ringing import HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
 from .measured import Measured, findings, identified
-from .plan import HOPS, RING_S, SPEEDS, Ground, hop_targets, look
+from .plan import SPEEDS, Ground, hop_targets, look
 
 TURNS_WITH = 0.02
 """How much less or more than the motor is told may an encoder show, on the whole way."""
@@ -143,9 +143,7 @@ class IdentificationStudy(StudyRun):
 
         start = (await self._moves.state()).position
         self._moves.way_fullsteps += abs(target - start) / ground.full_step
-        ring = await ring_after(
-            hop, self.device, self.axis, self.clock, target, ring_s=RING_S, full_step=ground.full_step
-        )
+        ring = await ring_after(hop, self.device, self.axis, self.clock, target, ground.full_step)
         self._count_run()
         return ring
 

@@ -10,7 +10,7 @@ from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import LeastCurrent, StudyDocument
 from ..families import identification_of
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, least_time_s
 
@@ -53,13 +53,11 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if not all(now.values()):
         say("its speed or acceleration is 0: set the ramp of the load cycle first")
         return looked
-    for sign in device.monitor.signs(axis, state).faults:
-        say(f"{sign.cause}: see the condition of the axis")
+    looked.missing += faults_told(device, axis, state)
     far = state.position + wanted.distance + (4 if wanted.distance > 0 else -4) * found.full_step
     if limits.beyond(far):
         say(f"it would go to {far}, and the soft limits end before: begin elsewhere, or by a shorter distance")
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     if wanted.resistance_ohm is None or wanted.run_current_a is None:
         looked.warnings.append("resistance and present current are not told: the saving is a share, not in watts")
     move_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])

@@ -12,7 +12,7 @@ from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
 from ..document import MicrostepCalibration, StudyDocument
-from ..plan import Looked, StudyPlan, axis_now, planned
+from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..table_settings import TableSpace
 
@@ -60,8 +60,7 @@ async def look(device: Device, axis: int, wanted: MicrostepCalibration) -> Looke
         return looked
     if state.encoder_position is None:
         say("no encoder tells its position: nothing else sees the angle error")
-    for sign in device.monitor.signs(axis, state).faults:
-        say(f"{sign.cause}: see the condition of the axis")
+    looked.missing += faults_told(device, axis, state)
     if lengths(decode(table.now)).min() < 1:
         say("its table has a place without current: write a sine first (Microsteps)")
         return looked
@@ -76,8 +75,7 @@ async def look(device: Device, axis: int, wanted: MicrostepCalibration) -> Looke
     way = wanted.turns * turn + 2 * lead
     if limits.beyond(state.position + way):
         say(f"it would turn to {state.position + way}, and the soft limits end before: begin elsewhere")
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     ramp = {SPEED: speed, ACCELERATION: acceleration}
     looked.ground = Ground(space, table, state.position, full_step, turn, lead, way, ramp)
     return looked

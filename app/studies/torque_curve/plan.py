@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...number_text import plain
 from ..document import StudyDocument, TorqueCurve
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 
 LOW_RPS = 2.0
@@ -49,13 +49,11 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
     if not all(now.values()):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
         return looked
-    for sign in device.monitor.signs(axis, state).faults:
-        say(f"{sign.cause}: see the condition of the axis")
+    looked.missing += faults_told(device, axis, state)
     far = state.position + round(wanted.travel_turns * turn)
     if limits.beyond(far):
         say(f"it would go to {far}, and the soft limits end before: begin elsewhere, or with less travel")
-    if not limits.ranged:
-        looked.warnings.append("no soft limits of position are set: nothing keeps it from going further than it shall")
+    looked.warnings += room_told(limits)
     if wanted.inertia_kgm2 is None:
         looked.warnings.append("the inertia is not told: what is found is the acceleration over speed, not the torque")
     speed = min(

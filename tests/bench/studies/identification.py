@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from app.studies.identification.found import Estimate
+from app.studies.fitted import Estimate
 from app.studies.record import StudyRecord
 from tests.bench.table import Row
 from tests.plants.machines import Machine, drawn
