@@ -8,6 +8,7 @@ from collections.abc import Callable
 import httpx
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.e2e.chips import a_chip
 from tests.e2e.conftest import PHONE
 from tests.e2e.motor import wait_for
 
@@ -60,6 +61,18 @@ def test_what_nobody_calls_so_is_told_and_an_axis_is_chosen(page: Page, api: htt
     page.get_by_role("combobox", name="Find", exact=True).fill(other["name"])
     page.get_by_role("option", name=re.compile(f"{re.escape(other['name'])}.*Axis")).first.click()
     expect(page.get_by_role("combobox", name="Device and axis")).to_have_value(re.compile(re.escape(other["name"])))
+
+
+def test_what_is_chosen_stays_chosen_while_devices_come_and_go(page: Page, api: httpx.Client) -> None:
+    page.goto("/")
+    find(page, "max")
+    first(page, "a_max")
+    page.keyboard.press("ArrowDown")
+    chosen = page.locator("[data-combobox-selected]")
+    expect(chosen).to_contain_text("v_max")
+    with a_chip(api, "newcomer", "tmc428"):
+        expect(page.get_by_text("3 of 3 connected")).to_be_visible()
+        expect(chosen).to_contain_text("v_max")
 
 
 def test_escape_stops_what_moves_while_it_is_open(page: Page, api: httpx.Client) -> None:

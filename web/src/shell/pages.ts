@@ -71,9 +71,12 @@ export function isAt(path: string, location: string): boolean {
   return location === path || (path !== "/" && location.startsWith(`${path}/`));
 }
 
+/** The page of a topic for a device that can this: its registers or its parameters are "settings". */
+export function pageAbout(topic: PageEntry["topic"], abilities: Abilities): PageEntry | undefined {
+  return pagesFor(abilities).find((candidate) => topic !== "" && candidate.topic === topic);
+}
+
 /** Where the user goes whose device a page is not for: to one of the same topic, else to the device's settings. */
 export function insteadOf(entry: PageEntry, abilities: Abilities): PageEntry | undefined {
-  const open = pagesFor(abilities);
-  const about = (topic: string) => open.find((candidate) => topic !== "" && candidate.topic === topic);
-  return about(entry.topic) ?? about("settings");
+  return pageAbout(entry.topic, abilities) ?? pageAbout("settings", abilities);
 }

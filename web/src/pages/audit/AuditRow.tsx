@@ -1,8 +1,9 @@
 import { IconBan, IconHelpCircle } from "@tabler/icons-react";
 import { memo } from "react";
 import { Link } from "wouter";
-import { can, type Device } from "../../api/queries";
+import type { Device } from "../../api/queries";
 import { dateTimeOf } from "../../lib/time";
+import { pageAbout } from "../../shell/pages";
 import classes from "./audit.module.css";
 import type { Entry } from "./filters";
 import { detailText, hasFields, outcomeOf, timeText, valueText } from "./words";
@@ -64,7 +65,7 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
 
 function Subject({ entry, device, onSelect }: Props) {
   if (entry.action !== "write" || device === undefined) return <>{entry.subject}</>;
-  const page = can(device, "parameters") ? "/parameters" : "/registers";
+  const page = pageAbout("settings", device.about.capabilities)?.path ?? "/registers";
   return (
     <Link
       href={`${page}?find=${encodeURIComponent(entry.subject)}`}

@@ -34,10 +34,11 @@ function Find({ close }: { close: () => void }) {
   const list = useCombobox({ opened: true, onDropdownClose: close });
   const { entries, searched, recent, waiting } = useFound(query);
   const choose = useChoose();
-  // biome-ignore lint/correctness/useExhaustiveDependencies: what is found is another list for each query
+  const shown = entries.map(({ id }) => id).join(" ");
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another list begins at its first, a newer look at it does not
   useEffect(() => {
     list.selectFirstOption();
-  }, [query, entries]);
+  }, [query, shown]);
 
   function submit(id: string) {
     const entry = entries.find((one) => one.id === id);

@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import type { PageEntry } from "../../families/family";
-import { isFor } from "../pages";
+import { isFor, pageAbout } from "../pages";
 
 /** What can be found: where it leads, or what it does. */
 export interface Entry {
@@ -55,8 +55,8 @@ export function axisEntries(devices: readonly Device[]): Entry[] {
 }
 
 /** Registers and their fields, or parameters: on the page that lists them. */
-export function registerEntries(catalog: Catalog | undefined, device: Device | undefined, pages: readonly PageEntry[]) {
-  const page = device && pages.find((one) => one.topic === "settings" && isFor(one, device.about.capabilities));
+export function registerEntries(catalog: Catalog | undefined, device: Device | undefined): Entry[] {
+  const page = device && pageAbout("settings", device.about.capabilities);
   if (catalog === undefined || page === undefined) return [];
   const kind = page.path === "/registers" ? "Register" : "Parameter";
   const found = new Map<string, Entry>();

@@ -68,17 +68,15 @@ describe("what can be found", () => {
     });
     const rows = [row("V MAX", 0), row("V MAX", 1), row("IHOLD_IRUN", 0, "IHOLD", "IRUN"), row("GCONF", 0, "GCONF")];
     const model = { rows } as unknown as Parameters<typeof registerEntries>[0];
-    expect(
-      registerEntries(model, device, [programs, registers]).map(({ title, detail, go }) => [title, detail, go]),
-    ).toEqual([
+    expect(registerEntries(model, device).map(({ title, detail, go }) => [title, detail, go])).toEqual([
       ["V MAX", "about V MAX", { to: "/registers?find=V%20MAX" }],
       ["IHOLD_IRUN", "about IHOLD_IRUN", { to: "/registers?find=IHOLD_IRUN" }],
       ["IHOLD", "IHOLD_IRUN: about IHOLD", { to: "/registers?find=IHOLD_IRUN%20IHOLD" }],
       ["IRUN", "IHOLD_IRUN: about IRUN", { to: "/registers?find=IHOLD_IRUN%20IRUN" }],
       ["GCONF", "about GCONF", { to: "/registers?find=GCONF" }],
     ]);
-    expect(registerEntries(model, device, [programs])).toEqual([]);
-    expect(registerEntries(undefined, device, [registers])).toEqual([]);
+    expect(registerEntries(model, { ...device, about: { capabilities: [] } } as unknown as Device)).toEqual([]);
+    expect(registerEntries(undefined, device)).toEqual([]);
   });
   it("leads to the help's headings, with the way to them", () => {
     const item = { location: "a.html#1", title: "A", path: ["How", "A"] };

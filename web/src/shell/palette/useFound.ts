@@ -1,10 +1,11 @@
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
-import { api } from "../../api/client";
 import { useCatalogModel, useDevices } from "../../api/queries";
 import { useLocalKept } from "../../lib/useKept";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
+import { useProfiles } from "../../pages/profiles/useProfiles";
+import { PAGE_MAX, useRecordings } from "../../pages/recordings/api";
 import { PAGES } from "../pages";
 import {
   actionEntries,
@@ -21,8 +22,6 @@ import { Index } from "./find";
 
 const RECENT = "stepscope.found";
 const RECENT_MAX = 8;
-const RECORDINGS = 1000;
-const WHILE_OPEN = { staleTime: 30_000, retry: false } as const;
 
 /** The index of the help; a server that was started without one has none. */
 async function helpIndex(): Promise<HelpItem[]> {
@@ -46,16 +45,8 @@ export function useFound(query: string): Found {
   const { device } = useSelection();
   const scheme = useScheme();
   const catalog = useCatalogModel(device?.model);
-  const recordings = useQuery({
-    queryKey: ["find", "recordings"],
-    queryFn: async () => (await api.GET("/api/v1/recordings", { query: { limit: RECORDINGS } })).recordings,
-    ...WHILE_OPEN,
-  });
-  const profiles = useQuery({
-    queryKey: ["find", "profiles"],
-    queryFn: async () => (await api.GET("/api/v1/profiles", { query: { search: "" } })).profiles,
-    ...WHILE_OPEN,
-  });
+  const recordings = useRecordings("", PAGE_MAX);
+  const profiles = useProfiles("");
   const help = useQuery({ queryKey: ["find", "help"], queryFn: helpIndex, staleTime: Number.POSITIVE_INFINITY });
   const [recent] = useRecent();
 
@@ -65,8 +56,8 @@ export function useFound(query: string): Found {
         ...actionEntries(scheme),
         ...pageEntries(PAGES, device),
         ...axisEntries(devices.data ?? []),
-        ...registerEntries(catalog.data, device, PAGES),
-        ...recordingEntries(recordings.data ?? []),
+        ...registerEntries(catalog.data, device),
+        ...recordingEntries(recordings.data?.recordings ?? []),
         ...profileEntries(profiles.data ?? []),
         ...helpEntries(help.data ?? []),
       ]),
