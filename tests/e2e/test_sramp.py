@@ -141,6 +141,19 @@ def test_a_finger_drags_a_handle_without_scrolling(
     check_axe(page)
 
 
+def test_nothing_is_sent_while_its_registers_are_awaited(designer: Page, api: httpx.Client) -> None:
+    page, button = designer, designer.get_by_role("button", name="Send", exact=True)
+    expect(button).to_be_enabled()
+    page.route("**/calc/ramp", lambda _: None)
+    knob(page, "AMAX").focus()
+    page.keyboard.press("Shift+ArrowUp")
+    expect(button).to_be_disabled()
+    expect(page.get_by_role("button", name="Move with it")).to_be_disabled()
+    page.unroute("**/calc/ramp")  # what was held goes on
+    send(page)
+    assert register(api, "AMAX") == 2_200_000 * 4
+
+
 def test_what_is_sent_is_what_the_chip_holds(designer: Page, api: httpx.Client) -> None:
     page = designer
     field = page.get_by_label("VSTOP in pps")

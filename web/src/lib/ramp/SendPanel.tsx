@@ -20,6 +20,8 @@ interface Props {
   connected: boolean;
   /** null while the registers of the design are not known */
   differences: readonly Difference[] | null;
+  /** the registers of the latest change are awaited: those shown are of the design before, and not sent */
+  stale?: boolean;
   /** of a module: whose parameters the registers are */
   dialect?: Dialect | null;
   /** why they are not */
@@ -44,7 +46,7 @@ const DWELL_S = 0.4;
 
 /** Chip against design, one click to the chip, and moves with it. */
 export function SendPanel(props: Props) {
-  const { device, axis, connected, differences, rotation, distance } = props;
+  const { device, axis, connected, differences, stale = false, rotation, distance } = props;
   const queries = useQueryClient();
   const [result, setResult] = useState<{ sent: string[]; answer: Batch } | null>(null);
   const id = device?.id ?? "";
@@ -117,16 +119,18 @@ export function SendPanel(props: Props) {
       title="To the chip"
       note={
         why === null
-          ? changed.length === 0
-            ? "the chip holds this design"
-            : `${changed.length} ${changed.length === 1 ? "value differs" : "values differ"}`
+          ? stale
+            ? "calculating the registers"
+            : changed.length === 0
+              ? "the chip holds this design"
+              : `${changed.length} ${changed.length === 1 ? "value differs" : "values differ"}`
           : ""
       }
       actions={
         <>
           <Button
             leftSection={<IconUpload size={14} aria-hidden />}
-            disabled={why !== null || changed.length === 0 || busy}
+            disabled={why !== null || stale || changed.length === 0 || busy}
             loading={send.isPending}
             onClick={() => send.mutate()}
           >
@@ -135,7 +139,7 @@ export function SendPanel(props: Props) {
           <Button
             variant="light"
             leftSection={<IconPlayerPlay size={14} aria-hidden />}
-            disabled={why !== null || busy || runs}
+            disabled={why !== null || stale || busy || runs}
             loading={move.isPending}
             onClick={() => move.mutate()}
           >
@@ -145,7 +149,7 @@ export function SendPanel(props: Props) {
             <Button
               variant="light"
               leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
-              disabled={why !== null || (busy && !runs)}
+              disabled={why !== null || ((busy || stale) && !runs)}
               loading={back.isPending}
               onClick={() => back.mutate()}
             >

@@ -166,6 +166,7 @@ function Designer({ device, axis }: Props) {
           connected={connected}
           chip={chip}
           differences={differences}
+          stale={calculation.stale}
           options={shown.more}
           vmax={shown.design.vmax}
           distance={shown.distance}

@@ -14,6 +14,7 @@ interface Props {
   chip: ChipRamp | null;
   /** null while the registers of the design are not known */
   differences: Difference[] | null;
+  stale: boolean;
   options: Options;
   vmax: number;
   distance: number;
