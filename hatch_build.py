@@ -37,8 +37,8 @@ class WebBuildHook(BuildHookInterface[BuilderConfig]):
             return []
         web, site = _script("web"), _script("help_site")
         needed = []
-        if web.is_there() and not web.is_fresh() and web.find_node() is None:
-            needed.append(web.NODE_WHEEL)
+        if web.is_there() and not web.is_fresh():
+            needed += [web.PACKER] if web.find_node() is not None else [web.PACKER, web.NODE_WHEEL]
         if self._makes_help(site):
             ours = self.metadata.core.dependencies
             needed += [site.GENERATOR, *(each for each in ours if re.split(r"[^\w-]", each)[0] in site.NEEDS)]

@@ -9,7 +9,7 @@ import gzip
 import hashlib
 import json
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 STAMP = "build.json"
@@ -38,8 +38,13 @@ def is_built_from(target: Path, sources: str) -> bool:
     return isinstance(stamp, dict) and stamp.get("sources") == sources
 
 
-def replace(built: Path, target: Path, stamp: Mapping[str, str]) -> None:
-    """Put what was built in place of `target`, packed, with its stamp.
+def gzip_of(plain: bytes) -> bytes:
+    """Return `plain` packed by the standard library, the same bytes at any time."""
+    return gzip.compress(plain, compresslevel=9, mtime=0)
+
+
+def replace(built: Path, target: Path, stamp: Mapping[str, str], pack: Callable[[bytes], bytes] = gzip_of) -> None:
+    """Put what was built in place of `target`, packed to gzip's format by `pack`, with its stamp.
 
     Beside and renamed, so that a running server never serves half a page.
     """
@@ -47,7 +52,7 @@ def replace(built: Path, target: Path, stamp: Mapping[str, str]) -> None:
     for leftover in (fresh, old):
         shutil.rmtree(leftover, ignore_errors=True)
     shutil.copytree(built, fresh)
-    _pack(fresh)
+    _pack(fresh, pack)
     (fresh / STAMP).write_text(json.dumps(stamp, indent=1) + "\n")
     if target.exists():
         target.rename(old)
@@ -55,8 +60,7 @@ def replace(built: Path, target: Path, stamp: Mapping[str, str]) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _pack(folder: Path) -> None:
+def _pack(folder: Path, pack: Callable[[bytes], bytes]) -> None:
     for path in sorted(folder.rglob("*")):
         if path.suffix in PACKED and path.stat().st_size >= WORTH_PACKING_BYTES:
-            packed = gzip.compress(path.read_bytes(), compresslevel=9, mtime=0)
-            path.with_name(path.name + ".gz").write_bytes(packed)
+            path.with_name(path.name + ".gz").write_bytes(pack(path.read_bytes()))

@@ -9,6 +9,7 @@ import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { later } from "../../lib/later";
 import { useSelection } from "../../live/selection";
+import { EventsTimeline } from "../events/EventsTimeline";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
@@ -22,7 +23,6 @@ import { useEmulator } from "./useEmulator";
 
 const EmulatorPanel = later(() => import("./EmulatorPanel").then((part) => part.EmulatorPanel));
 const LimitLine = later(() => import("./LimitLine").then((part) => part.LimitLine));
-const EventsTimeline = later(() => import("../events/EventsTimeline").then((part) => part.EventsTimeline));
 
 /** All axes at a glance, one in the hand, and the scope on it. */
 export default function BenchPage() {
