@@ -14,7 +14,8 @@ from .options import DriveOptions
 from .physics import plant_state_of, set_graduation, set_physics
 from .plant import OT_C, OTPW_C, UNDERVOLTAGE_V, Plant, PlantState, Switches
 from .registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
-from .table import wave_of
+from .spread_cycle import Chopper, bent
+from .table import PEAK, wave_of
 from .units import bits, signed, wrap32
 
 _VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "V2": k.V2, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
@@ -84,9 +85,10 @@ class Drive:
     Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
     instead of TSTEP's, an N line, pins of switches that are taken, another full scale or least supply, StallGuard4.
 
-    Not modelled: ripple of the choppers, pins and buses. With StealthChop the coils get a voltage, which is
-    what PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there. StallGuard4 goes by the same figures
-    as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
+    Not modelled: pins and buses. SpreadCycle bends the wave only where `options.ripple` asks for it. With StealthChop
+    the coils get a voltage, which is what PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there.
+    StallGuard4 goes by the same figures as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load),
+    and CoolStep does not use it.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
@@ -97,7 +99,7 @@ class Drive:
         cells : state, figures and microstep table to work on, all 0, in place of its own: a part of a larger state
         """
         self.options = options = options or DriveOptions()
-        self._s, self._f, self._table = cells or (np.zeros(k.INTEGERS, np.int64), np.zeros(k.REALS), np.zeros(1024))
+        self._s, self._f, self._table = cells or (np.zeros(k.INTEGERS, np.int64), np.zeros(k.REALS), np.zeros(k.TABLE))
         self._registers: dict[str, int] = {}
         self._gstat = 0
         self._wired = True
@@ -247,11 +249,13 @@ class Drive:
                 s[k.STILL_LIMIT] = (1 << (18 if value & _FASTSTANDSTILL else 20)) // k.TICK_CLOCKS
             case "GLOBALSCALER":
                 self._f[k.FULL_SCALE] = self.options.full_scale_a * self._sense * (value or 256) / 256
+                self._chop()
             case "IHOLD_IRUN":
                 s[k.IHOLD], s[k.IRUN] = bits(value, 0, 5), bits(value, 8, 5)
                 s[k.IHOLDDELAY] = bits(value, 16, 4) * k.TICKS_A_DELAY
                 s[k.IRUNDELAY] = bits(value, 24, 4) * 512 // k.TICK_CLOCKS
                 s[k.COOL_CS] = s[k.IRUN]
+                self._chop()
             case "TPOWERDOWN":
                 s[k.TPOWER] = value * k.TICKS_A_DELAY
             case "CHOPCONF":
@@ -262,6 +266,7 @@ class Drive:
                 per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
                 self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256
                 self._set_chopper(value)
+                self._chop()
                 self._set_pwm_floor()
                 self._bridges_changed()
             case "COOLCONF":
@@ -299,7 +304,32 @@ class Drive:
 
     def _load_table(self) -> None:
         words = tuple(self._registers[f"MSLUT[{i}]"] for i in range(8))
-        self._wave, self._table[:] = wave_of(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
+        self._wave, table = wave_of(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
+        self._table[k.WAVE : k.CHOPPED] = table
+        self._chop()
+
+    def _chop(self) -> None:
+        """The wave as SpreadCycle makes it with the run current; less current is a share of that (INFERRED)."""
+        wave = self._table[k.WAVE : k.CHOPPED]
+        self._table[k.CHOPPED :] = wave
+        if self.options.ripple:
+            full_scale_a = float(self._f[k.FULL_SCALE])
+            self._table[k.CHOPPED :] = bent(
+                self._chopper(full_scale_a), wave, full_scale_a * (self._s[k.IRUN] + 1) / 32
+            )
+
+    def _chopper(self, full_scale_a: float) -> Chopper:
+        """SpreadCycle as it is set. A unit of hysteresis is 1/248 of the peak at full scale, as `app.calc` has it."""
+        conf, motor = self._registers["CHOPCONF"], self.options.motor
+        units = bits(conf, 4, 3) + 1 + bits(conf, 7, 4) - 3
+        return Chopper(
+            motor.resistance_ohm,
+            motor.inductance_h,
+            float(self._f[k.SUPPLY]),
+            _BLANK_CLOCKS[bits(conf, 15, 2)] / self.options.clock_hz,
+            (24 + 32 * bits(conf, 0, 4)) / self.options.clock_hz,
+            units * full_scale_a / PEAK,
+        )
 
     def _drv_status(self) -> int:
         word = int(k.driver_stat(self._s)) | self._short
@@ -656,6 +686,7 @@ class Drive:
         if self._undervoltage:
             self._gstat |= _GSTAT_UV_CP
         self._set_pwm_floor()
+        self._chop()
         self._bridges_changed()
         self._changed()
 

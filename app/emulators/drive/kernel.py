@@ -179,6 +179,10 @@ SWITCH_PLAY = 80
 """How far behind the place where it is pressed a switch is released [rad of the shaft]."""
 REALS = 81
 
+# --- cells of the table --------------------------------------------------------------------------
+WAVE, CHOPPED, TABLE = 0, 1024, 2048
+"""Where the microstep table begins, where the same as SpreadCycle makes it, and how many cells both have."""
+
 REGULATED, OPEN, SHORTED, VOLTAGE, CLASSIC, IN_FULL_STEPS = range(6)
 """What the bridges do. VOLTAGE: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
 are volts. CLASSIC: a chopper with constant off time, whose current falls only as fast as its fast decay lets it.
@@ -729,8 +733,8 @@ def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
     """References from the sequencer, then the regulated motor, unless it rests and nothing has changed."""
     scale = f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
-    ref_a = scale * table[look & 1023]
-    ref_b = scale * table[(look + 256) & 1023]
+    ref_a = scale * table[CHOPPED + (look & 1023)]
+    ref_b = scale * table[CHOPPED + ((look + 256) & 1023)]
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
         _turn_by(s, f, ref_a, ref_b, REGULATED)
 

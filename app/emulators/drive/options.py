@@ -288,6 +288,11 @@ class DriveOptions(_Closed):
     regulator_s: Annotated[float, Field(strict=True, ge=2e-5, le=1e-3)] = Field(
         default=1e-4, description="time constant of the chopper, taken as a first-order lag (50 to 200 us)"
     )
+    ripple: Annotated[bool, Field(strict=True)] = Field(
+        default=False,
+        description="SpreadCycle bends the coils' currents by its blank time, slow decay and hysteresis; without it "
+        "they are what the table says",
+    )
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first")
     seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=5160, description="of the noise")
     rigid: Annotated[bool, Field(strict=True)] = Field(

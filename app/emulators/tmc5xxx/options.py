@@ -54,6 +54,9 @@ class Tmc5xxxOptions(MotorDocument):
         "peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; "
         "null: as the chip's evaluation board has it [A]",
     )
+    ripple: Flag = rest_only(
+        False, "SpreadCycle bends the coils' currents by its blank time, slow decay and hysteresis, as real ones do"
+    )
     node_pin: Flag = rest_only(False, "NEXTADDR is high: the UART's node address is one more")
 
     def for_clock(self, clock_hz: float) -> Tmc5xxxOptions:
@@ -74,6 +77,7 @@ class Tmc5xxxOptions(MotorDocument):
             clock_hz=self.clock_hz,
             supply_v=self.supply_v,
             full_scale_a=self.full_scale_a or full_scale_a,
+            ripple=self.ripple,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
             rigid=self.rigid,

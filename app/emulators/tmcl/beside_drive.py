@@ -99,7 +99,7 @@ def warm_up() -> None:
     drive = (
         np.zeros(motor.INTEGERS, dtype=np.int64),
         np.zeros(motor.REALS, dtype=np.float64),
-        np.zeros(1024, dtype=np.float64),
+        np.zeros(motor.TABLE, dtype=np.float64),
     )
     program = np.zeros((_PROGRAM_COMMANDS, 4), dtype=np.int64)
     run(

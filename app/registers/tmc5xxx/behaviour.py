@@ -7,6 +7,7 @@ from dataclasses import replace
 from ..model import Register
 
 LAG = "the emulated chopper is a lag of first order without ripple"
+RIPPLE = "the emulated chopper acts on it with the option `ripple` of the emulated chip alone"
 NO_PINS = "nothing is connected to the pins of the emulated chip that show this"
 NO_STEP_DIR = "the emulated motors follow the ramp generators alone"
 IDEAL_PWM = "the emulated StealthChop measures its currents alike, whatever the shape of its periods"
@@ -19,7 +20,7 @@ FACTORY = "for the factory alone"
 TWO_PHASES_APART = "the phases of the emulated driver are a quarter of a turn apart"
 NO_PHASE_SHIFT = "the emulated driver has no shift of phase between its choppers"
 
-_CHOPPER = ("hstrt", "hend", "disfdcc", "rndtf", "sync", "tpfd")
+_CHOPPER = ("disfdcc", "rndtf", "sync", "tpfd")
 _DIAGNOSTICS = (
     *("diag0_error", "diag0_otpw", "diag0_stall", "diag0_step", "diag1_stall", "diag1_dir", "diag1_index"),
     *("diag1_onstate", "diag1_steps_skipped", "diag0_int_pushpull", "diag1_poscomp_pushpull", "stop_enable"),
@@ -49,6 +50,7 @@ FIELDS = {
     },
     "CHOPCONF": {
         **dict.fromkeys(_CHOPPER, LAG),
+        **dict.fromkeys(("hstrt", "hend"), RIPPLE),
         **dict.fromkeys(("diss2g", "diss2vs"), NO_SHORTS),
         **dict.fromkeys(("ph3sel", "hyst", "nosd3ph", "csync"), TWO_PHASES),
         "dedge": NO_STEP_DIR,

@@ -107,7 +107,7 @@ def test_the_ripple_of_the_velocity_is_the_detent() -> None:
     for detent_nm in (0.0, 0.02, -0.02, None):
         drive = energised(motor=MotorOptions(detent_torque_nm=detent_nm or 0.0))
         if detent_nm is None:  # a sine that no table can hold
-            drive._table[:] = np.sin((np.arange(1024) + 0.5) * math.pi / 512)
+            drive._table[:] = np.sin((np.arange(k.TABLE) + 0.5) * math.pi / 512)
         write(drive, {"VMAX": ONE_TURN_A_SECOND // 2, "RAMPMODE": 1})
         wait(drive, 0.7)
         values = speeds(drive, 0.2)  # twenty full steps
@@ -150,7 +150,7 @@ def test_an_uneven_motor_is_off_by_its_harmonic_of_the_electrical_angle(
     """Rotor less field, over an electrical period."""
     motor = MotorOptions(**{"detent_torque_nm": 0.0, "friction_nm": 0.0, **what})
     drive = energised(motor=motor)
-    drive._table[:] = np.sin((np.arange(1024) + 0.5) * math.pi / 512)
+    drive._table[:] = np.sin((np.arange(k.TABLE) + 0.5) * math.pi / 512)
     error = []
     for microstep in range(0, 1024, 64):
         drive.write("XTARGET", microstep)

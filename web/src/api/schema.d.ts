@@ -14070,6 +14070,12 @@ export interface components {
              */
             full_scale_a?: number | null;
             /**
+             * Ripple
+             * @description SpreadCycle bends the coils' currents by its blank time, slow decay and hysteresis, as real ones do
+             * @default false
+             */
+            ripple?: boolean;
+            /**
              * Node Pin
              * @description NEXTADDR is high: the UART's node address is one more
              * @default false
