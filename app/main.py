@@ -53,7 +53,7 @@ from .links.registry import (
 )
 from .links.serial_address import allow_ports
 from .positions import ExtendedPositionService
-from .preparation import Preparation
+from .preparation import PAGE_FIRST_S, PLAIN, Preparation
 from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
@@ -137,7 +137,8 @@ def create_app(
         except BenchError as error:
             log.warning("%s is not started up: %s", device.name, error)
 
-    preparation = Preparation()
+    # Whoever advances a clock of his own does so by minutes at once: plain Python would take as long for that.
+    preparation = Preparation(plain=PLAIN if pace else (), after_s=PAGE_FIRST_S if pace else 0.0)
 
     async def prepare(model: str, link: Link) -> None:
         if is_emulated(link):
@@ -270,11 +271,12 @@ def create_app(
         await bench.tokens.start()
         profiles.tell_unfinished()
         await asyncio.to_thread(studies.load)
-        await preparation.start()
+        preparing = asyncio.create_task(preparation.start())
         with_demo = settings.demo or (settings.demo is None and not saved.configs)
         opening = asyncio.create_task(open_saved(saved.configs, with_demo))
-        if preparation.progress.done == preparation.progress.total:
-            await opening  # else the server answers meanwhile
+        compiling = asyncio.create_task(preparation.compiles())
+        # What is on disk is worth waiting for; while something is compiled the server answers.
+        await asyncio.wait({opening, compiling}, return_when=asyncio.FIRST_COMPLETED)
         opened.set()
         audit_listener.sync(manager.devices)
         audit.note("start", "stepscope", detail=f"version {__version__}")
@@ -285,8 +287,10 @@ def create_app(
             yield
         finally:
             opened.clear()
-            opening.cancel()
-            await asyncio.gather(opening, return_exceptions=True)
+            beginning = (opening, compiling, preparing)
+            for task in beginning:
+                task.cancel()
+            await asyncio.gather(*beginning, return_exceptions=True)
             await preparation.close()
             audit.note("end", "stepscope")
             await lease_watch.close()

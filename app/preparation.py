@@ -25,6 +25,9 @@ from .kernels import Progress, all_compiled, can_keep, compiles_here, keep_in, k
 
 log = logging.getLogger("stepscope.preparation")
 
+PAGE_FIRST_S = 2.0
+"""How long a start leaves the core to the page, unless somebody waits for a kernel [s]: looking for machine code
+imports Numba, which is half a second in which little else is answered."""
 JOB_WITHIN_S = 600.0
 """What takes longer to compile is given up, and compiled by whoever needs it [s]."""
 
@@ -58,7 +61,11 @@ def compile_kernels() -> None:
 
 
 class Preparation:
-    """Has the kernels compiled, by as many processes as there are cores."""
+    """Has the kernels compiled, by as many processes as there are cores.
+
+    plain : jobs that nobody waits for
+    after_s : how long it leaves the core to others before it begins, unless somebody waits [s]
+    """
 
     def __init__(
         self,
@@ -66,30 +73,42 @@ class Preparation:
         jobs: Mapping[str, Callable[[], None]] = JOBS,
         needs: Mapping[str, tuple[str, ...]] = NEEDS,
         plain: Collection[str] = PLAIN,
+        after_s: float = 0.0,
     ) -> None:
-        self.progress = Progress(total=len(jobs))
+        self.progress = Progress(total=0)
         self._jobs = jobs
         self._needs = {name: tuple(need for need in needs.get(name, ()) if need in jobs) for name in jobs}
         self._plain = plain
         self._processes = processes or os.cpu_count() or 1
-        self._compiling = False
+        self._after_s = after_s
+        self._wanted = asyncio.Event()
+        self._compiling = asyncio.Event()
         self._pending = list(jobs)
         self._done = {name: asyncio.Event() for name in jobs}
         self._workers: list[asyncio.Task[None]] = []
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     async def start(self) -> None:
-        """Begin to take everything from disk where it is there, else to compile, and return at once."""
-        self._compiling = not all_compiled()
-        if self._compiling and not can_keep():
-            self._keep_for_now()
-        if self._compiling:
-            plain_meanwhile(on=True)
+        """Look what is on disk, then begin to take it from there, or else to compile, and return.
+
+        From the first moment on plain Python serves what it can.
+        """
+        plain_meanwhile(on=bool(self._plain))
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._wanted.wait(), self._after_s)
+        if not await asyncio.to_thread(all_compiled):
+            if not await asyncio.to_thread(can_keep):
+                self._keep_for_now()
+            self.progress.total = len(self._jobs)
+            self._compiling.set()
             log.warning("the first start compiles emulators in the background, for a minute; the rest works already")
-        else:
-            self.progress.done = self.progress.total  # taking one from disk is 0.2 s at most: nobody needs to be told
-        count = self._processes if self._compiling else 1
+        # Taking one from disk is 0.2 s at most: nobody needs to be told, and one process is enough.
+        count = self._processes if self._compiling.is_set() else 1
         self._workers = [asyncio.create_task(self._work()) for _ in range(count)]
+
+    async def compiles(self) -> None:
+        """Wait until it turns out that something has to be compiled; for ever where all is on disk."""
+        await self._compiling.wait()
 
     async def ready(self, name: str) -> None:
         """Wait until what the job of that name compiles can be used; it is the next that begins.
@@ -101,12 +120,12 @@ class Preparation:
                 self._pending.remove(one)
                 self._pending.insert(0, one)
         if self.delays(name):
+            self._wanted.set()
             await self._done[name].wait()
 
     def delays(self, name: str) -> bool:
         """Whether whoever needs what the job of that name compiles has to wait."""
-        served = self._compiling and name in self._plain
-        return name in self._done and not self._done[name].is_set() and not served
+        return name in self._done and not self._done[name].is_set() and name not in self._plain
 
     async def close(self) -> None:
         """End what is under way."""
@@ -125,6 +144,7 @@ class Preparation:
             keep_in(Path(self._folder.name))
 
     async def _work(self) -> None:
+        compiling = self._compiling.is_set()
         while self._pending:
             name = next((one for one in self._pending if not self._missing(one)), None)
             if name is None:  # what the first needs is under way in another process
@@ -132,21 +152,22 @@ class Preparation:
                 continue
             self._pending.remove(name)
             try:
-                if self._compiling:
+                if compiling:
                     self.progress.doing.append(name)
                     if kept_in() is not None:
                         await _compiled_by_a_child(name)
                 await asyncio.to_thread(_now, self._jobs[name])  # from disk, or here where nothing can be kept
             except Exception:  # whoever needs it compiles it, and is told why it fails
-                log.exception("%s could not be %s beforehand", name, "compiled" if self._compiling else "loaded")
+                log.exception("%s could not be %s beforehand", name, "compiled" if compiling else "loaded")
             finally:
-                if self._compiling:
+                if compiling:
                     self.progress.doing.remove(name)
                     self.progress.done += 1
                 self._done[name].set()
-        if self._compiling and self.progress.done == self.progress.total:
+        if all(done.is_set() for done in self._done.values()):
             plain_meanwhile(on=False)
-            tell_compiled()
+            if compiling:
+                tell_compiled()
 
     def _missing(self, name: str) -> list[str]:
         """Jobs that have to be done before this one and are not."""

@@ -12,6 +12,7 @@ import socket
 from collections.abc import Callable, MutableMapping
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 import uvicorn
@@ -19,8 +20,7 @@ from fastapi import FastAPI
 from pydantic import SecretStr
 from uvicorn.supervisors import ChangeReload
 
-from .api.app import build_routes
-from .api.http.access import is_stop, new_token
+from .api.http.stops_first import is_stop
 from .certificate import require_certificate
 from .connections import (
     MESSAGE_BYTES_MAX,
@@ -33,9 +33,12 @@ from .connections import (
     raise_descriptor_limit,
 )
 from .listening import listen, url_of
-from .main import bench_of, create_app, stop_motors
+from .page_first import PageFirst
 from .settings import Settings
 from .store.files import kept_token, make_private, one_server
+
+if TYPE_CHECKING:  # the program takes two seconds to import: the page is served meanwhile
+    from .api.server_state import ServerState
 
 log = logging.getLogger("stepscope")
 
@@ -70,6 +73,8 @@ def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
     with listener, one_server(settings.data_dir, address):
         if settings.token is None and settings.token_file is not None:
+            from .api.http.access import new_token
+
             token = SecretStr(kept_token(settings.token_file, new_token()))
             settings = Settings.model_validate({**settings.model_dump(), "token": token})
         _serve(settings, listener, announce)
@@ -78,14 +83,36 @@ def serve(settings: Settings, announce: Callable[[str], None]) -> None:
 def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str], None]) -> None:
     port = listener.getsockname()[1]
     raise_descriptor_limit()
-    app = create_app(settings)
-    build_routes(app)
-    ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
-    server = BenchServer(app, settings, on_ready=lambda: announce(ready))
-    keep_out_of_collections()
+
+    def tell(app: FastAPI | None) -> None:
+        announce(f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)")
+
+    def over() -> None:
+        if first.app is None:
+            server.should_exit = True
+            return
+        server.serves(first.app)
+        keep_out_of_collections()
+        if not first.shows_page:
+            tell(first.app)
+
+    first = PageFirst(lambda: make_program(settings), settings, over)
+    server = BenchServer(first, settings, on_ready=lambda: tell(None) if first.shows_page else None)
     end_with_the_terminal(server)
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
+    if first.failure is not None:
+        raise first.failure
+
+
+def make_program(settings: Settings) -> FastAPI:
+    """All there is behind the page, its modules imported now."""
+    from .api.app import build_routes
+    from .main import create_app
+
+    app = create_app(settings)
+    build_routes(app)
+    return app
 
 
 def keep_out_of_collections() -> None:
@@ -107,31 +134,40 @@ def _without_token(record: logging.LogRecord) -> bool:
     return True
 
 
-def _address(app: FastAPI, settings: Settings, port: int) -> str:
-    """What to open in a browser; with the token where one is asked for, since nobody could guess it."""
+def _address(app: FastAPI | None, settings: Settings, port: int) -> str:
+    """What to open in a browser; with the token where `app` asks for one, since nobody could guess it."""
     address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
-    token: str | None = app.state.token
+    token: str | None = app.state.token if app is not None else None
     return address if token is None else f"{address}/?{urlencode({'token': token})}"
 
 
 class BenchServer(uvicorn.Server):
     """uvicorn that stops the motors before it says goodbye to anybody."""
 
-    def __init__(self, app: FastAPI, settings: Settings, on_ready: Callable[[], None]) -> None:
+    def __init__(self, app: FastAPI | PageFirst, settings: Settings, on_ready: Callable[[], None]) -> None:
         self.door = Door(Limits.of_descriptors(descriptor_limit()))
         protocols = {"http": limited_http(self.door, is_stop), "ws": limited_websocket(self.door)}
         options = {**_options(settings), **protocols}
         super().__init__(uvicorn.Config(app, **options))  # type: ignore[arg-type]  # a table of options
-        self._bench = bench_of(app)
-        self._bench.vitals.door = self.door
+        self._bench: ServerState | None = None
         self._on_ready = on_ready
+        if isinstance(app, FastAPI):
+            self.serves(app)
+
+    def serves(self, app: FastAPI) -> None:
+        """The program is there: its health tells of this server's connections, and its motors end with it."""
+        self._bench = app.state.bench
+        self._bench.vitals.door = self.door
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup([Listener.over(each, self.door) for each in sockets or ()])
         self._on_ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        await stop_motors(self._bench)
+        if self._bench is not None:
+            from .main import stop_motors
+
+            await stop_motors(self._bench)
         await super().shutdown(sockets)
 
 
@@ -169,9 +205,7 @@ def serve_with_reload(settings: Settings, environment: MutableMapping[str, str])
 def serve_reloaded(sockets: list[socket.socket] | None = None) -> None:
     """Serve in this process, which was started for it, with settings from variables."""
     settings = Settings()
-    app = create_app(settings)
-    build_routes(app)
-    BenchServer(app, settings, on_ready=lambda: None).run(sockets)
+    BenchServer(make_program(settings), settings, on_ready=lambda: None).run(sockets)
 
 
 def _options(settings: Settings) -> dict[str, object]:

@@ -38,6 +38,11 @@ def test_the_servers_modules_bring_in_nothing_that_only_some_need() -> None:
     assert brought & NOT_YET == set()
 
 
+def test_the_page_is_served_before_the_program_is_imported() -> None:
+    code = "import sys, app.serving; assert not {'app.main', 'app.api.app'} & sys.modules.keys()"
+    assert "sqlalchemy" not in brought_in(code)
+
+
 def test_a_database_that_is_up_to_date_is_opened_without_alembic(tmp_path: Path) -> None:
     opened = (
         "from pathlib import Path; from app.store.database import Database;"

@@ -149,6 +149,24 @@ async def test_what_is_on_disk_is_loaded_behind_the_start_and_what_somebody_wait
     await preparing.close()
 
 
+async def test_a_start_leaves_the_core_to_the_page_until_somebody_waits_for_a_kernel(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looked: list[str] = []
+    monkeypatch.setattr(preparation, "all_compiled", lambda: not looked.append("at the disk"))  # type: ignore[func-returns-value]
+    jobs: dict[str, Callable[[], None]] = {"served by plain Python": lambda: None, "waited for": lambda: None}
+    preparing = Preparation(jobs=jobs, plain={"served by plain Python"}, after_s=3600.0)
+    starting = asyncio.create_task(preparing.start())
+    await preparing.ready("served by plain Python")
+    await settled()
+    assert looked == []
+    async with asyncio.timeout(10):
+        await preparing.ready("waited for")
+        await starting
+    assert looked == ["at the disk"]
+    await preparing.close()
+
+
 async def test_what_cannot_be_compiled_keeps_nobody_waiting(
     children: Children, caplog: pytest.LogCaptureFixture
 ) -> None:

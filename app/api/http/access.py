@@ -12,7 +12,6 @@ from __future__ import annotations
 import hmac
 import html
 import math
-import re
 import secrets
 from collections import OrderedDict, deque
 from collections.abc import Iterable
@@ -32,6 +31,7 @@ from .log_ins import LogIns
 from .page import HEADERS
 from .problems import Kind, problem_answer
 from .sessions import SESSION_S, Sessions, cookie_name
+from .stops_first import is_stop
 
 UNKNOWN = Kind(
     401, "/problems/token-required", "This server asks for a token", "send it as Authorization: Bearer TOKEN"
@@ -40,8 +40,6 @@ TOO_MANY = Kind(429, "/problems/too-many-guesses", "Too many wrong tokens from t
 OPEN_PATHS = frozenset({"/api/v1/health"})
 """What a container's health check has to see; it tells nothing but that we run."""
 LOGIN = "/login"
-STOP = re.compile(r"/api/v1/(devices/[^/]+/axes/[^/]+/)?stop")
-"""Where motors are stopped."""
 GUESSES, WINDOW_S = 10, 60.0
 """So many wrong tokens of one address in so long [s]."""
 ADDRESSES_MAX = 10_000
@@ -61,11 +59,6 @@ WHERE = "Your own one, or that of the server: the terminal that started it shows
 def new_token() -> str:
     """A token that nobody guesses."""
     return secrets.token_urlsafe(24)
-
-
-def is_stop(method: str, path: str) -> bool:
-    """Whether that request stops motors."""
-    return method == "POST" and STOP.fullmatch(path) is not None
 
 
 class Guesses:

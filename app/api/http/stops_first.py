@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from .access import is_stop
+STOP = re.compile(r"/api/v1/(devices/[^/]+/axes/[^/]+/)?stop")
+"""Where motors are stopped."""
+
+
+def is_stop(method: str, path: str) -> bool:
+    """Whether that request stops motors."""
+    return method == "POST" and STOP.fullmatch(path) is not None
 
 
 class StopsFirst:
