@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from app.calc.motors.ring_down import Fitted, Ring, fit_ring_downs
-from app.calc.motors.slow_turns import friction_and_backlash
 from app.calc.motors.swing_kernel import swing
 
 COUNT = 2 * math.pi / 400
@@ -23,7 +22,7 @@ def rings(hz: float, damping: float, friction: float, count: int = 8, start: flo
     for index in range(count):
         seen = np.empty(40_000)
         field = 1.1 * index
-        swing(p, field, field - start, 0.0, 0.0, 1e-5, seen)
+        swing(p, field, 0.0, field - start, 0.0, 0.0, 1e-5, seen)
         samples = seen[::100] + 0.03
         noisy = COUNT * np.round(samples / COUNT + rng.uniform(-0.5, 0.5))
         made.append(
@@ -48,12 +47,3 @@ def test_what_does_not_ring_is_no_pendulum() -> None:
         fit_ring_downs(rings(170.0, 3.0, 0.2, start=0.3))
     with pytest.raises(ValueError, match="three rings"):
         fit_ring_downs(rings(90.0, 0.1, 0.0, count=2))
-
-
-def test_less_current_makes_more_of_friction_and_not_of_backlash() -> None:
-    full, less = (Fitted(0.05 + 2 * math.asin(0.1 / share), 0.001) for share in (1.0, 0.5))
-    torn = friction_and_backlash(full, less, 0.5)
-    assert torn.friction.value == pytest.approx(0.1, abs=1e-6)
-    assert torn.backlash.value == pytest.approx(0.05, abs=1e-6)
-    with pytest.raises(ValueError, match="more than friction"):
-        friction_and_backlash(Fitted(0.05, 0.001), Fitted(2.0, 0.001), 0.5)

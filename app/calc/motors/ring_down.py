@@ -117,7 +117,7 @@ class _Fit:
         dt = 1 / (STEPS_A_RADIAN * w)
         place, speed = x[SHARED + 2 * index], x[SHARED + 2 * index + 1] * w
         grid = np.empty(math.ceil(ring.time_s[-1] / dt) + 2)
-        k.swing(p, ring.field, place, speed, self._play / 2 if ring.forward else -self._play / 2, dt, grid)
+        k.swing(p, ring.field, 0.0, place, speed, self._play / 2 if ring.forward else -self._play / 2, dt, grid)
         return np.asarray(np.interp(ring.time_s, np.arange(len(grid)) * dt, grid) + x[OFFSET])
 
     def residual(self, x: FloatArray) -> FloatArray:
@@ -220,7 +220,7 @@ def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | 
 
 def warm_up() -> None:
     """Compile the kernel, or load it from disk: seconds once, milliseconds after that."""
-    k.swing(np.ones(k.PARAMETERS), 0.0, 0.0, 0.0, 0.0, 1e-4, np.zeros(2))
+    k.swing(np.ones(k.PARAMETERS), 0.0, 0.0, 0.0, 0.0, 0.0, 1e-4, np.zeros(2))
 
 
 def _until_rest(ring: Ring) -> Ring:

@@ -1,8 +1,4 @@
-"""What slow turns there and back tell of an axis: what the encoder counts, and friction told apart from backlash.
-
-Friction holds the rotor behind its field by asin(friction / torque), so less current makes it more; backlash before the
-encoder stays what it is. Turns with two currents tell one from the other.
-"""
+"""What a slow turn there and back tells of an axis: what the encoder counts, and what lies between both ways."""
 
 from __future__ import annotations
 
@@ -23,11 +19,6 @@ PARTS = 12
 ELECTRICAL = (1, 2, 4)
 """Orders of the electrical angle at which a motor stands beside its field."""
 LEAST_SAMPLES = 400
-VIBRATES = 0.006
-"""Friction of a rotor that vibrates as it turns is told wrong by up to such a share of the holding torque, which no
-residual shows (so it was for 25 of 26 emulated motors). Backlash is wrong by twice that angle then."""
-MOST_SHARE = 0.9
-"""Friction beyond this share of the torque is none that a motor turns against."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,61 +60,3 @@ def fit_slow_turn(
         Fitted(float(math.hypot(found[3], found[4])), float(max(half[3], half[4]))),
         float(np.sqrt(np.mean(residual**2))),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Torn:
-    """Friction as a share of the holding torque, and backlash [rad electrical]."""
-
-    friction: Fitted
-    backlash: Fitted
-
-
-def at_standstill(slow: Torn, fast: Torn) -> Torn:
-    """What is left at no speed at all, of turns at a speed and at twice that: viscous friction adds to the friction in
-    proportion to the speed, and the time that a current needs to follow adds to what looks like backlash."""
-    return Torn(
-        _less(slow.friction, fast.friction).wider(VIBRATES), _less(slow.backlash, fast.backlash).wider(2 * VIBRATES)
-    )
-
-
-def _less(at_speed: Fitted, at_twice: Fitted) -> Fitted:
-    return Fitted(2 * at_speed.value - at_twice.value, math.hypot(2 * at_speed.half, at_twice.half))
-
-
-def _hysteresis(friction: float, detent: float, torque: float) -> float:
-    """Between both ways, mean over the electrical angle [rad electrical]; all as shares of one torque."""
-    angle = np.arange(64) * (2 * math.pi / 64)
-    share = np.clip((friction + detent * np.sin(4 * angle)) / torque, -1.0, 1.0)
-    return 2 * float(np.mean(np.arcsin(share)))
-
-
-def friction_and_backlash(full: Fitted, less: Fitted, torque: float, detent: float = 0.0) -> Torn:
-    """Friction as a share of the holding torque, and backlash [rad electrical], from what is between both ways with the
-    full current and with `torque` of it [rad electrical]; `detent` is a share of the holding torque too.
-
-    Raises ValueError where the difference is none that friction makes.
-    """
-    from scipy import optimize
-
-    def more(friction: float) -> float:
-        return _hysteresis(friction, detent, torque) - _hysteresis(friction, detent, 1.0)
-
-    def friction_of(apart: float) -> float:
-        most = MOST_SHARE * torque
-        if apart > more(most):
-            raise ValueError(f"with less current the rotor lags {apart:.3g} rad more: more than friction does")
-        if apart <= 0:
-            return 0.0
-        return float(optimize.brentq(lambda friction: more(friction) - apart, 0.0, most))
-
-    def both(of_full: float, of_less: float) -> tuple[float, float]:
-        friction = friction_of(of_less - of_full)
-        return friction, of_full - _hysteresis(friction, detent, 1.0)
-
-    friction, backlash = both(full.value, less.value)
-    moved = (both(full.value + full.half, less.value), both(full.value, less.value + less.half))
-    halves = [
-        math.hypot(moved[0][at] - (friction, backlash)[at], moved[1][at] - (friction, backlash)[at]) for at in (0, 1)
-    ]
-    return Torn(Fitted(friction, halves[0]), Fitted(backlash, halves[1]))

@@ -1,4 +1,5 @@
-"""How a rotor swings around a field that stands, compiled: pendulum, detent, viscous and Coulomb friction, play."""
+"""How a rotor swings around a field that stands or turns, compiled: pendulum, detent, viscous and Coulomb friction,
+play."""
 
 from __future__ import annotations
 
@@ -21,10 +22,13 @@ compiled = Kernels(__file__).compiled
 
 
 @compiled
-def swing(p: FloatArray, field: float, place: float, speed: float, behind: float, dt: float, seen: FloatArray) -> None:
+def swing(
+    p: FloatArray, field: float, rate: float, place: float, speed: float, behind: float, dt: float, seen: FloatArray
+) -> None:
     """Fill `seen` with where the encoder sees the rotor, every `dt` [s] from its start at `place` with `speed` on.
 
-    field, place, speed, seen : [rad electrical], [rad/s]; behind : how far the rotor is ahead of the encoder at first.
+    field, place, seen : [rad electrical]; rate, speed : of field and rotor [rad/s]; behind : how far the rotor is ahead
+    of the encoder at first.
     Semi-implicit Euler: its frequency is off by (w dt)^2 / 24.
     """
     square, half = p[SQUARE], p[PLAY] / 2.0
@@ -35,7 +39,7 @@ def swing(p: FloatArray, field: float, place: float, speed: float, behind: float
         sine, cosine = math.sin(place), math.cos(place)
         twice = 2.0 * sine * cosine
         sine_4, cosine_4 = 2.0 * twice * (1.0 - 2.0 * sine * sine), 1.0 - 2.0 * twice * twice
-        torque = math.sin(field - place) - of_sine * sine_4 - of_cosine * cosine_4
+        torque = math.sin(field + rate * dt * index - place) - of_sine * sine_4 - of_cosine * cosine_4
         new = (speed + torque * square * dt) * damp
         if new > held:
             speed = new - held

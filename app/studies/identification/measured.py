@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...calc.motors.friction_backlash import Torn
 from ...calc.motors.ring_down import Fitted, RingDown
-from ...calc.motors.slow_turns import SlowTurn, Torn
+from ...calc.motors.slow_turns import SlowTurn
 from ...calc.positions.encoder_resolution import USUAL_COUNTS
 from ...number_text import plain
 from ..document import Identification

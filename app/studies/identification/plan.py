@@ -17,8 +17,6 @@ from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..ringing import HOP_PPS, HOPS, RING_S
 
-SPEEDS = (1.0, 2.0)
-"""Slow turns are made at so many times their speed, to tell what of them is the speed's."""
 TURN_S = 0.5
 """What a slow turn takes beside its way [s]."""
 LEAST_SCALE = 3
@@ -39,6 +37,12 @@ class Ground:
     lead: int
     slow_pps: float
     hop_pps: float
+
+    @property
+    def turns(self) -> tuple[tuple[int, float], ...]:
+        """Current scale, and times the slow speed, of each slow turn: twice the speed tells what of it is the speed's,
+        less current what is friction. Not both at once, which would be nearer to its resonance."""
+        return (self.current.run_scale, 1.0), (self.current.run_scale, 2.0), (self.low_scale, 1.0)
 
     @property
     def way(self) -> int:
@@ -117,15 +121,16 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: Identification) ->
     told.position_from = min(ground.start, *places)
     told.position_to = max(ground.start + ground.way, *places)
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.hop_pps, ground.most
-    told.moves_max = 8 + wanted.hops + 2
-    told.way_fullsteps = (8 * ground.way + max(places) - min(places) + 2 * ground.lead) / ground.full_step
-    told.time_s = 4 * sum(ground.way / ground.slow_pps / times + TURN_S for times in SPEEDS) + wanted.hops * (
-        RING_S + 0.1
-    )
+    told.moves_max = 2 * len(ground.turns) + wanted.hops + 2
+    told.way_fullsteps = (
+        2 * len(ground.turns) * ground.way + max(places) - min(places) + 2 * ground.lead
+    ) / ground.full_step
+    slow_s = 2 * sum(ground.way / ground.slow_pps / times + TURN_S for _, times in ground.turns)
+    told.time_s = slow_s + wanted.hops * (RING_S + 0.1)
     told.registers = [f"{each.name} of axis {axis}" for each in (*ground.ramp.before, *ground.current.before)]
     told.steps = [
         f"a turn there and back at {plain(wanted.velocity_rps)} turns a second and at twice that, with the run current",
-        f"the same with {100 * ground.current.share(ground.low_scale):.0f} % of it: friction grows, backlash does not",
+        f"the first with {100 * ground.current.share(ground.low_scale):.0f} % of it: friction grows, backlash does not",
         f"{wanted.hops} hops of about three quarters of a full step, after each of which the rotor rings out",
         "the setting as it is now goes back: nothing of it is changed",
     ]

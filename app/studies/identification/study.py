@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 
-from ...calc.motors.ring_down import Ring, fit_ring_downs
-from ...calc.motors.slow_turns import SlowTurn, Torn, at_standstill, fit_slow_turn, friction_and_backlash
+from ...calc.motors.friction_backlash import Torn, Turn, friction_and_backlash
+from ...calc.motors.ring_down import Ring, RingDown, fit_ring_downs
+from ...calc.motors.slow_turns import SlowTurn, fit_slow_turn
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import Identification
@@ -17,7 +17,7 @@ from ..ramp_settings import ACCELERATION, SPEED
 from ..ringing import HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
 from .measured import Measured, findings, identified
-from .plan import SPEEDS, Ground, hop_targets, look
+from .plan import Ground, hop_targets, look
 
 TURNS_WITH = 0.02
 """How much less or more than the motor is told may an encoder show, on the whole way."""
@@ -47,12 +47,7 @@ class IdentificationStudy(StudyRun):
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.current.before]
         await self.keeper.save(record)
-        turns = [
-            await self._slow_turn(index, scale, speed)
-            for index, (scale, speed) in enumerate(
-                itertools.product((ground.current.run_scale, ground.low_scale), SPEEDS)
-            )
-        ]
+        turns = [await self._slow_turn(index, *how) for index, how in enumerate(ground.turns)]
         rings = await self._rings()
         await self._moves.go(ground.start)
         await self.back()
@@ -111,7 +106,7 @@ class IdentificationStudy(StudyRun):
 
     async def _rings(self) -> list[Ring]:
         ground = self._ground
-        self._tell(len(SPEEDS) * 2, "hops, after each of which the rotor rings")
+        self._tell(len(ground.turns), "hops, after each of which the rotor rings")
         await self.apply(ground.current.registers(ground.current.run_scale), "the run current, also at rest")
         first, *targets = hop_targets(ground, self.wanted.hops)
         await self._moves.go(first - ground.full_step)
@@ -150,34 +145,31 @@ class IdentificationStudy(StudyRun):
     # --- fits ---------------------------------------------------------------------------------------
 
     def _fitted(self, turns: list[SlowTurn], rings: list[Ring]) -> Measured:
-        """Friction and backlash help to fit the rings, whose detent torque helps to tell both apart."""
+        """Friction and backlash help to fit the rings, which help to tell both apart."""
         why: list[str] = []
         torn = found = None
         try:
-            torn = self._torn(turns, 0.0)
+            torn = self._torn(turns, None)
         except ValueError as error:
             why.append(f"friction and backlash: {error}")
         try:
             for _ in range(ROUNDS):
                 play, friction = (0.0, None) if torn is None else (max(torn.backlash.value, 0.0), torn.friction)
                 found = fit_ring_downs(rings, play, friction)
-                torn = torn and self._torn(turns, found.detent.value)
+                torn = torn and self._torn(turns, found)
         except ValueError as error:
             why.append(f"resonance, damping, inertia: {error}")
         return Measured(turns[0], torn, found, why)
 
-    def _torn(self, turns: list[SlowTurn], detent: float) -> Torn:
+    def _torn(self, turns: list[SlowTurn], rings: RingDown | None) -> Torn:
         """Friction and backlash at no speed. Raises ValueError where they cannot be told apart."""
         ground = self._ground
         rad = 2 * math.pi / (4 * ground.full_step)
-        full, less = turns[: len(SPEEDS)], turns[len(SPEEDS) :]
-        slow, fast = (
-            friction_and_backlash(
-                one.apart.scaled(rad), other.apart.scaled(rad), ground.current.share(ground.low_scale), detent
-            )
-            for one, other in zip(full, less, strict=True)
-        )
-        return at_standstill(slow, fast)
+        made = [
+            Turn(turn.apart.scaled(rad), ground.current.share(scale), rad * times * ground.slow_pps)
+            for turn, (scale, times) in zip(turns, ground.turns, strict=True)
+        ]
+        return friction_and_backlash(made, rings)
 
     # --- what is told -------------------------------------------------------------------------------
 
@@ -186,5 +178,5 @@ class IdentificationStudy(StudyRun):
         self.record.way_fullsteps = self._moves.way_fullsteps
 
     def _tell(self, index: int, message: str) -> None:
-        self.tell("look", TURNS_TAKE * index / (2 * len(SPEEDS)), message)
+        self.tell("look", TURNS_TAKE * index / len(self._ground.turns), message)
         self.keeper.mark(message)
