@@ -252,6 +252,11 @@ class LeastCurrent(Part):
     margin: Annotated[float, Field(strict=True, ge=0, le=0.6, allow_inf_nan=False)] = Field(
         default=0.25, description="no step may be lost at so much less current either: for warmth, supply and load"
     )
+    speed_margin: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.25,
+        description="no step may be lost at so much more speed either: a lower supply and a warm winding take from the "
+        "motor what more speed takes, and no current scale gives it back; 0: not tried",
+    )
     repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
         default=3, description="cycles at each current that is tried"
     )

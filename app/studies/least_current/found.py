@@ -14,6 +14,7 @@ class CurrentTried(Part):
     share: float = Field(description="of the current before")
     held: bool
     cycles: int
+    speed_times: float = Field(default=1.0, description="so many times the speed of the load cycle")
     deviation_fullsteps: float | None = Field(default=None, description="peak of encoder less position, under way")
 
 
@@ -38,3 +39,12 @@ class LeastCurrentFound(Part):
     loss_rate_max: float | None = Field(default=None, description="upper bound of the loss rate there, 95 %, exact")
     heat_share: float | None = Field(default=None, description="of the heat of the coils before")
     saving: Saving | None = None
+    speed_times: float | None = Field(
+        default=None, description="so many times the speed of the load cycle was proved as well; null: not tried"
+    )
+    limited_by_supply: bool = Field(
+        default=False, description="whether more speed alone loses steps, with the current as it was before"
+    )
+    speed_times_held: float | None = Field(
+        default=None, description="then: so many times the speed lost none with the current as it was before"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ...devices.core.device import Device
@@ -12,10 +13,14 @@ from ..document import LeastCurrent, StudyDocument
 from ..families import identification_of
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..proof import runs_for
-from ..ramp_settings import ACCELERATION, SPEED, least_time_s
+from ..ramp_settings import ACCELERATION, SPEED, RampSpace
+from ..record import Held
+from .cycle import Cycle, faster
 
 SEARCHES = 5
 """A bisection of 32 scales."""
+MORE_SEARCHES = 5
+"""One with more speed, and a bisection of how much more."""
 BASELINE_CYCLES = 3
 AROUND_S = 0.6
 """What a move there and back takes beside its ramps: coming to rest, and looking [s]."""
@@ -23,13 +28,25 @@ AROUND_S = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """What is known before the first move. start, full_step : [microsteps]; move_s : of one move [s]."""
+    """What is known before the first move. start, full_step : [microsteps]; faster : None where it cannot be tried."""
 
     current: CurrentSpace
+    space: RampSpace
     start: int
     full_step: int
-    move_s: float
-    ramp: dict[str, float]
+    most: dict[str, float]
+    room: float
+    cycle: Cycle
+    faster: Cycle | None
+
+    @property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """The faster one, and the load cycle."""
+        return (self.cycle,) if self.faster is None else (self.faster, self.cycle)
+
+    def ramp(self, cycle: Cycle) -> list[Held]:
+        """What to write for a cycle: for the load cycle the ramp as it was, all of it."""
+        return self.space.before if cycle is self.cycle else self.space.registers(cycle.ramp)
 
     @property
     def period(self) -> int:
@@ -54,14 +71,24 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
         say("its speed or acceleration is 0: set the ramp of the load cycle first")
         return looked
     looked.missing += faults_told(device, axis, state)
-    far = state.position + wanted.distance + (4 if wanted.distance > 0 else -4) * found.full_step
-    if limits.beyond(far):
-        say(f"it would go to {far}, and the soft limits end before: begin elsewhere, or by a shorter distance")
+    cycle = Cycle(wanted.distance, {name: now[name] for name in (SPEED, ACCELERATION)})
+    begin = state.position + cycle.way * 4 * found.full_step
+    if limits.beyond(begin + wanted.distance):
+        say(f"it would go to {begin + wanted.distance}, beyond the soft limits: begin elsewhere, or go less far")
     looked.warnings += room_told(limits)
     if wanted.resistance_ohm is None or wanted.run_current_a is None:
         looked.warnings.append("resistance and present current are not told: the saving is a share, not in watts")
-    move_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
-    looked.ground = Ground(current, state.position, found.full_step, move_s, now)
+    most = {
+        SPEED: min(limits.velocity_max_pps or math.inf, found.space.most(SPEED), device.motion.speed_limit_pps(axis)),
+        ACCELERATION: min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION)),
+    }
+    end = limits.position_max if cycle.way > 0 else limits.position_min
+    room = math.inf if end is None else abs(end - begin)
+    more = faster(cycle, 1 + wanted.speed_margin, most, room) if wanted.speed_margin else None
+    if wanted.speed_margin and (more is None or more.times < 0.99 * (1 + wanted.speed_margin)):
+        held = "no more speed" if more is None else f"{100 * (more.times - 1):.0f} % more speed alone"
+        looked.warnings.append(f"{held} can be tried, by limits: what a lower supply does is shown so far only")
+    looked.ground = Ground(current, found.space, state.position, found.full_step, most, room, cycle, more)
     return looked
 
 
@@ -79,24 +106,33 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
     proof = runs_for(wanted.loss_rate_max)
-    cycles = BASELINE_CYCLES + SEARCHES * wanted.repeats + proof
-    way = 1 if wanted.distance > 0 else -1
-    far = ground.start + wanted.distance + way * ground.period
+    cycles = BASELINE_CYCLES + (SEARCHES + MORE_SEARCHES) * wanted.repeats + proof * len(ground.cycles)
+    hardest = ground.cycles[0]
+    far = ground.start + hardest.distance + hardest.way * ground.period
     told.position_from, told.position_to = min(ground.start, far), max(ground.start, far)
-    told.velocity_max_pps, told.acceleration_max_pps2 = ground.ramp[SPEED], ground.ramp[ACCELERATION]
+    told.velocity_max_pps, told.acceleration_max_pps2 = hardest.ramp[SPEED], hardest.ramp[ACCELERATION]
     told.moves_max = 2 * cycles
-    told.way_fullsteps = told.moves_max * (abs(wanted.distance) + ground.period) / ground.full_step
-    told.time_s = cycles * (2 * ground.move_s + AROUND_S)
-    told.registers = [each.name for each in ground.current.before]
+    told.way_fullsteps = told.moves_max * (abs(hardest.distance) + ground.period) / ground.full_step
+    told.time_s = cycles * (2 * max(each.time_s for each in ground.cycles) + AROUND_S)
+    told.registers = [each.name for each in (*ground.current.before, *ground.space.before)]
+    raised, more = "", list[str]()
+    if ground.faster is not None:
+        percent = f"{100 * (ground.faster.times - 1):.0f} % more speed"
+        raised = f", and as many with {percent}"
+        more.append(
+            f"{wanted.repeats} with {percent}, over {abs(ground.faster.distance)} microsteps: where they lose steps, "
+            "the supply limits, and not the current"
+        )
     told.steps = [
         f"{BASELINE_CYCLES} load cycles (by {wanted.distance} microsteps and back, with the ramp as it is) at first",
+        *more,
         f"less current by halves, {wanted.repeats} cycles each, until steps are lost",
         "after lost steps the position is taken from the encoder, and the motor goes back with the current as it was",
-        f"{proof} cycles at {100 * wanted.margin:g} % less than the current that is chosen: none may lose a step",
+        f"{proof} cycles at {100 * wanted.margin:g} % less than what is chosen{raised}: none may lose a step",
         "the current as it is now goes back, whatever came of it; one click takes the lower one",
     ]
     told.unwatched = [
-        "a load that is heavier than now, a lower supply, a warmer motor: the margin has to hold for them",
+        "a load that is heavier than now, a lower supply, a warmer motor: the margins have to hold for them",
         "what the axis has to hold at rest: the hold current is lowered only where it lies above the new run current",
         "CoolStep changes the current by itself: with it on, this is about its upper end",
     ]

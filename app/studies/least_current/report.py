@@ -47,10 +47,11 @@ def _tried(found: LeastCurrentFound) -> str:
         (
             f"{one.scale + 1}/32",
             f"{100 * one.share:.3g} %",
+            f"{100 * one.speed_times:.3g} %",
             "held" if one.held else "lost steps",
             str(one.cycles),
             number(one.deviation_fullsteps, 3),
         )
         for one in found.tried
     ]
-    return table(("run current", "of before", "", "load cycles", "peak deviation [full steps]"), rows)
+    return table(("run current", "of before", "speed", "", "load cycles", "peak deviation [full steps]"), rows)

@@ -1,4 +1,4 @@
-"""The study itself: the edge of the current, a margin above it, and the proof."""
+"""The study itself: whether the current limits at all, its edge, a margin above it, and the proof."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from ..parts import Interval
 from ..proof import rate_bound, runs_for
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
+from .cycle import Cycle, faster
 from .found import CurrentTried, LeastCurrentFound, Saving
-from .plan import BASELINE_CYCLES, Ground, look
+from .plan import BASELINE_CYCLES, MORE_SEARCHES, Ground, look
 
 PROOFS_MOST = 4
 """So often the edge is taken one scale higher after steps were lost in the proof."""
@@ -30,7 +31,8 @@ NAME = "run current scale"
 
 
 class LeastCurrentStudy(StudyRun):
-    """Lowers the run current until a load cycle loses steps, and proves one that lies a margin above."""
+    """Lowers the run current until a load cycle loses steps, and proves one that lies a margin above, where the current
+    and not the supply is what limits."""
 
     _ground: Ground
     _moves: MeasuredMoves
@@ -54,29 +56,30 @@ class LeastCurrentStudy(StudyRun):
         self._random = random.Random(record.document.seed)
         record.runs, record.trials, record.best, record.findings = 0, [], None, []
         if not record.baseline:
-            record.baseline = ground.current.before
+            record.baseline = [*ground.current.before, *ground.space.before]
             record.baseline_setting = {NAME: float(ground.current.run_scale)}
         record.units = dict(UNITS)
         record.least_current = LeastCurrentFound(scale_before=ground.current.run_scale)
         await self.keeper.save(record)
         await self._baseline()
-        edge = await self._edge()
-        await self._prove(edge)
+        if await self._supply_limits():
+            await self._speed_that_holds()
+        else:
+            await self._prove(await self._edge())
         await self.back()
         await self._moves.go(ground.start)
 
     # --- cycles -----------------------------------------------------------------------------------
 
-    async def _cycle(self) -> tuple[bool, float]:
+    async def _cycle(self, cycle: Cycle) -> tuple[bool, float]:
         """There and back from a place of the electrical period that is drawn anew: whether no step was lost, and the
         peak deviation [full steps]. Lost steps are mended."""
-        ground, distance = self._ground, self.wanted.distance
-        way = 1 if distance > 0 else -1
-        begin = ground.start + way * self._random.randrange(ground.period)
+        ground = self._ground
+        begin = ground.start + cycle.way * self._random.randrange(ground.period)
         moves: list[MoveFigures] = []
         try:
             await self._moves.go(begin)
-            for target in (begin + distance, begin):
+            for target in (begin + cycle.distance, begin):
                 moves.append(await self._moves.measured(target))
                 if moves[-1].lost_fullsteps:
                     break
@@ -90,7 +93,7 @@ class LeastCurrentStudy(StudyRun):
 
     async def _mend(self) -> None:
         self.keeper.mark("steps lost: the position is taken from the encoder")
-        await self.apply(self.record.baseline, "the current before the study")
+        await self.apply(self.record.baseline, "current and ramp before the study")
         await self.device.need(PositionFromEncoder).position_from_encoder(self.axis)
         await self._moves.go(self._ground.start)
 
@@ -98,13 +101,14 @@ class LeastCurrentStudy(StudyRun):
         current = self._ground.current
         return current.registers(scale, min(scale, current.hold_scale))
 
-    async def _tried(self, scale: int, cycles: int) -> bool:
+    async def _tried(self, scale: int, cycles: int, cycle: Cycle) -> bool:
         """Whether so many cycles at a scale lose no step."""
-        await self.apply(self._registers(scale), f"run current {scale + 1}/32")
+        registers = [*self._registers(scale), *self._ground.ramp(cycle)]
+        await self.apply(registers, f"run current {scale + 1}/32")
         self.keeper.mark(f"run current {scale + 1}/32")
         worst, done, held = 0.0, 0, True
         while held and done < cycles and not self.spent():
-            held, deviation = await self._cycle()
+            held, deviation = await self._cycle(cycle)
             done, worst = done + 1, max(worst, deviation)
         self.found.tried.append(
             CurrentTried(
@@ -112,6 +116,7 @@ class LeastCurrentStudy(StudyRun):
                 share=self._ground.current.share(scale),
                 held=held and done == cycles,
                 cycles=done,
+                speed_times=cycle.times,
                 deviation_fullsteps=worst,
             )
         )
@@ -124,12 +129,45 @@ class LeastCurrentStudy(StudyRun):
         self.tell("baseline", 0.0, "load cycles with the current as it is set now")
         self._touched = True
         # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._moves.go(self._ground.start + (1 if self.wanted.distance > 0 else -1) * self._ground.period)
+        await self._moves.go(self._ground.start + self._ground.cycle.way * self._ground.period)
         await self._moves.go(self._ground.start)
         for _ in range(BASELINE_CYCLES):
-            held, _ = await self._cycle()
+            held, _ = await self._cycle(self._ground.cycle)
             if not held:
                 raise Failed("it loses steps with the current as it is set now: more current, or a gentler ramp, first")
+
+    async def _supply_limits(self) -> bool:
+        """Whether more speed alone loses steps with the current as it was before."""
+        more, scale = self._ground.faster, self._ground.current.run_scale
+        if more is None:
+            return False
+        self.tell("baseline", 0.04, f"{100 * (more.times - 1):.0f} % more speed, with the current as it is set now")
+        self.found.limited_by_supply = not await self._tried(scale, self.wanted.repeats, more) and not self.spent()
+        return self.found.limited_by_supply
+
+    async def _speed_that_holds(self) -> None:
+        """By halves how much more speed loses no step."""
+        record, found, ground, more = self.record, self.found, self._ground, self._ground.faster
+        assert more is not None
+        low, high = 1.0, more.times
+        for index in range(MORE_SEARCHES - 1):
+            middle = (low + high) / 2
+            cycle = faster(ground.cycle, middle, ground.most, ground.room)
+            if cycle is None or self.spent():
+                break
+            self.tell("search", 0.1 + 0.2 * index, f"{100 * (middle - 1):.0f} % more speed")
+            if await self._tried(ground.current.run_scale, self.wanted.repeats, cycle):
+                low = middle
+            else:
+                high = middle
+        found.speed_times_held = low
+        record.improved = False
+        record.verdict = (
+            f"limited by the supply voltage, not by the current: with {found.scale_before + 1}/32 of the current as "
+            f"before, {100 * (high - 1):.2g} % more speed loses steps, {100 * (low - 1):.2g} % more does not; less "
+            "current would be no margin, so it stays as it is"
+        )
+        record.next = "more supply voltage, a motor of less inductance, or a slower ramp; then once more"
 
     async def _edge(self) -> int:
         """The least scale at which no step is lost, by halves."""
@@ -137,7 +175,7 @@ class LeastCurrentStudy(StudyRun):
         while high - low > 1 and not self.spent(share=0.5):
             middle = (low + high) // 2
             self.tell("search", 0.05 + 0.3 * len(self.found.tried) / 5, f"trying {middle + 1}/32 of the current")
-            if await self._tried(middle, self.wanted.repeats):
+            if await self._tried(middle, self.wanted.repeats, self._ground.cycles[0]):
                 high = middle
             else:
                 low = middle
@@ -167,7 +205,7 @@ class LeastCurrentStudy(StudyRun):
                 )
                 return
             self.tell("proof", 0.4, f"{cycles} load cycles at {stressed + 1}/32 of the current")
-            if await self._tried(stressed, cycles):
+            if await self._held(stressed, cycles):
                 self._decide(chosen, stressed, cycles, share)
                 return
             if self.spent():
@@ -176,6 +214,13 @@ class LeastCurrentStudy(StudyRun):
         record.improved, found.chosen, found.proved = None, None, None
         record.verdict = "the budget ended, or steps were lost, before the proof was over: nothing is shown"
         record.next = "more time, or a greater margin"
+
+    async def _held(self, scale: int, count: int) -> bool:
+        """Whether so many cycles lose no step, faster ones and as they are."""
+        for cycle in self._ground.cycles:
+            if not await self._tried(scale, count, cycle):
+                return False
+        return True
 
     def _decide(self, chosen: int, stressed: int, cycles: int, share: float) -> None:
         record, found, wanted = self.record, self.found, self.wanted
@@ -193,7 +238,10 @@ class LeastCurrentStudy(StudyRun):
             )
         ]
         record.best, record.improved = 1, True
-        watts = ""
+        more, raised, watts = self._ground.faster, "", ""
+        if more is not None:
+            found.speed_times = more.times
+            raised = f", nor in as many with {100 * (more.times - 1):.0f} % more speed"
         if found.saving is not None:
             low, high = found.saving.interval_w.low, found.saving.interval_w.high
             watts = (
@@ -201,11 +249,13 @@ class LeastCurrentStudy(StudyRun):
             )
         record.verdict = (
             f"{chosen + 1}/32 of the current instead of {found.scale_before + 1}/32: {100 * (1 - share):.3g} % less "
-            f"heat in the coils while it moves{watts}; at {stressed + 1}/32 no step was lost in {cycles} load cycles: "
-            f"fewer than {100 * found.loss_rate_max:.2g} % lose some there"
+            f"heat in the coils while it moves{watts}; at {stressed + 1}/32 no step was lost in {cycles} load cycles"
+            f"{raised}: fewer than {100 * found.loss_rate_max:.2g} % lose some there"
         )
         if wanted.margin < 0.1:
             record.next = "so little margin holds for the load, warmth and supply of now alone"
+        elif more is None:
+            record.next = "more speed was not tried: nothing shows what a lower supply does"
 
     def _saving(self, share: float) -> Saving | None:
         wanted = self.wanted

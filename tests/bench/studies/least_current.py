@@ -21,7 +21,7 @@ IRUN = 31
 FULL = replace(START, vmax=200_000, amax=800_000, irun=IRUN, ihold=16)
 STUDY: dict[str, Any] = {"kind": "least_current", "distance": 51_200, "margin": 0.25, "loss_rate_max": 0.05}
 BUDGET: dict[str, Any] = {"time_s": 3600.0}
-NAMES = ("IHOLD_IRUN", "VMAX", "AMAX")
+NAMES = ("IHOLD_IRUN", "VMAX", "AMAX", "DMAX")
 WARM_TORQUE, WARM_RESISTANCE, SAG = 0.95, 1.24, 0.9
 """A motor at 80 deg C: its magnets a little weaker (0.1 % a kelvin at most), its copper as tables say; the supply."""
 CYCLES = 100

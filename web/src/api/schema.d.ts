@@ -5365,6 +5365,12 @@ export interface components {
             /** Cycles */
             cycles: number;
             /**
+             * Speed Times
+             * @description so many times the speed of the load cycle
+             * @default 1
+             */
+            speed_times: number;
+            /**
              * Deviation Fullsteps
              * @description peak of encoder less position, under way
              */
@@ -8305,6 +8311,12 @@ export interface components {
              */
             margin?: number;
             /**
+             * Speed Margin
+             * @description no step may be lost at so much more speed either: a lower supply and a warm winding take from the motor what more speed takes, and no current scale gives it back; 0: not tried
+             * @default 0.25
+             */
+            speed_margin?: number;
+            /**
              * Repeats
              * @description cycles at each current that is tried
              * @default 3
@@ -8354,6 +8366,12 @@ export interface components {
              * @default 0.25
              */
             margin: number;
+            /**
+             * Speed Margin
+             * @description no step may be lost at so much more speed either: a lower supply and a warm winding take from the motor what more speed takes, and no current scale gives it back; 0: not tried
+             * @default 0.25
+             */
+            speed_margin: number;
             /**
              * Repeats
              * @description cycles at each current that is tried
@@ -8421,6 +8439,22 @@ export interface components {
              */
             heat_share: number | null;
             saving: components["schemas"]["Saving"] | null;
+            /**
+             * Speed Times
+             * @description so many times the speed of the load cycle was proved as well; null: not tried
+             */
+            speed_times: number | null;
+            /**
+             * Limited By Supply
+             * @description whether more speed alone loses steps, with the current as it was before
+             * @default false
+             */
+            limited_by_supply: boolean;
+            /**
+             * Speed Times Held
+             * @description then: so many times the speed lost none with the current as it was before
+             */
+            speed_times_held: number | null;
         };
         /**
          * Leg

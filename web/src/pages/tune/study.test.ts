@@ -170,11 +170,18 @@ describe("a study on the page", () => {
   });
 
   it("asks for less current, and draws what held apart from what lost steps", () => {
-    const study = { kind: "least_current", distance: 102_400, margin: 0.25, loss_rate_max: 0.05, run_current_a: null };
+    const study = {
+      kind: "least_current",
+      distance: 102_400,
+      margin: 0.25,
+      speed_margin: 0.25,
+      loss_rate_max: 0.05,
+      run_current_a: null,
+    };
     expect(documentOf("least_current", firstForms(null), "slide", 0).study).toMatchObject(study);
     const tried = [
-      { scale: 15, share: 0.5, held: true, cycles: 3, deviation_fullsteps: 0.6 },
-      { scale: 7, share: 0.25, held: false, cycles: 1, deviation_fullsteps: 4 },
+      { scale: 15, share: 0.5, held: true, cycles: 3, speed_times: 1, deviation_fullsteps: 0.6 },
+      { scale: 7, share: 0.25, held: false, cycles: 1, speed_times: 1, deviation_fullsteps: 4 },
     ];
     expect(triedOf({ tried })).toEqual([
       [8, 16],

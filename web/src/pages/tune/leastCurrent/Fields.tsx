@@ -20,12 +20,21 @@ export function Fields({ form, change, scale }: FieldsProps<LeastCurrentForm>) {
       />
       <NumberField
         label="Margin of current"
-        description="for a heavier load, a warm motor, a lower supply"
+        description="for a heavier load, a warm motor"
         value={form.marginPercent}
         min={0}
         max={60}
         unit="%"
         onChange={(marginPercent) => change({ marginPercent })}
+      />
+      <NumberField
+        label="Margin of speed"
+        description="for a supply that sags: tried as so much more speed; 0: not tried"
+        value={form.speedPercent}
+        min={0}
+        max={100}
+        unit="%"
+        onChange={(speedPercent) => change({ speedPercent })}
       />
       <NumberField
         label="Cycles that may lose a step, at most"

@@ -17,7 +17,8 @@ function Found({ found }: { found: LeastCurrentFound }) {
   const scheme = useScheme();
   const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
   const { saving } = found;
-  const note = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3)} % less heat`;
+  const cooler = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3)} % less heat`;
+  const note = found.limited_by_supply ? "limited by the supply voltage" : cooler;
   return (
     <Card title="Current" note={note}>
       <Plot
@@ -37,6 +38,7 @@ function Found({ found }: { found: LeastCurrentFound }) {
             <Table.Tr>
               <Table.Th scope="col">Run current</Table.Th>
               <Table.Th scope="col">Of before</Table.Th>
+              <Table.Th scope="col">Speed</Table.Th>
               <Table.Th scope="col">Cycles</Table.Th>
               <Table.Th scope="col" />
             </Table.Tr>
@@ -47,6 +49,7 @@ function Found({ found }: { found: LeastCurrentFound }) {
               <Table.Tr key={index}>
                 <Table.Th scope="row">{one.scale + 1}/32</Table.Th>
                 <Table.Td className="num">{compact(100 * one.share, 3)} %</Table.Td>
+                <Table.Td className="num">{compact(100 * one.speed_times, 3)} %</Table.Td>
                 <Table.Td className="num">{one.cycles}</Table.Td>
                 <Table.Td>{one.held ? "held" : "steps lost"}</Table.Td>
               </Table.Tr>

@@ -5,6 +5,8 @@ export interface LeastCurrentForm {
   distance: number;
   /** no step may be lost at so much less current either */
   marginPercent: number;
+  /** no step may be lost at so much more speed either */
+  speedPercent: number;
   /** bound of the share of cycles that lose a step, at that lower current */
   lossPercent: number;
   /** of one coil [Ohm]; null: the saving is told as a share */
@@ -20,6 +22,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
   first: (microstepsPerTurn) => ({
     distance: 2 * (microstepsPerTurn ?? 51_200),
     marginPercent: 25,
+    speedPercent: 25,
     lossPercent: 5,
     resistanceOhm: null,
     runCurrentA: null,
@@ -29,6 +32,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
       kind: "least_current",
       distance: Math.round(form.distance),
       margin: form.marginPercent / 100,
+      speed_margin: form.speedPercent / 100,
       loss_rate_max: form.lossPercent / 100,
       resistance_ohm: form.resistanceOhm,
       run_current_a: form.runCurrentA,
