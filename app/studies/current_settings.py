@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration
-from ..profiles.items import items_by_key, key_of
+from .field_settings import word_before
 from .record import Held
 
 
@@ -32,13 +32,7 @@ class CurrentSpace:
         if found is None or run is None or hold is None:
             raise WrongState(f"a {device.family.title} has no current scales that a study sets", "")
         self._row, self._run, self._hold, self.steps = found[0], run, hold, places.steps
-        word = held.words.get(key_of(self._row))
-        if word is None or key_of(self._row) not in items_by_key(device.model):
-            raise WrongState(
-                f"what {self._row.name} holds is not known, so it could not be put back",
-                "write it once, or start the axis up (POST .../start-up)",
-            )
-        self._word = word
+        word = self._word = word_before(device, self._row, held)
         self.before = [Held(name=self._row.name, axis=self._row.axis, value=self._row.decode(word))]
         self.run_scale = run.unpack(word)
         """As it was before."""

@@ -195,6 +195,7 @@ class ClosedLoop(Part):
     )
 
 
+CurrentShare = Annotated[float, Field(strict=True, ge=0.2, le=2, allow_inf_nan=False)]
 Speed = Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)]
 
 
@@ -307,6 +308,47 @@ class TorqueCurve(Part):
     )
 
 
+class ResonanceMap(Part):
+    """Ripple over speed and order of the electrical frequency, by the encoder, and which setting moves it where.
+
+    Nothing of it stays set.
+    """
+
+    kind: Literal["resonance_map"] = "resonance_map"
+    velocity_min_rps: Annotated[float, Field(strict=True, ge=0.05, le=20, allow_inf_nan=False)] = Field(
+        default=0.2, description="the slowest [turns of the motor a second]"
+    )
+    velocity_max_rps: Annotated[float, Field(strict=True, gt=0.05, le=50, allow_inf_nan=False)] = Field(
+        default=4.0, description="the fastest, as far as the travel lets it get there with the acceleration that is set"
+    )
+    speeds: Annotated[int, Field(strict=True, ge=8, le=60)] = Field(
+        default=20, description="by equal ratios; more are made around what resonates"
+    )
+    travel_turns: Annotated[float, Field(strict=True, ge=1, le=10_000, allow_inf_nan=False)] = Field(
+        default=12.0, description="room from where it stands, to positions above [turns of the motor]"
+    )
+    repeats: Annotated[int, Field(strict=True, ge=1, le=10)] = Field(
+        default=2, description="ways there and back at each speed; of a change so many with it and without, in turn"
+    )
+    current_shares: Annotated[list[CurrentShare], Field(max_length=4)] = Field(
+        default=[0.7], description="of the run current: changes to be compared with how it is set"
+    )
+    other_chopper: Annotated[bool, Field(strict=True)] = Field(
+        default=True, description="compare StealthChop, or SpreadCycle where that is what is off, too"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.05, description="what makes the ripple less than this share smaller is no improvement"
+    )
+
+    @model_validator(mode="after")
+    def _has_a_range(self) -> ResonanceMap:
+        if self.velocity_max_rps < 2 * self.velocity_min_rps:
+            raise ValueError("velocity_max_rps has to be twice velocity_min_rps at the least")
+        if 1 in self.current_shares:
+            raise ValueError("current_shares has 1: that is the current as it is set, and no change")
+        return self
+
+
 What: TypeAlias = Annotated[
     ClosedLoop
     | FastestMove
@@ -314,6 +356,7 @@ What: TypeAlias = Annotated[
     | Identification
     | LeastCurrent
     | MicrostepCalibration
+    | ResonanceMap
     | StallGuard
     | TorqueCurve,
     Field(discriminator="kind"),
@@ -325,6 +368,7 @@ Kind = Literal[
     "identification",
     "least_current",
     "microstep_calibration",
+    "resonance_map",
     "stallguard",
     "torque_curve",
 ]
@@ -335,6 +379,7 @@ TITLES: dict[Kind, str] = {
     "identification": "Motor and machine",
     "least_current": "Least current",
     "microstep_calibration": "Microstep calibration",
+    "resonance_map": "Resonance map",
     "stallguard": "StallGuard threshold",
     "torque_curve": "Torque over speed",
 }

@@ -9,9 +9,11 @@ from ..errors import WrongState
 from .closed_loop.setting import LoopPlaces
 from .identification.places import IdentificationPlaces
 from .ramp_settings import RampRegisters
+from .resonance_map.places import RipplePlaces
 from .stallguard.setting import StallPlaces
 from .tmc5xxx.identification import CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
+from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
@@ -19,6 +21,7 @@ from .tmc4361.ramp import RAMP as S_RAMP
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER)}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
+RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 
@@ -62,3 +65,8 @@ def loop_of(device: Device) -> LoopPlaces:
             f"no study sets a position loop of a {device.family.title}", "a TMC4361 with an encoder has one (PID)"
         )
     return found
+
+
+def ripple_of(device: Device) -> RipplePlaces | None:
+    """What it has of settings that move ripple, and that a study sets; None for a family without any."""
+    return RIPPLES.get(device.family.family)

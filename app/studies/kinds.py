@@ -23,6 +23,8 @@ from .microstep_calibration import plan as microstep_calibration
 from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
 from .record import StudyRecord
+from .resonance_map import plan as resonance_map
+from .resonance_map.study import ResonanceMapStudy
 from .run import Keeper, StudyRun
 from .stallguard import plan as stallguard
 from .stallguard.study import StallGuardStudy
@@ -90,6 +92,14 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         MicrostepCalibrationStudy,
         microstep_calibration.plan,
+    ),
+    "resonance_map": StudyKind(
+        "resonance_map",
+        "Resonance map",
+        "quieter: how much it vibrates at each speed, which order meets the resonance, and which setting moves that",
+        POSITIONS,
+        ResonanceMapStudy,
+        resonance_map.plan,
     ),
     "closed_loop": StudyKind(
         "closed_loop",

@@ -11,9 +11,10 @@ from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration, axis_part, read_held
 from ..profiles.document import ProfileDocument, Tables
-from ..profiles.items import Key, items_by_key, key_of
+from ..profiles.items import Key, key_of
 from ..profiles.physical import UnitContext
 from ..registers.model import Register
+from .field_settings import word_before
 from .record import Held
 from .table_settings import parts_of
 
@@ -66,16 +67,9 @@ class RampSpace:
         off = [(row, value) for name, value in names.off.items() if (row := self._find(name)) is not None]
         self._off = [Held(name=row.name, axis=row.axis, value=value) for row, value in off]
         rows = [row for setting in self._settings.values() for row in setting.rows] + [row for row, _ in off]
-        items = items_by_key(device.model)
         self.before: list[Held] = []
         for row in rows:
-            word = held.words.get(key_of(row))
-            if word is None or key_of(row) not in items:
-                raise WrongState(
-                    f"what {row.name} holds is not known, so it could not be put back",
-                    "write it once, or start the axis up (POST .../start-up)",
-                )
-            self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word)))
+            self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word_before(device, row, held))))
 
     def _find(self, name: str) -> Register | None:
         found = self._device.family.table.find(name, self._axis)

@@ -11,6 +11,7 @@ from .document import StudyDocument
 from .identification.found import Identified
 from .least_current.found import LeastCurrentFound
 from .parts import Interval, Part
+from .resonance_map.found import ResonanceFound
 from .stallguard.found import StallFound
 from .torque_curve.found import TorqueFound
 
@@ -219,6 +220,7 @@ class StudyRecord(Part):
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
     least_current: LeastCurrentFound | None = Field(default=None, description="of a study of the least current")
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
+    resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

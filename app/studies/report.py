@@ -14,6 +14,7 @@ from .least_current import report as least_current
 from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
+from .resonance_map import report as resonance_map
 from .stallguard import report as stallguard
 from .torque_curve import report as torque_curve
 
@@ -32,6 +33,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "identification": identification.sections,
     "least_current": least_current.sections,
     "microstep_calibration": microstep_calibration.sections,
+    "resonance_map": resonance_map.sections,
     "stallguard": stallguard.sections,
     "torque_curve": torque_curve.sections,
 }

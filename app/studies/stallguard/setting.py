@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...errors import WrongState
 from ...profiles.capture import CapturedConfiguration
-from ...profiles.items import items_by_key, key_of
+from ...profiles.items import key_of
 from ...registers.model import Field, Register
+from ..field_settings import Place, place_of, word_before
 from ..record import Held
 from .scale import COUNTS_A_THRESHOLD, Generation, Scale
 
@@ -21,14 +22,6 @@ TSTEP_MICROSTEPS = 256
 """TSTEP counts the clocks of one of so many microsteps of a full step, whatever the resolution is."""
 VELOCITY_SCALE = 1 << 24
 """A velocity counts clock / 2^24 microsteps a second."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A register, or a field of one."""
-
-    register: str
-    field: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +81,7 @@ class StallSpace:
         self.before: list[Held] = []
         self._rows = {key_of(row): row for row, _ in parts}
         for row in self._rows.values():
-            word = held.words.get(key_of(row))
-            if word is None or key_of(row) not in items_by_key(device.model):
-                raise WrongState(
-                    f"what {row.name} holds is not known, so it could not be put back",
-                    "write it once, or start the axis up (POST .../start-up)",
-                )
-            self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word)))
+            self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word_before(device, row, held))))
         self._words = {key: held.words[key] or 0 for key in self._rows}
 
     def _row(self, name: str) -> Register | None:
@@ -102,11 +89,7 @@ class StallSpace:
         return None if found is None else found[0]
 
     def _find(self, place: Place) -> tuple[Register, Field | None] | None:
-        found = self._device.family.table.find(place.register, self._axis)
-        if found is None or not place.field:
-            return found
-        field = found[0].field_named(place.field)
-        return None if field is None else (found[0], field)
+        return place_of(self._device, self._axis, place)
 
     def now(self) -> StallSetting:
         """As the axis had it before; a threshold of speed of 0 clocks is one that is never passed."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..stallguard.setting import Place, StallPlaces
+from ..field_settings import Place
+from ..stallguard.setting import StallPlaces
 
 STALLGUARD2 = StallPlaces(
     generation=2,

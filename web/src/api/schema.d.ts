@@ -4197,6 +4197,46 @@ export interface components {
             /** Findings */
             findings: string[];
         };
+        /**
+         * Change
+         * @description What a change makes of the ripple.
+         */
+        Change: {
+            /** Name */
+            name: string;
+            /**
+             * Trial
+             * @description its number among the trials
+             */
+            trial: number;
+            /** Points */
+            points: components["schemas"]["ComparedPoint"][];
+            /**
+             * Lost Rps
+             * @description speeds at which it lost steps
+             */
+            lost_rps: number[];
+            /** @description with it */
+            resonance_hz: components["schemas"]["Estimate"] | null;
+            /**
+             * Before Deg
+             * @description mean of all speeds
+             */
+            before_deg: number | null;
+            /**
+             * Difference Deg
+             * @description of that mean, with it less without
+             */
+            difference_deg: number | null;
+            interval_deg: components["schemas"]["Interval"] | null;
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number | null;
+            /** Quieter */
+            quieter: boolean | null;
+        };
         /** ChannelInfo */
         ChannelInfo: {
             /**
@@ -5000,6 +5040,27 @@ export interface components {
             values: (number | null)[];
             figures: components["schemas"]["DifferenceOut"];
         };
+        /**
+         * ComparedPoint
+         * @description A speed without a change and with it, root mean square; the difference is with it less without.
+         */
+        ComparedPoint: {
+            /** Speed Rps */
+            speed_rps: number;
+            /** Before Deg */
+            before_deg: number;
+            /** After Deg */
+            after_deg: number;
+            /** Difference Deg */
+            difference_deg: number;
+            /** @description 95 % of all speeds together (Bonferroni) */
+            interval_deg: components["schemas"]["Interval"];
+            /**
+             * Told
+             * @enum {string}
+             */
+            told: "quieter" | "louder" | "no difference";
+        };
         /** ComparedRecording */
         ComparedRecording: {
             /** Id */
@@ -5106,6 +5167,25 @@ export interface components {
              * @default 0
              */
             axis?: number;
+        };
+        /**
+         * Crossing
+         * @description An order that meets the resonance within the speeds.
+         */
+        Crossing: {
+            /** Order */
+            order: number;
+            speed_rps: components["schemas"]["Estimate"];
+            /**
+             * Peak Deg
+             * @description its greatest amplitude there
+             */
+            peak_deg: number;
+            /**
+             * Times
+             * @description so many times of what it is beside
+             */
+            times: number;
         };
         /**
          * CurrentScales
@@ -9220,6 +9300,48 @@ export interface components {
              */
             what: string;
         };
+        /**
+         * MapPoint
+         * @description One speed. Null is what could not be told.
+         */
+        MapPoint: {
+            /**
+             * Speed Rps
+             * @description [turns of the motor a second]
+             */
+            speed_rps: number;
+            /** Electrical Hz */
+            electrical_hz: number;
+            /**
+             * Ripple Deg
+             * @description root mean square of what the rotor is beside its mean lag, drift and the encoder's eccentricity
+             */
+            ripple_deg: number | null;
+            /** @description 95 %, by repeats; null for fewer than two */
+            interval_deg: components["schemas"]["Interval"] | null;
+            /**
+             * Amplitudes Deg
+             * @description mean of the runs, as `orders` has them
+             */
+            amplitudes_deg: (number | null)[];
+            /**
+             * Rest Deg
+             * @description root mean square of what no order explains
+             */
+            rest_deg: number | null;
+            /**
+             * Rest Hz
+             * @description the strongest frequency of that
+             */
+            rest_hz: number | null;
+            /** Runs */
+            runs: number;
+            /**
+             * Lost
+             * @description runs in which steps were lost: they are in no figure
+             */
+            lost: number;
+        };
         /** MarkOut */
         MarkOut: {
             /**
@@ -13294,6 +13416,160 @@ export interface components {
             name?: string | null;
         };
         /**
+         * ResonanceFound
+         * @description The map.
+         */
+        ResonanceFound: {
+            /** Orders */
+            orders: number[];
+            /**
+             * Points
+             * @description by rising speed
+             */
+            points: components["schemas"]["MapPoint"][];
+            /** @description of small swings of the rotor */
+            resonance_hz: components["schemas"]["Estimate"] | null;
+            damping_ratio: components["schemas"]["Estimate"] | null;
+            /**
+             * Told By
+             * @description the orders that tell the resonance
+             */
+            told_by: number[];
+            /**
+             * Crossings
+             * @description those that tell it first, then the strongest
+             */
+            crossings: components["schemas"]["Crossing"][];
+            /** Changes */
+            changes: components["schemas"]["Change"][];
+        };
+        /**
+         * ResonanceMap
+         * @description Ripple over speed and order of the electrical frequency, by the encoder, and which setting moves it where.
+         *
+         *     Nothing of it stays set.
+         */
+        "ResonanceMap-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "resonance_map";
+            /**
+             * Velocity Min Rps
+             * @description the slowest [turns of the motor a second]
+             * @default 0.2
+             */
+            velocity_min_rps?: number;
+            /**
+             * Velocity Max Rps
+             * @description the fastest, as far as the travel lets it get there with the acceleration that is set
+             * @default 4
+             */
+            velocity_max_rps?: number;
+            /**
+             * Speeds
+             * @description by equal ratios; more are made around what resonates
+             * @default 20
+             */
+            speeds?: number;
+            /**
+             * Travel Turns
+             * @description room from where it stands, to positions above [turns of the motor]
+             * @default 12
+             */
+            travel_turns?: number;
+            /**
+             * Repeats
+             * @description ways there and back at each speed; of a change so many with it and without, in turn
+             * @default 2
+             */
+            repeats?: number;
+            /**
+             * Current Shares
+             * @description of the run current: changes to be compared with how it is set
+             * @default [
+             *       0.7
+             *     ]
+             */
+            current_shares?: number[];
+            /**
+             * Other Chopper
+             * @description compare StealthChop, or SpreadCycle where that is what is off, too
+             * @default true
+             */
+            other_chopper?: boolean;
+            /**
+             * Smallest Gain
+             * @description what makes the ripple less than this share smaller is no improvement
+             * @default 0.05
+             */
+            smallest_gain?: number;
+        };
+        /**
+         * ResonanceMap
+         * @description Ripple over speed and order of the electrical frequency, by the encoder, and which setting moves it where.
+         *
+         *     Nothing of it stays set.
+         */
+        "ResonanceMap-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "resonance_map";
+            /**
+             * Velocity Min Rps
+             * @description the slowest [turns of the motor a second]
+             * @default 0.2
+             */
+            velocity_min_rps: number;
+            /**
+             * Velocity Max Rps
+             * @description the fastest, as far as the travel lets it get there with the acceleration that is set
+             * @default 4
+             */
+            velocity_max_rps: number;
+            /**
+             * Speeds
+             * @description by equal ratios; more are made around what resonates
+             * @default 20
+             */
+            speeds: number;
+            /**
+             * Travel Turns
+             * @description room from where it stands, to positions above [turns of the motor]
+             * @default 12
+             */
+            travel_turns: number;
+            /**
+             * Repeats
+             * @description ways there and back at each speed; of a change so many with it and without, in turn
+             * @default 2
+             */
+            repeats: number;
+            /**
+             * Current Shares
+             * @description of the run current: changes to be compared with how it is set
+             * @default [
+             *       0.7
+             *     ]
+             */
+            current_shares: number[];
+            /**
+             * Other Chopper
+             * @description compare StealthChop, or SpreadCycle where that is what is off, too
+             * @default true
+             */
+            other_chopper: boolean;
+            /**
+             * Smallest Gain
+             * @description what makes the ripple less than this share smaller is no improvement
+             * @default 0.05
+             */
+            smallest_gain: number;
+        };
+        /**
          * ResponseState
          * @description A step response or a disturbance: the one that runs, or the latest one.
          */
@@ -15144,7 +15420,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15186,7 +15462,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15206,7 +15482,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15245,7 +15521,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "stallguard" | "torque_curve";
+            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -15475,6 +15751,8 @@ export interface components {
             least_current: components["schemas"]["LeastCurrentFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
+            /** @description of a resonance map */
+            resonances: components["schemas"]["ResonanceFound"] | null;
             /**
              * Next
              * @description what would be worth doing next

@@ -5,6 +5,7 @@ import { IDENTIFICATION, type IdentificationForm } from "./identification/form";
 import type { KindForm } from "./kind";
 import { LEAST_CURRENT, type LeastCurrentForm } from "./leastCurrent/form";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
+import { RESONANCE_MAP, type ResonanceForm } from "./resonanceMap/form";
 import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
 import type { Kind, Wish } from "./study";
 import { TORQUE_CURVE, type TorqueForm } from "./torqueCurve/form";
@@ -16,6 +17,7 @@ export interface Forms {
   identification: IdentificationForm;
   least_current: LeastCurrentForm;
   microstep_calibration: MicrostepForm;
+  resonance_map: ResonanceForm;
   stallguard: StallGuardForm;
   torque_curve: TorqueForm;
   closed_loop: ClosedLoopForm;
@@ -28,6 +30,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   identification: IDENTIFICATION,
   least_current: LEAST_CURRENT,
   microstep_calibration: MICROSTEP_CALIBRATION,
+  resonance_map: RESONANCE_MAP,
   stallguard: STALLGUARD,
   torque_curve: TORQUE_CURVE,
   closed_loop: CLOSED_LOOP,
@@ -43,6 +46,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     identification: IDENTIFICATION.first(microstepsPerTurn),
     least_current: LEAST_CURRENT.first(microstepsPerTurn),
     microstep_calibration: MICROSTEP_CALIBRATION.first(microstepsPerTurn),
+    resonance_map: RESONANCE_MAP.first(microstepsPerTurn),
     stallguard: STALLGUARD.first(microstepsPerTurn),
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
     closed_loop: CLOSED_LOOP.first(microstepsPerTurn),

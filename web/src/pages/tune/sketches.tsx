@@ -26,6 +26,11 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
     <path d="M4 15h64" />,
     <path d="M4 4c6 0 6 22 12 22S22 8 28 8s6 12 12 12 6-8 12-8 6 5 16 4" />,
   ),
+  resonance_map: sketch(
+    <path d="M4 27 68 3M4 27 68 15" />,
+    <path d="M4 26h14c8 0 7-20 11-20s3 20 11 20h4c5 0 4-10 7-10s2 10 7 10h10" />,
+  ),
+  least_current: sketch(<path d="M4 7h64" />, <path d="M4 7h14v9h14v7h36" />),
   torque_curve: sketch(<path d="M6 3v23h62" />, <path d="M6 6h24c14 0 20 12 36 15" />),
   closed_loop: sketch(<path d="M4 26h8V9h56" />, <path d="M4 26h8c4 0 4-21 10-21s5 6 10 6 5-2 36-2" />),
   stallguard: sketch(

@@ -5,6 +5,7 @@ import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/
 import { documentOf, firstForms, kindAsked } from "./kinds";
 import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
+import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { remedyOf, type Study } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
@@ -253,6 +254,43 @@ describe("a study on the page", () => {
     const middle = crossings(trial(9, "feasible", Math.sqrt(1e5), 0.75), ranges);
     for (const height of middle) expect(height).toBeCloseTo(0.5);
     expect(rangesOf({ ...study, trials: TRIALS.slice(0, 1) } as Study)).toEqual([]);
+  });
+
+  it("draws a Campbell plot: each order's frequency at each speed, the strongest dot on top", () => {
+    const point = { ripple_deg: 1, interval_deg: null, rest_deg: 0, rest_hz: null, runs: 2, lost: 0 };
+    const found: ResonanceFound = {
+      orders: [2, 4],
+      points: [
+        { ...point, speed_rps: 0.5, electrical_hz: 25, amplitudes_deg: [1, 16] },
+        { ...point, speed_rps: 2, electrical_hz: 100, amplitudes_deg: [null, 4] },
+        { ...point, speed_rps: 3, electrical_hz: 0, amplitudes_deg: [null, null], lost: 2, runs: 0 },
+      ],
+      resonance_hz: { value: 100, interval: { low: 99, high: 101 } },
+      damping_ratio: null,
+      told_by: [4],
+      crossings: [],
+      changes: [],
+    };
+    const plot = campbellOf(found);
+    expect(plot?.dots.map(({ order, speed, level }) => [order, speed, level])).toEqual([
+      [2, 0.5, 0.25],
+      [4, 2, 0.5],
+      [4, 0.5, 1],
+    ]);
+    const [weak, other, strong] = plot?.dots ?? [];
+    if (!plot || !weak || !other || !strong) throw new Error("three dots");
+    expect(plot.resonance).toBeCloseTo(strong.y);
+    expect(colourOf(strong)).toBe("#fee838");
+    expect(saidOf(strong)).toBe("order 4 at 0.500 turns/s, 100 Hz: 16°");
+    expect(walked(plot.dots, null, "ArrowUp")).toBe(strong);
+    expect(walked(plot.dots, strong, "ArrowDown")).toBe(weak);
+    expect(walked(plot.dots, weak, "ArrowRight")).toBe(weak);
+    expect(walked(plot.dots, strong, "ArrowRight")).toBe(other);
+    expect(campbellOf({ ...found, points: [] })).toBeNull();
+    const compared = { before_deg: 3, after_deg: 1, difference_deg: -2, interval_deg: { low: -3, high: -1 } };
+    const points = [{ ...compared, speed_rps: 0.5, told: "quieter" as const }];
+    const change = { name: "x", trial: 1, points, lost_rps: [], resonance_hz: null, p: null, quieter: true };
+    expect(changeOf({ ...change, before_deg: 3, difference_deg: -2, interval_deg: null })).toEqual([[0.5], [3], [1]]);
   });
 
   it("makes a cure's address whole", () => {

@@ -11,6 +11,8 @@ import { Fields as LeastCurrentFields } from "./leastCurrent/Fields";
 import { Results as LeastCurrentResults } from "./leastCurrent/Results";
 import { Fields as MicrostepFields } from "./microstepCalibration/Fields";
 import { Results as MicrostepResults } from "./microstepCalibration/Results";
+import { Fields as ResonanceFields } from "./resonanceMap/Fields";
+import { Results as ResonanceResults } from "./resonanceMap/Results";
 import { Fields as StallGuardFields } from "./stallguard/Fields";
 import { Results as StallGuardResults } from "./stallguard/Results";
 import type { Kind } from "./study";
@@ -24,6 +26,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   identification: { Fields: IdentificationFields, Results: IdentificationResults },
   least_current: { Fields: LeastCurrentFields, Results: LeastCurrentResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
+  resonance_map: { Fields: ResonanceFields, Results: ResonanceResults },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
   torque_curve: { Fields: TorqueFields, Results: TorqueResults },

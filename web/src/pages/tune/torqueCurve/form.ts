@@ -16,7 +16,7 @@ export interface TorqueForm {
 }
 
 export const TORQUE_CURVE: KindForm<TorqueForm> = {
-  label: "Known in its torque",
+  label: "Torque known",
   text: "How much torque the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost.",
   title: "Torque over speed",
   first: () => ({
