@@ -3,9 +3,11 @@ import { useHotkeys } from "@mantine/hooks";
 import { IconHelpCircle, IconSearch } from "@tabler/icons-react";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
+import { useSelectionInAddress } from "../live/selection";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
+import { CopyLink } from "./CopyLink";
 import { DevicePicker } from "./DevicePicker";
 import { FirstStart } from "./FirstStart";
 import { HeldBack } from "./HeldBack";
@@ -31,6 +33,7 @@ const HELP = "/help/";
 export function Shell({ children }: PropsWithChildren) {
   const [location, go] = useLocation();
   const pages = pagesFor(useAbilities());
+  useSelectionInAddress();
   // ten keys: the tenth is 0
   useHotkeys(pages.slice(0, 10).map(({ path }, index) => [`alt+${(index + 1) % 10}`, () => go(path)]));
   const bar = useRef<HTMLElement>(null);
@@ -67,6 +70,7 @@ export function Shell({ children }: PropsWithChildren) {
         <Group gap={6} wrap="nowrap">
           <LeaseControl />
           <Palette />
+          <CopyLink />
           <Shortcuts />
           <ColorSchemeToggle />
           <LogOut />

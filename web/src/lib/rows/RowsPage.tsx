@@ -1,7 +1,8 @@
 import { Tabs } from "@mantine/core";
-import { type ReactNode, useState } from "react";
+import type { ReactNode } from "react";
 import { problemOf } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { useAddressChoice } from "../address";
 import { Card } from "../Card";
 import { ProblemAlert } from "../ProblemAlert";
 import { TierBadge } from "../TierBadge";
@@ -44,7 +45,7 @@ interface Props {
 export function RowsPage(props: Props) {
   const { name, one, many, device, live, rows, phone, toolbar, above, list, help, more = [] } = props;
   const id = device?.id ?? "";
-  const [tab, setTab] = useState("row");
+  const [tab, setTab] = useAddressChoice("tab", ["row", "changes", ...more.map(({ value }) => value)]);
   const staged = useStaged(id);
   const apply = useApply(id);
   const count = countChanges(staged.edits);

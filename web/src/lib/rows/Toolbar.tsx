@@ -2,31 +2,19 @@ import { Button, CloseButton, Kbd, TextInput } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
 import { type PropsWithChildren, useRef, useState } from "react";
-import { useSearch } from "wouter";
+import { useAddressText } from "../address";
 import css from "./rows.module.css";
 import type { Live } from "./useRegisters";
 
 /** What a page of rows looks for, what of it is folded, and whether its values go on. */
 export function useRowsView() {
   const [paused, setPaused] = useState(false);
-  const { query, setQuery } = useFindQuery();
+  const [query, setQuery] = useAddressText("find");
   const [folded, setFolded] = useState<Readonly<Record<string, boolean>>>({});
   const fold = (key: string, fold: boolean) => setFolded((now) => ({ ...now, [key]: fold }));
   /** whether a group is folded; `first` until the user has folded or opened it. A search opens all. */
   const isFolded = (key: string, first: boolean) => (query === "" ? (folded[key] ?? first) : false);
   return { paused, setPaused, query, setQuery, fold, isFolded };
-}
-
-/** What is looked for: at first what the address says, and again where another address is gone to. */
-function useFindQuery() {
-  const asked = new URLSearchParams(useSearch()).get("find");
-  const [query, setQuery] = useState(asked ?? "");
-  const [seen, setSeen] = useState(asked);
-  if (asked !== seen) {
-    setSeen(asked);
-    if (asked !== null) setQuery(asked);
-  }
-  return { query, setQuery };
 }
 
 interface Props {

@@ -1,4 +1,5 @@
 import { useMemo, useState } from "react";
+import { useAddressText } from "../address";
 import type { FieldRow, RegisterRow } from "./bits";
 import { type Key, stage, unstage } from "./staging";
 import { updateStaged } from "./store";
@@ -16,10 +17,10 @@ export interface RowActions {
 export function useRowState(device: string) {
   const [open, setOpen] = useState<ReadonlySet<Key>>(new Set());
   const [editing, setEditing] = useState<Key | null>(null);
-  const [selected, setSelected] = useState<Key | null>(null);
+  const [selected, select] = useAddressText("reg");
   const actions = useMemo<RowActions>(
     () => ({
-      select: setSelected,
+      select,
       toggle: (key, wanted) =>
         setOpen((now) => {
           const next = new Set(now);
@@ -32,7 +33,7 @@ export function useRowState(device: string) {
         updateStaged(device, (now) => ({ edits: stage(now.edits, row, field, value, chip) })),
       unstage: (key, field) => updateStaged(device, (now) => ({ edits: unstage(now.edits, key, field) })),
     }),
-    [device],
+    [device, select],
   );
-  return { open, editing, selected, actions };
+  return { open, editing, selected: selected === "" ? null : selected, actions };
 }

@@ -13,8 +13,9 @@ import { useSelection } from "../../live/selection";
 import { AuditRow } from "./AuditRow";
 import classes from "./audit.module.css";
 import { FilterBar } from "./FilterBar";
-import { type Entry, EVERYTHING, type Filters, isFiltered, queryOf } from "./filters";
+import { type Entry, EVERYTHING, isFiltered, queryOf } from "./filters";
 import { type Audit, SHOWN_MAX, useAudit } from "./useAudit";
+import { useFilters } from "./useFilters";
 
 const COLUMNS = ["Time", "Who", "Device", "Action", "What", "Old → new", "Outcome"] as const;
 /** Scrolled down further than that, rows are read: new ones wait above. */
@@ -22,10 +23,7 @@ const READING_PX = 80;
 
 /** Who did what, when, and what came of it. */
 export default function AuditPage() {
-  const [filters, setFilters] = useState<Filters>(() => ({
-    ...EVERYTHING,
-    text: new URLSearchParams(window.location.search).get("find") ?? "",
-  }));
+  const [filters, setFilters] = useFilters();
   const [settled] = useDebouncedValue(filters, 200);
   const minute = useMinute();
   // a span ends now: the question is another one each minute, and only then

@@ -2,7 +2,8 @@ import type { Schemas } from "../../api/client";
 
 export type Entry = Schemas["AuditEntry"];
 export type Outcome = "done" | "not proven" | "refused";
-export type Span = "any" | "15 min" | "hour" | "day" | "week" | "between";
+export const SPANS = ["any", "15 min", "hour", "day", "week", "between"] as const;
+export type Span = (typeof SPANS)[number];
 
 /** What of the log is wanted; empty texts: everything. */
 export interface Filters {

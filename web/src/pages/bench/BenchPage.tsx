@@ -5,6 +5,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
 import { can, type Device, useDevices } from "../../api/queries";
+import { putIntoAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { later } from "../../lib/later";
@@ -18,7 +19,7 @@ import { MotionCard } from "./motion/MotionCard";
 import { useSearch } from "./motion/useSearch";
 import { StageDrawing } from "./StageDrawing";
 import { ScopeCard } from "./scope/ScopeCard";
-import { useScopeSettings } from "./scope/settings";
+import { textsOf, useScopeSettings } from "./scope/settings";
 import { useEmulator } from "./useEmulator";
 
 const EmulatorPanel = later(() => import("./EmulatorPanel").then((part) => part.EmulatorPanel));
@@ -69,6 +70,8 @@ interface BenchProps {
 function Bench({ devices, lost }: BenchProps) {
   const { device, axis, select } = useSelection();
   const [settings, change] = useScopeSettings();
+  // biome-ignore lint/correctness/useExhaustiveDependencies: as it was left; each change of it says so by itself
+  useEffect(() => putIntoAddress(textsOf(settings), "replace"), []);
   const [panel, { toggle, close }] = useDisclosure();
   const asKnown = (each: Device): Device => (lost ? { ...each, state: "disconnected" } : each);
   const entry = device?.axes.find((candidate) => candidate.index === axis) ?? device?.axes[0];

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { IconFileDescription } from "@tabler/icons-react";
-import { useSearchParams } from "wouter";
+import { putIntoAddress, useAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { Page } from "../../lib/Page";
@@ -9,10 +9,9 @@ import { SavedProfiles } from "./SavedProfiles";
 
 /** Whole configurations: kept, compared, applied, handed on. */
 export default function ProfilesPage() {
-  const [parameters, setParameters] = useSearchParams();
-  const given = Number(parameters.get("profile"));
+  const given = Number(useAddress("profile").profile);
   const selected = Number.isInteger(given) && given > 0 ? given : null;
-  const select = (id: number | null) => setParameters(id === null ? {} : { profile: String(id) });
+  const select = (id: number | null) => putIntoAddress({ profile: id === null ? "" : String(id) }, "step");
   return (
     <Page name="Profiles">
       <div className="columns side-left until-62">

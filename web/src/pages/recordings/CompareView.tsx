@@ -5,6 +5,7 @@ import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link, useSearch } from "wouter";
 import { api } from "../../api/client";
+import { useAddressChoice } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
@@ -21,6 +22,7 @@ import { channelsOf, idsOf, sideLook } from "./compare";
 import { FiguresTable } from "./FiguresTable";
 import classes from "./recordings.module.css";
 import { SpectrumSection } from "./SpectrumSection";
+import { useView } from "./useView";
 import type { Window } from "./ZoomData";
 
 type Align = "trigger" | "start" | "move";
@@ -28,9 +30,9 @@ type Align = "trigger" | "start" | "move";
 /** Recordings laid on each other: what they share, and where they differ. */
 export function CompareView() {
   const ids = idsOf(useSearch());
-  const [align, setAlign] = useState<Align>("trigger");
-  const [view, setView] = useState<"overlay" | "difference">("overlay");
-  const [window, setWindow] = useState<Window | null>(null);
+  const [align, setAlign] = useAddressChoice<Align>("align", ["trigger", "start", "move"]);
+  const [view, setView] = useAddressChoice("show", ["overlay", "difference"]);
+  const { window, setWindow } = useView();
   const [settled] = useDebouncedValue(window, 120);
   const query = useQuery({
     queryKey: ["compare", ids, align, settled],

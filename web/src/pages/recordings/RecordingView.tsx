@@ -20,6 +20,7 @@ import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { SpectrumSection } from "./SpectrumSection";
 import { useReplay } from "./useReplay";
+import { useView } from "./useView";
 import { stateText, whenText } from "./words";
 import type { Window } from "./ZoomData";
 
@@ -48,8 +49,7 @@ export function RecordingView({ id }: { id: string }) {
 
 function Loaded({ detail }: { detail: RecordingDetail }) {
   const scheme = useScheme();
-  const [window, setWindow] = useState<Window | null>(null);
-  const [hidden, setHidden] = useState<ReadonlySet<string>>(new Set());
+  const { window, setWindow, hidden, setHidden } = useView();
   const [problem, setProblem] = useState<{ doing: string; error: unknown } | null>(null);
   const [ready, setReady] = useState(false);
   const [, go] = useLocation();

@@ -1,8 +1,8 @@
 import { Switch, Text } from "@mantine/core";
-import { useLocalStorage } from "@mantine/hooks";
 import { IconTableColumn } from "@tabler/icons-react";
 import { useMemo } from "react";
 import { useDevices } from "../../api/queries";
+import { useAddressChoice } from "../../lib/address";
 import { EmptyState } from "../../lib/EmptyState";
 import { NoDevice } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -26,13 +26,13 @@ export default function RegistersPage() {
   const devices = useDevices();
   const { device, axis } = useSelection();
   const phone = usePhone();
-  const [allAxes, setAllAxes] = useLocalStorage({ key: "stepscope.registers.all-axes", defaultValue: false });
+  const [axes, setAxes] = useAddressChoice("axes", ["one", "all"]);
   const view = useRowsView();
   const { paused, query } = view;
 
   const id = device?.id ?? "";
   const many = (device?.axes.length ?? 0) > 1;
-  const everyAxis = allAxes && many;
+  const everyAxis = axes === "all" && many;
   const live = useRegisters(device, paused, null, true);
   const staged = useStaged(id);
   const { open, editing, selected: selectedKey, actions } = useRowState(id);
@@ -75,7 +75,7 @@ export default function RegistersPage() {
               label="All axes"
               classNames={{ label: "text-12" }}
               checked={everyAxis}
-              onChange={(event) => setAllAxes(event.currentTarget.checked)}
+              onChange={(event) => setAxes(event.currentTarget.checked ? "all" : "one")}
             />
           )}
         </Toolbar>

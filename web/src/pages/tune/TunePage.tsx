@@ -1,6 +1,6 @@
 import { IconTargetArrow } from "@tabler/icons-react";
-import { useState } from "react";
 import { can, type Device } from "../../api/queries";
+import { putIntoAddress, useAddress } from "../../lib/address";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { Page } from "../../lib/Page";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
@@ -22,8 +22,8 @@ export default function TunePage() {
 
 function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
   const studies = useStudies();
-  const [picked, setPicked] = useState<string | null>(null);
-  const changes = useChanges(setPicked);
+  const { study: picked } = useAddress("study");
+  const changes = useChanges(pick);
   const own = studies.data?.studies.filter((study) => study.device === device.id && study.axis === axis.index) ?? [];
   const runs = own.some(({ state }) => state === "running");
   const shown = own.find(({ id }) => id === picked)?.id ?? own[0]?.id ?? null;
@@ -37,7 +37,7 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
             studies={own}
             error={studies.error}
             shown={shown}
-            onPick={setPicked}
+            onPick={pick}
             retry={() => void studies.refetch()}
           />
         </div>
@@ -48,3 +48,5 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
     </Page>
   );
 }
+
+const pick = (study: string) => putIntoAddress({ study }, "step");

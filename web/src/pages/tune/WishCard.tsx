@@ -1,13 +1,14 @@
 import { Button, List, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Device } from "../../api/queries";
+import { useAddressChoice } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { scaleOf } from "../../lib/units";
 import { GoalCards } from "./GoalCards";
 import type { FieldsProps } from "./kind";
-import { documentOf, type Forms, firstForms, KINDS, kindAsked, WISHES } from "./kinds";
+import { documentOf, type Forms, firstForms, KINDS, NAMES, WISHES } from "./kinds";
 import type { Kind, Plan } from "./study";
 import { type Changes, usePlan } from "./useStudies";
 import { VIEWS } from "./views";
@@ -24,7 +25,7 @@ interface Props {
 export function WishCard({ device, axis, changes, busy }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const perTurn = scale.microstepsPerFullStep === null ? null : scale.microstepsPerFullStep * scale.fullStepsPerRev;
-  const [kind, setKind] = useState<Kind>(() => kindAsked(window.location.search));
+  const [kind, setKind] = useAddressChoice("kind", NAMES);
   const [forms, setForms] = useState<Forms>(() => firstForms(perTurn));
   const change = <K extends Kind>(of: K, part: Partial<Forms[K]>) =>
     setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));

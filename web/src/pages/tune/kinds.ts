@@ -36,7 +36,10 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   closed_loop: CLOSED_LOOP,
 };
 
-export const WISHES = (Object.keys(KINDS) as Kind[]).map((value) => ({ value, label: KINDS[value].label }));
+/** The kinds; the one of which nothing has to be known comes first. */
+export const NAMES = Object.keys(KINDS) as [Kind, ...Kind[]];
+
+export const WISHES = NAMES.map((value) => ({ value, label: KINDS[value].label }));
 
 /** What all forms begin with. */
 export function firstForms(microstepsPerTurn: number | null): Forms {
@@ -56,12 +59,6 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
 /** The document of a study as the server wants it. */
 export function documentOf<K extends Kind>(kind: K, forms: Forms, device: string, axis: number): Wish {
   return { device, axis, ...KINDS[kind].wish(forms[kind]) };
-}
-
-/** The kind that a link asks for (`?kind=`); the first look where it asks for none. */
-export function kindAsked(search: string): Kind {
-  const asked = new URLSearchParams(search).get("kind") ?? "";
-  return Object.hasOwn(KINDS, asked) ? (asked as Kind) : "first_look";
 }
 
 /** Its name, or what it is. */

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
-import { documentOf, firstForms, kindAsked } from "./kinds";
+import { documentOf, firstForms } from "./kinds";
 import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
@@ -93,9 +93,6 @@ describe("a study on the page", () => {
       budget: { time_s: 3600 },
       study: { kind: "microstep_calibration", turns: 1, velocity_rps: 0.05, pairs: 6, keep: false },
     });
-    expect(kindAsked("?kind=microstep_calibration")).toBe("microstep_calibration");
-    expect(kindAsked("?kind=toString")).toBe("first_look");
-    expect(kindAsked("")).toBe("first_look");
   });
 
   it("asks for margins and draws the open loop over the logarithm of the frequency", () => {

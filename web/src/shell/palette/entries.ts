@@ -21,7 +21,7 @@ export type Target =
   | { to: string }
   | { help: string }
   | { device: string; axis: number }
-  | { act: "stop" | "scheme" | "help" };
+  | { act: "stop" | "scheme" | "help" | "link" };
 
 type Catalog = Schemas["CatalogModel"];
 
@@ -133,6 +133,14 @@ export function actionEntries(scheme: "light" | "dark"): Entry[] {
       detail: "",
       off: null,
       go: { act: "scheme" },
+    },
+    {
+      id: "act link",
+      title: "Copy the link to this view",
+      section: "Action",
+      detail: "",
+      off: null,
+      go: { act: "link" },
     },
     { id: "act help", title: "Open the help", section: "Action", detail: "", off: null, go: { act: "help" } },
   ];

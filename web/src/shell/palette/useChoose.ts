@@ -2,6 +2,7 @@ import { useMantineColorScheme } from "@mantine/core";
 import { useLocation } from "wouter";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
+import { copyLink } from "../CopyLink";
 import { stopEverything } from "../stopEverything";
 import type { Entry } from "./entries";
 import { useRecent } from "./useFound";
@@ -26,6 +27,7 @@ export function useChoose(): (entry: Entry) => void {
     else if ("device" in target) select(target.device, target.axis);
     else if (target.act === "stop") void stopEverything();
     else if (target.act === "help") openHelp("");
+    else if (target.act === "link") void copyLink();
     else setColorScheme(scheme === "light" ? "dark" : "light");
   };
 }

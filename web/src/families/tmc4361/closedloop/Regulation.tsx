@@ -1,5 +1,5 @@
 import { Button, SegmentedControl, Tabs, Text } from "@mantine/core";
-import { useState } from "react";
+import { useAddressChoice } from "../../../lib/address";
 import { Card } from "../../../lib/Card";
 import { duration, fixed } from "../../../lib/format";
 import { ChipField } from "../../../lib/rows/ChipField";
@@ -36,8 +36,8 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
   const planned = chip.planned("ENC_IN_CONF", "regulation_modus");
   const staged = chip.isStaged("ENC_IN_CONF", "regulation_modus");
   const pid = planned === 2 || planned === 3;
-  const [tab, setTab] = useState<string | null>(null);
-  const shown = tab ?? (pid ? "pid" : "loop");
+  const [tab, setTab] = useAddressChoice("tab", ["", "loop", "speed", "current", "pid"]);
+  const shown = tab || (pid ? "pid" : "loop");
   const angle = (value: number) => `${fixed(degrees(value), 1)}°`;
   const time = (clocks: number) => `${duration(clocks / clockHz)} a step`;
   const scale = (value: number) => `${fixed(((value + 1) / 256) * 100, 1)} %`;
@@ -76,7 +76,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           Closed loop needs 256 microsteps a full step; STEP_CONF has {microstepsPerFullStep}.
         </Text>
       )}
-      <Tabs value={shown} onChange={setTab} keepMounted={false}>
+      <Tabs value={shown} onChange={(next) => setTab(next as typeof tab)} keepMounted={false}>
         <Tabs.List grow>
           <Tabs.Tab value="loop">Loop</Tabs.Tab>
           <Tabs.Tab value="speed">Speed</Tabs.Tab>

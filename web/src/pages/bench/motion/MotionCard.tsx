@@ -1,6 +1,7 @@
 import { Badge, Group, Stack, Tabs, Text, Title } from "@mantine/core";
 import { Link } from "wouter";
 import { can, type Device } from "../../../api/queries";
+import { useAddressChoice } from "../../../lib/address";
 import { Card } from "../../../lib/Card";
 import { Choice } from "../../../lib/Choice";
 import { ConditionCard } from "../../../lib/condition/ConditionCard";
@@ -44,6 +45,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const rate = ratesOf(shown, scale).velocity;
   const decimals = shown === "microsteps" ? 0 : 3;
   const topSpeed = useTopSpeed(at, device, scale, connected);
+  const [tab, setTab] = useAddressChoice("tab", ["shuttle", "together", "reference", "stall"]);
   const action = useAction();
   const state = useAxisReading(device.id, axis.index, connected);
   const disabled = !connected;
@@ -123,7 +125,8 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         ))}
         {!stepped && (
           <Tabs
-            defaultValue="shuttle"
+            value={tab === "stall" && !stalls ? "shuttle" : tab}
+            onChange={(next) => setTab(next as typeof tab)}
             keepMounted={false}
             classNames={{ tab: "pad-s text-12", panel: `pt-8 stack gap-8` }}
           >

@@ -1,6 +1,7 @@
+import { putIntoAddress, useAddress } from "../../../lib/address";
 import { useLocalKept } from "../../../lib/useKept";
 import type { Folds } from "./folding";
-import type { RowId } from "./rows";
+import { ROWS, type RowId } from "./rows";
 
 export type Trigger = "roll" | "auto" | "single";
 
@@ -44,10 +45,33 @@ export function keepS(rateHz: number): number {
   return rateHz > 200 ? 60 : 300;
 }
 
-/** How the scope is set, kept in the browser. */
+const NO_ROWS = "none";
+const inOrder = (rows: readonly RowId[]) => ROWS.flatMap(({ id }) => (rows.includes(id) ? [id] : [])).join();
+
+/** Of the settings those that say what is seen, as texts of the address; "" where they are as at first. */
+export function textsOf({ spanS, rows, unit }: Pick<ScopeSettings, "spanS" | "rows" | "unit">) {
+  return {
+    t: spanS === DEFAULTS.spanS ? "" : `-${spanS}s`,
+    rows: inOrder(rows) === DEFAULTS.rows.join() ? "" : inOrder(rows) || NO_ROWS,
+    unit: unit === DEFAULTS.unit ? "" : unit,
+  };
+}
+
+/** The same read back: what is no such text is left out. */
+export function settingsOf({ t, rows, unit }: ReturnType<typeof textsOf>): Partial<ScopeSettings> {
+  const spanS = SPANS_S.find((span) => t === `-${span}s`);
+  const shown = ROWS.map(({ id }) => id).filter((id) => rows.split(",").includes(id));
+  const known = shown.length > 0 || rows === NO_ROWS;
+  return { ...(spanS && { spanS }), ...(known && { rows: shown }), ...(unit !== "" && { unit }) };
+}
+
+/** How the scope is set: by the address, else as it was last in this browser. */
 export function useScopeSettings() {
   const [stored, setStored] = useLocalKept<Partial<ScopeSettings>>("stepscope.scope", {});
-  const settings: ScopeSettings = { ...DEFAULTS, ...stored };
-  const change = (part: Partial<ScopeSettings>) => setStored((before) => ({ ...before, ...part }));
+  const settings: ScopeSettings = { ...DEFAULTS, ...stored, ...settingsOf(useAddress("t", "rows", "unit")) };
+  const change = (part: Partial<ScopeSettings>) => {
+    setStored({ ...settings, ...part });
+    putIntoAddress(textsOf({ ...settings, ...part }), "replace");
+  };
   return [settings, change] as const;
 }
