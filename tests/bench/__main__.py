@@ -46,6 +46,7 @@ from tests.bench import (
     twin,
     uart_link,
     velocity_stream,
+    views,
 )
 from tests.bench.studies import (
     aborts,
@@ -74,6 +75,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "cold-start": cold_start.measure,
     "palette": lambda quick: [palette.measure(quick=quick)],
     "first page": lambda quick: [first_page.measure(quick=quick)],
+    "views": lambda quick: [views.measure(quick=quick)],
     "first run": first_run.measure,
     "batch": batch.measure,
     "motor": lambda quick: [motor.measure(quick=quick)],

@@ -1,6 +1,7 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { dateTimeOf } from "../../lib/time";
 import type { StudyInfo } from "./study";
 
 interface Props {
@@ -32,7 +33,7 @@ export function StudyList({ studies, error, shown, onPick, retry }: Props) {
               style={{ width: "100%", padding: "6px 8px" }}
             >
               <Text size="sm" fw={study.id === shown ? 700 : 400}>
-                {study.title}, {new Date(study.started_unix_s * 1000).toLocaleString()}
+                {study.title}, {dateTimeOf(study.started_unix_s * 1000)}
               </Text>
               <Text size="sm" className="dim">
                 {study.state === "running" ? study.message : study.verdict || study.message || study.state}

@@ -1,3 +1,4 @@
+import { dateTimeOf } from "../../../lib/time";
 import { useStudies, useStudy } from "../useStudies";
 import type { Identified } from "./form";
 
@@ -9,5 +10,5 @@ export function useIdentified(device: string, axis: number): { found: Identified
   );
   const study = useStudy(latest?.id ?? null).data;
   if (!study?.identified) return null;
-  return { found: study.identified, when: new Date(study.started_unix_s * 1000).toLocaleString() };
+  return { found: study.identified, when: dateTimeOf(study.started_unix_s * 1000) };
 }
