@@ -44,6 +44,8 @@ FOUND_RUNS = 100
 SHARE = 0.95
 PROOF = 366
 """Runs of the study's own proof: without a wrong one they show less than 1 %; two may be made up for by more."""
+NOISE = {"full_scale": 60.0, "noise": 200.0, "noise_with_speed": 1000.0}
+"""Load values whose noise is five times what a load makes of them."""
 FIRST_SEED = 1000
 """Those below were looked at while the study was written."""
 
@@ -202,8 +204,17 @@ class Judged:
     says: str
 
 
-async def _studied(seed: int, folder: Path) -> tuple[StudyRecord, dict[int, int], list[Held], bool]:
+async def claimed(seed: int, folder: Path) -> tuple[bool, str]:
+    """Whether a threshold is claimed where load values are noise."""
     options, speeds = drawn(seed)
+    options["motor"] = {**options["motor"], "load_value": NOISE}
+    record = (await _studied(seed, folder, options, speeds))[0]
+    return bool(record.improved), record.verdict or record.message
+
+
+async def _studied(
+    seed: int, folder: Path, options: dict[str, Any], speeds: list[float]
+) -> tuple[StudyRecord, dict[int, int], list[Held], bool]:
     async with studied(folder, FULL, **options) as s:
         before = await s.settings(*NAMES)
         words = {key[1]: word for key, word in (await held_of(s.device)).words.items() if word is not None}
@@ -221,9 +232,9 @@ async def _studied(seed: int, folder: Path) -> tuple[StudyRecord, dict[int, int]
 
 def judged(seed: int) -> Judged:
     """The study on one plant, and whether it is right."""
-    options, _ = drawn(seed)
+    options, speeds = drawn(seed)
     with tempfile.TemporaryDirectory() as folder:
-        record, words, baseline, as_before = asyncio.run(_studied(seed, Path(folder)))
+        record, words, baseline, as_before = asyncio.run(_studied(seed, Path(folder), options, speeds))
     says = record.verdict or record.message
     found = record.stallguard
     if record.state != "done" or found is None:
