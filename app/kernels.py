@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
@@ -59,27 +59,40 @@ class Kernels:
     options : of Numba's njit
     plain : whether plain Python serves until they are compiled. They take arrays and numbers, and never count on what
         64 bits cut off
+    views : whether they look at parts of their arrays as at arrays of their own: plain Python gets the arrays then, and
+        takes three times as long as on lists
 
     A name that begins with an underscore is called by compiled code only: it has no way in from Python, which saves a
     seventh of the time to compile. Called from Python all the same, it would end the process.
     """
 
-    def __init__(self, *sources: str | Path, options: dict[str, Any] | None = None, plain: bool = False) -> None:
+    def __init__(
+        self, *sources: str | Path, options: dict[str, Any] | None = None, plain: bool = False, views: bool = False
+    ) -> None:
         files = sorted(Path(source) for source in sources)
         _sources.update(files)
         self._files = files
         self._options = OPTIONS if options is None else options
-        self._plain = plain
+        self._plain, self._views = plain, views
 
     def compiled(self, function: F) -> F:
         """Numba's njit at the first call, with the type of the plain function."""
         return cast(
-            "F", Kernel(cast("FunctionType", function), self._files, {**_how(function), **self._options}, self._plain)
+            "F",
+            Kernel(
+                cast("FunctionType", function),
+                self._files,
+                {**_how(function), **self._options},
+                self._plain,
+                self._views,
+            ),
         )
 
     def inlined(self, function: Any) -> Any:
         """The same for what a tick calls, which its caller takes in."""
-        return Kernel(function, self._files, {"forceinline": True, **_how(function), **self._options}, self._plain)
+        return Kernel(
+            function, self._files, {"forceinline": True, **_how(function), **self._options}, self._plain, self._views
+        )
 
 
 class Kernel:
@@ -88,8 +101,15 @@ class Kernel:
     Whatever else is asked of it, its Numba dispatcher answers.
     """
 
-    def __init__(self, function: FunctionType, files: list[Path], options: dict[str, Any], plain: bool = False) -> None:
-        self.py_func, self._files, self._options, self._plain = function, files, options, plain
+    def __init__(
+        self,
+        function: FunctionType,
+        files: list[Path],
+        options: dict[str, Any],
+        plain: bool = False,
+        views: bool = False,
+    ) -> None:
+        self.py_func, self._files, self._options, self._plain, self._views = function, files, options, plain, views
         self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
         self._made: Any = None
         self._ready: Any = None
@@ -103,7 +123,7 @@ class Kernel:
         """What is called until there is machine code."""
         if self._plain and _meanwhile.is_set() and not getattr(_this_thread, "compiles", False):
             with suppress(ArithmeticError, ValueError):  # where compiled code goes on with inf or nan
-                return _run_plain(self.py_func, arguments)
+                return (_run_on_arrays if self._views else _run_plain)(self.py_func, arguments)
         answer = self.dispatcher(*arguments)
         self._ready = self._made
         return answer
@@ -216,6 +236,11 @@ def plain_meanwhile(on: bool) -> None:
         _meanwhile.clear()
 
 
+def serves_plain() -> bool:
+    """Whether plain Python serves what is not compiled yet."""
+    return _meanwhile.is_set()
+
+
 @contextmanager
 def compiles_here() -> Iterator[None]:
     """What this thread calls is compiled, or taken from disk, whatever others do meanwhile."""
@@ -249,18 +274,32 @@ def _run_plain(function: FunctionType, arguments: tuple[Any, ...]) -> Any:
     return answer
 
 
+def _run_on_arrays(function: FunctionType, arguments: tuple[Any, ...]) -> Any:
+    with np.errstate(all="ignore"):  # compiled code tells of no overflow either
+        return _plain_names(function)[function.__name__](*arguments)
+
+
 _plain_modules: dict[str, dict[str, Any]] = {}
 
 
 def _plain_names(function: FunctionType) -> dict[str, Any]:
-    """What the names of its module mean to a plain function: other plain functions where they are kernels."""
-    names = _plain_modules.get(function.__module__)
+    """What the names of its module mean to a plain function: other plain functions where they are kernels, of its own
+    module, of others, or in others that it names.
+    """
+    return _plain_module(function.__module__, function.__globals__)
+
+
+def _plain_module(module: str, its: dict[str, Any]) -> dict[str, Any]:
+    names = _plain_modules.get(module)
     if names is None:
-        names = _plain_modules[function.__module__] = dict(function.__globals__)
-        for name, kernel in [(name, one) for name, one in names.items() if isinstance(one, Kernel)]:
-            plain: FunctionType = kernel.py_func
-            inner = names if plain.__globals__ is function.__globals__ else _plain_names(plain)
-            names[name] = FunctionType(plain.__code__, inner, name, plain.__defaults__)
+        names = _plain_modules[module] = dict(its)
+        for name, meant in its.items():
+            if isinstance(meant, Kernel):
+                plain: FunctionType = meant.py_func
+                inner = names if plain.__globals__ is its else _plain_names(plain)
+                names[name] = FunctionType(plain.__code__, inner, name, plain.__defaults__)
+            elif isinstance(meant, ModuleType) and any(isinstance(one, Kernel) for one in vars(meant).values()):
+                names[name] = SimpleNamespace(**_plain_module(meant.__name__, vars(meant)))
     return names
 
 

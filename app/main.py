@@ -6,7 +6,7 @@ import asyncio
 import logging
 import re
 from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
@@ -235,12 +235,7 @@ def create_app(
     async def open_saved(configs: Sequence[DeviceConfig], with_demo: bool) -> None:
         to_come.extend(configs)
 
-        def waits(config: DeviceConfig) -> bool:
-            with suppress(BenchError):  # a model that there is not is told of where it is added
-                return is_emulated(config.link) and preparation.delays(find_model(config.model).family)
-            return False
-
-        for config in sorted(configs, key=waits):
+        for config in configs:
             try:
                 # Not waited for: hardware that is off must not keep the page from coming up.
                 await manager.add(config, wait=False)
@@ -291,7 +286,6 @@ def create_app(
             for task in beginning:
                 task.cancel()
             await asyncio.gather(*beginning, return_exceptions=True)
-            await preparation.close()
             audit.note("end", "stepscope")
             await lease_watch.close()
             await vitals.close()
@@ -312,6 +306,7 @@ def create_app(
             await position_saver.close()
             await hub.close()
             await manager.close()
+            await preparation.close()  # until then plain Python serves: nobody who stops a motor waits for a compiler
             bench.maps.close()
             await saver.close()
             await audit.close()

@@ -49,8 +49,8 @@ JOBS: Mapping[str, Callable[[], None]] = {
 """What compiles, or takes from disk, by what it is for: families of emulators, what they share, then calculators."""
 NEEDS: Mapping[str, tuple[str, ...]] = {family.name: family.needs for family in FAMILIES}
 """Jobs that have to be done before: two processes at the same time would both compile what both need."""
-PLAIN = frozenset(family.name for family in FAMILIES if family.plain)
-"""What nobody has to wait for: plain Python serves until it is compiled."""
+PLAIN = frozenset(family.name for family in FAMILIES)
+"""What nobody has to wait for: plain Python serves until it is compiled, all chips and motors, only slower."""
 
 
 def compile_kernels() -> None:

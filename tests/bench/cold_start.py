@@ -20,12 +20,20 @@ from playwright.sync_api import Error as PageError
 from playwright.sync_api import Page, sync_playwright
 
 from tests.bench.table import Row
-from tests.installation import install, move, server, until, wheel
+from tests.installation import answers, install, move, server, until, wheel
 
 PAGE_WITHIN_S, MOVING_WITHIN_S, LATER_WITHIN_S = 5.0, 10.0, 3.0
 WITHOUT_BYTE_CODE_WITHIN_S = 10.0
 """Python itself compiles 1,900 modules then, 2 s more of a core."""
 COMPILED_WITHIN_S = 600.0
+MOVED: dict[str, tuple[str, dict[str, int]]] = {
+    "tmc428": ("move", {"target": 500}),
+    "tmc4361": ("move", {"target": 500}),
+    "tmc5160": ("move", {"target": 5000}),
+    "tmc2209": ("rotate", {"velocity": 2000}),
+    "pd42-1241": ("move", {"target": 5000}),
+}
+"""A model of each family, and what moves it: its device is added to a server that has just started."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +64,11 @@ def measure(quick: bool) -> Sequence[Row]:
             rows.append(row(f"{what}, first start: page live", first.page_s, page_within_s))
             rows.append(row(f"{what}, first start: a motor moves", first.moving_s, MOVING_WITHIN_S))
             rows += [row(f"{what}, later start: page live", one.page_s, LATER_WITHIN_S) for one in later]
+        for model, command in MOVED.items():
+            forget_caches(place / "venv", byte_code=True)
+            rows.append(
+                row(f"first start: an emulated {model} moves", first_motion_s(place, model, *command), MOVING_WITHIN_S)
+            )
     beside = os.getloadavg()[1] - 1.0
     told = f"pip took {installed_s:.0f} s before; some {max(beside, 0.0):.1f} other processes wanted the cores"
     return [*rows[:-1], replace(rows[-1], notes=(told,))]
@@ -89,6 +102,18 @@ def starts(place: Path, page: Page, read_only: bool, count: int) -> Iterator[Sta
                 yield Start(page_s, time.perf_counter() - began_s)
                 if number + 1 < count:
                     until(lambda: api.get("health/details").json()["compiling"] is None, COMPILED_WITHIN_S)
+
+
+def first_motion_s(place: Path, model: str, how: str, body: dict[str, int]) -> float:
+    """From the server's command to the first step of a device of that model, which is added by hand [s]."""
+    home = Path(tempfile.mkdtemp(dir=place))
+    with server(place / "venv", home) as (url, began_s), httpx.Client(base_url=f"{url}/api/v1/", timeout=60) as api:
+        until(lambda: answers(url))
+        api.post("devices", json={"name": "mine", "model": model, "link": {"kind": "emulator"}}).raise_for_status()
+        api.post("devices/mine/start-up", json={"axes": [0]}).raise_for_status()
+        api.post(f"devices/mine/axes/0/{how}", json=body).raise_for_status()
+        until(lambda: api.get("devices/mine/axes/0").raise_for_status().json()["position"])
+        return time.perf_counter() - began_s
 
 
 def live(page: Page, url: str) -> bool:

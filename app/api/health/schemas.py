@@ -115,5 +115,6 @@ class HealthDetails(Answer):
     sockets: SocketsHealth
     devices: list[DeviceHealth]
     compiling: Compiling | None = Field(
-        description="what a first start compiles in the background; emulators wait for it. null where all is there"
+        description="what a first start compiles in the background: until then emulators run in plain Python, slower "
+        "than real time where that is too much, and studies of them are refused. null where all is there"
     )

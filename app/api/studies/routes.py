@@ -19,6 +19,7 @@ from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from ..profiles.views import info as profile_info
+from ..server_state import ServerState
 from .schemas import StudyInfo, StudyKindInfo, StudyLeft, StudyList, StudyProfiles, StudyTake
 
 router = APIRouter(prefix="/studies", tags=["studies"])
@@ -48,6 +49,17 @@ def _info(record: StudyRecord) -> StudyInfo:
     )
 
 
+def _require_speed(bench: ServerState, device: str) -> None:
+    """Raises WrongState for an emulator that plain Python runs until it is compiled: a trial would time how slow that
+    is."""
+    behind = bench.manager.get(device).config.link["kind"] == "emulator"
+    if behind and bench.kernels.done != bench.kernels.total:
+        raise WrongState(
+            "the emulators are still being compiled, and slower than real motors until then",
+            "start the study again in a minute or two; GET /api/v1/health/details shows how far it is",
+        )
+
+
 @router.get("")
 async def list_studies(bench: CurrentBench) -> StudyList:
     """All studies, the latest first, and which kinds there are."""
@@ -72,6 +84,7 @@ async def no_study_is_called_plan() -> None:
 @policy(words=wording.named("start study"))
 async def start_study(bench: CurrentBench, body: StudyDocument) -> StudyRecord:
     """Begin a study. Answers when it has started; a stop, or any other command to the axis, ends it."""
+    _require_speed(bench, body.device)
     return await bench.studies.start(body)
 
 
@@ -99,6 +112,7 @@ async def stop_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
 @policy(words=wording.named("resume study"))
 async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
     """Put the axis back as it was, and go on where the study was cut off."""
+    _require_speed(bench, bench.studies.get(study).document.device)
     return await bench.studies.resume(study)
 
 

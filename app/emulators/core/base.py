@@ -15,6 +15,7 @@ from typing import Generic, Protocol, TypedDict, TypeVar
 from pydantic import BaseModel, Field
 
 from ...clock import Clock, ScaledClock
+from ...kernels import serves_plain
 from .ground_truth import GroundTruth
 from .noise import flip
 from .pace import SLICE_S, Pace
@@ -134,7 +135,8 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         self.clock.skip_to(self._latest_s)
         self._skips += 1
         if self._skips & self._skips - 1 == 0:  # 1, 2, 4, 8 ...: told, and no flood of lines
-            log.warning(
+            log.log(
+                logging.DEBUG if serves_plain() else logging.WARNING,  # while it is compiled that is as it should be
                 "an emulated %s stood still for %.3g s of its time in all: more than can be worked out in time",
                 self.model,
                 self.clock.skipped_s,

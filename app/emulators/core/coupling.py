@@ -23,6 +23,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...clock import OffsetClock, ScaledClock
+from ...kernels import serves_plain
 from .base import EmulatorBase
 from .pace import SLICE_S, Pace
 from .pins import Cells, Level, WiredChip
@@ -255,7 +256,8 @@ class Coupling:
         self._skips += 1
         if self._skips & self._skips - 1 == 0:  # 1, 2, 4, 8 ...: told, and no flood of lines
             names = ", ".join(member.emulator.model for member in self._members)
-            log.warning("wired emulators (%s) stood still for %.3g s in all", names, self._clock.skipped_s)
+            level = logging.DEBUG if serves_plain() else logging.WARNING
+            log.log(level, "wired emulators (%s) stood still for %.3g s in all", names, self._clock.skipped_s)
 
     def _advance(self, goal: int) -> None:
         """Run all to common clock `goal`, edge by edge."""

@@ -61,7 +61,6 @@ class EmulatorFamily(Generic[OptionsT, EmulatorT]):
     warm_up : compiles what it takes, or loads it from numba's cache
     load : None where there is no motor that a load could be put on
     needs : what is compiled before `warm_up`, by the name of its job: what several families share
-    plain : whether it works from the first moment, slower, in plain Python until it is compiled
     build's last argument is the file that a module keeps its memory in; chips have none
     """
 
@@ -74,7 +73,6 @@ class EmulatorFamily(Generic[OptionsT, EmulatorT]):
     warm_up: Callable[[], None]
     load: AxisLoad[Any, Any] | None = None
     needs: tuple[str, ...] = ()
-    plain: bool = False
 
     def make(self, model: str, clock: Clock, options: OptionsT | None = None, eeprom: Path | None = None) -> EmulatorT:
         """An emulated `model` that lives by `clock`. Raises TypeError for the options of another family."""

@@ -234,7 +234,7 @@ _SG_STOP, _SOFT_STOP = 1 << 10, 1 << 11
 _EV_POSITION, _EV_STOPPED, _EV_LEFT, _EV_SWITCH_STOP, _EV_STALL = 1, 2, 4, 32, 64
 _EV_DEVIATION, _EV_NULL, _EV_STANDSTILL, _EV_VELOCITY = 128, 512, 2048, 4096
 
-_KERNELS = Kernels(__file__)
+_KERNELS = Kernels(__file__, plain=True)
 compiled, inlined = _KERNELS.compiled, _KERNELS.inlined
 
 

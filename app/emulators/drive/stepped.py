@@ -7,7 +7,7 @@ from pathlib import Path
 from ...kernels import Kernels
 from .kernel import Cells, Floats, advance, take_steps
 
-compiled = Kernels(__file__, Path(__file__).with_name("kernel.py")).compiled
+compiled = Kernels(__file__, Path(__file__).with_name("kernel.py"), plain=True).compiled
 
 
 @compiled

@@ -31,4 +31,4 @@ def warm_up() -> None:
         build(chip, VirtualClock(), EmulatorOptions()).exchange(bytes(4))
 
 
-FAMILY = EmulatorFamily("tmc428", CHIPS, EmulatorOptions, EmulatorPatch, EmulatorState, build, warm_up, plain=True)
+FAMILY = EmulatorFamily("tmc428", CHIPS, EmulatorOptions, EmulatorPatch, EmulatorState, build, warm_up)

@@ -17,5 +17,7 @@ _KERNELS = Kernels(
     _HERE / "layout.py",
     _HERE / "feedback/layout.py",
     _HERE.parent / "drive/kernel.py",
+    plain=True,
+    views=True,
 )
 compiled, inlined = _KERNELS.compiled, _KERNELS.inlined

@@ -10,7 +10,7 @@ from .kernel import advance
 from .layout import Cells, Floats
 
 _HERE = Path(__file__).parent
-compiled = Kernels(*_HERE.rglob("*.py"), _HERE.parent / "drive/kernel.py").compiled
+compiled = Kernels(*_HERE.rglob("*.py"), _HERE.parent / "drive/kernel.py", plain=True, views=True).compiled
 
 
 @compiled

@@ -28,7 +28,7 @@ READ_HERE: Mapping[int, int] = MappingProxyType(
 _GAP = 6
 _PROGRAM_COMMANDS = commands.PROGRAM_COMMANDS
 
-_KERNELS = Kernels(__file__, k.__file__, motor.__file__, commands.__file__)
+_KERNELS = Kernels(__file__, k.__file__, motor.__file__, commands.__file__, plain=True)
 _compiled, _inlined = _KERNELS.compiled, _KERNELS.inlined
 
 

@@ -54,7 +54,7 @@ _ADD, _SUB, _MUL, _DIV, _MOD, _AND, _OR, _XOR, _NOT, _LOAD, _SWAP, _COMPARE = ra
 _WRONG_TYPE, _INVALID_VALUE = 3, 4
 
 PROGRAM_COMMANDS = commands.PROGRAM_COMMANDS
-_KERNELS = Kernels(__file__, commands.__file__)
+_KERNELS = Kernels(__file__, commands.__file__, plain=True)
 _compiled, _inlined = _KERNELS.compiled, _KERNELS.inlined
 
 
@@ -195,7 +195,8 @@ def _later(r: Any, variables: Any, opcode: int, type_: int, motor: int, value: i
     elif opcode == _RST:
         if value < 0 or value >= PROGRAM_COMMANDS:
             return _INVALID_VALUE
-        r[:LATER] = 0
+        for cell in range(LATER):
+            r[cell] = 0
         r[FLAGS] = ZERO
         pc = value
     elif opcode == _CALL:

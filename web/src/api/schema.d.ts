@@ -7839,7 +7839,7 @@ export interface components {
             sockets: components["schemas"]["SocketsHealth"];
             /** Devices */
             devices: components["schemas"]["DeviceHealth"][];
-            /** @description what a first start compiles in the background; emulators wait for it. null where all is there */
+            /** @description what a first start compiles in the background: until then emulators run in plain Python, slower than real time where that is too much, and studies of them are refused. null where all is there */
             compiling: components["schemas"]["Compiling"] | null;
         };
         /**

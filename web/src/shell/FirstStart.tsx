@@ -24,8 +24,8 @@ export function FirstStart() {
       data-testid="first-start"
     >
       <Text size="sm" mb="xs">
-        {done} of {total} are there. Hardware and the demo bench work already; other emulated devices come by
-        themselves, most within a minute. The next start takes seconds.
+        {done} of {total} are there, the rest within a minute or two. All devices work already; until then emulated
+        motors may move slower than real ones, and studies of them wait. The next start takes seconds.
       </Text>
       <Progress value={(done / total) * 100} animated aria-label={`${done} of ${total} made ready`} />
     </Alert>
