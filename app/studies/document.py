@@ -281,6 +281,45 @@ class LeastCurrent(Part):
         return self
 
 
+class CalmChopper(Part):
+    """The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder."""
+
+    kind: Literal["chopper"] = "chopper"
+    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] = Field(
+        description="of one coil, by the motor's data sheet"
+    )
+    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
+        description="of one coil, by the motor's data sheet"
+    )
+    run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] = Field(
+        description="RMS of one coil, as it is set now [A]"
+    )
+    supply_v: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
+        description="of the motor"
+    )
+    speeds_rps: Annotated[list[Speed], Field(min_length=1, max_length=6)] = Field(
+        default=[0.25, 0.5, 1.0], description="at which the motor is to be calm [turns of the motor a second]"
+    )
+    lowest_hz: Annotated[float, Field(strict=True, ge=5e3, le=50e3, allow_inf_nan=False)] = Field(
+        default=20e3, description="no setting is tried whose chopper would be slower, by an estimate: it is heard [Hz]"
+    )
+    pairs: Annotated[int, Field(strict=True, ge=10, le=100)] = Field(
+        default=10, description="of the proof: runs with the old setting and with the new, in turn"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.02, description="what shakes less than this share less is no improvement"
+    )
+    keep: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="leave the new setting where it is shown to be calmer"
+    )
+
+    @model_validator(mode="after")
+    def _rising(self) -> CalmChopper:
+        if self.speeds_rps != sorted(set(self.speeds_rps)):
+            raise ValueError("speeds_rps has to rise")
+        return self
+
+
 class TorqueCurve(Part):
     """How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost."""
 
@@ -350,7 +389,8 @@ class ResonanceMap(Part):
 
 
 What: TypeAlias = Annotated[
-    ClosedLoop
+    CalmChopper
+    | ClosedLoop
     | FastestMove
     | FirstLook
     | Identification
@@ -362,6 +402,7 @@ What: TypeAlias = Annotated[
     Field(discriminator="kind"),
 ]
 Kind = Literal[
+    "chopper",
     "closed_loop",
     "fastest_move",
     "first_look",
@@ -373,6 +414,7 @@ Kind = Literal[
     "torque_curve",
 ]
 TITLES: dict[Kind, str] = {
+    "chopper": "Chopper",
     "closed_loop": "Closed loop",
     "fastest_move": "Fastest move",
     "first_look": "First look",

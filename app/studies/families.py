@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from ..devices.core.device import Device
 from ..errors import WrongState
+from .chopper.setting import ChopperPlaces
 from .closed_loop.setting import LoopPlaces
 from .identification.places import IdentificationPlaces
 from .ramp_settings import RampRegisters
 from .resonance_map.places import RipplePlaces
 from .stallguard.setting import StallPlaces
+from .tmc5xxx.chopper import CHOPPER
 from .tmc5xxx.identification import CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
@@ -20,6 +22,7 @@ from .tmc4361.ramp import RAMP as S_RAMP
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER)}
+CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
@@ -70,3 +73,14 @@ def loop_of(device: Device) -> LoopPlaces:
 def ripple_of(device: Device) -> RipplePlaces | None:
     """What it has of settings that move ripple, and that a study sets; None for a family without any."""
     return RIPPLES.get(device.family.family)
+
+
+def chopper_of(device: Device) -> ChopperPlaces:
+    """Where it keeps its chopper. Raises WrongState for a family whose chopper no study sets."""
+    found = CHOPPERS.get(device.family.family)
+    if found is None:
+        raise WrongState(
+            f"no study sets the chopper of a {device.family.title} yet",
+            "calculate it from the motor on the page Current and chopper",
+        )
+    return found

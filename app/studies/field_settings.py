@@ -1,8 +1,8 @@
-"""Registers and fields that a study sets to fixed values, as far as the chip has them."""
+"""Registers and fields that a study sets, as far as the chip has them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from ..devices.core.device import Device
@@ -42,24 +42,38 @@ def place_of(device: Device, axis: int, place: Place) -> tuple[Register, Field |
 
 
 class FieldSpace:
-    """Some fields of one axis and the values that they may be set to."""
+    """Some fields of one axis, as far as its chip has them: what they held before, and what to write for others."""
 
-    def __init__(
-        self, device: Device, axis: int, values: Sequence[tuple[Place, int]], held: CapturedConfiguration
-    ) -> None:
+    def __init__(self, device: Device, axis: int, places: Iterable[Place], held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState where that could not be put back."""
-        self._values = [(at, value) for place, value in values if (at := place_of(device, axis, place)) is not None]
-        self._rows = {key_of(row): row for (row, _), _ in self._values}
+        self._at = {place: at for place in places if (at := place_of(device, axis, place)) is not None}
+        self._rows = {key_of(row): row for row, _ in self._at.values()}
         self._words = {key: word_before(device, row, held) for key, row in self._rows.items()}
         self.before = self._told(self._words)
 
-    def registers(self) -> list[Held]:
-        """What to write for these values; other fields stay."""
-        words = dict(self._words)
-        for (row, field), value in self._values:
-            key = key_of(row)
-            words[key] = row.encode(value) if field is None else field.pack(value, words[key])
+    def __contains__(self, place: Place) -> bool:
+        """Whether the chip has it."""
+        return place in self._at
+
+    def __getitem__(self, place: Place) -> int:
+        """What it held before. Raises KeyError where the chip has it not."""
+        row, field = self._at[place]
+        word = self._words[key_of(row)]
+        return row.decode(word) if field is None else field.unpack(word)
+
+    def registers(self, values: Mapping[Place, int]) -> list[Held]:
+        """What to write for these values: fields beside them stay, and what the chip has not is left out."""
+        words: dict[Key, int] = {}
+        for place, value in values.items():
+            if place in self._at:
+                row, field = self._at[place]
+                key = key_of(row)
+                words[key] = row.encode(value) if field is None else field.pack(value, words.get(key, self._words[key]))
         return self._told(words)
 
-    def _told(self, words: dict[Key, int]) -> list[Held]:
-        return [Held(name=row.name, axis=row.axis, value=row.decode(words[key])) for key, row in self._rows.items()]
+    def _told(self, words: Mapping[Key, int]) -> list[Held]:
+        return [
+            Held(name=row.name, axis=row.axis, value=row.decode(words[key]))
+            for key, row in self._rows.items()
+            if key in words
+        ]

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from ..clock import Clock
 from ..devices.core.device import Device
+from .chopper import plan as chopper
+from .chopper.study import ChopperStudy
 from .closed_loop import plan as closed_loop
 from .closed_loop.study import ClosedLoopStudy
 from .document import Kind, StudyDocument
@@ -100,6 +102,14 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ResonanceMapStudy,
         resonance_map.plan,
+    ),
+    "chopper": StudyKind(
+        "chopper",
+        "Chopper",
+        "quieter: hysteresis, TOFF and TBL of SpreadCycle by which the shaft shakes least, by the encoder",
+        POSITIONS,
+        ChopperStudy,
+        chopper.plan,
     ),
     "closed_loop": StudyKind(
         "closed_loop",

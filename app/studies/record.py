@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from .chopper.found import ChopperFound
 from .closed_loop.found import LoopFound
 from .document import StudyDocument
 from .identification.found import Identified
@@ -219,6 +220,7 @@ class StudyRecord(Part):
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
     least_current: LeastCurrentFound | None = Field(default=None, description="of a study of the least current")
+    chopper: ChopperFound | None = Field(default=None, description="of a study of the chopper")
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
     next: str = Field(default="", description="what would be worth doing next")

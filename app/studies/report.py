@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from ..number_text import plain
+from .chopper import report as chopper
 from .closed_loop import report as closed_loop
 from .document import Kind
 from .fastest_move import report as fastest_move
@@ -27,6 +28,7 @@ td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{t
 .verdict{background:#25262b}td,th{border-color:#373a40}}
 """
 SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
+    "chopper": chopper.sections,
     "closed_loop": closed_loop.sections,
     "first_look": lambda _: [],
     "fastest_move": fastest_move.sections,

@@ -51,6 +51,7 @@ from tests.bench import (
 from tests.bench.studies import (
     aborts,
     broken,
+    chopper,
     closed_loop,
     fastest_move,
     identification,
@@ -84,6 +85,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "programs": tmcl_programs.measure,
     "editor": editor.measure,
     "homing": stall_homing.measure,
+    "study chopper": chopper.measure,
     "study closed loop": closed_loop.measure,
     "study closed loop repeats": closed_loop.measure_repeats,
     "study fastest move": fastest_move.measure,

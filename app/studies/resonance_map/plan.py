@@ -170,10 +170,11 @@ def _settings(
     at = place_of(device, axis, places.quiet)
     if wanted.other_chopper and at is not None and at[1] is not None:
         quiet = at[1].unpack(word_before(device, at[0], held))
-        chopper = FieldSpace(device, axis, places.spreadcycle if quiet else places.stealthchop, held)
+        values = dict(places.spreadcycle if quiet else places.stealthchop)
+        chopper = FieldSpace(device, axis, values, held)
         before.extend(chopper.before)
         name = "SpreadCycle" if quiet else "StealthChop"
-        told.append(Setting(name, {QUIET: not quiet}, {QUIET: quiet}, {QUIET: "0/1"}, chopper.registers()))
+        told.append(Setting(name, {QUIET: not quiet}, {QUIET: quiet}, {QUIET: "0/1"}, chopper.registers(values)))
     return told
 
 

@@ -3824,6 +3824,136 @@ export interface components {
             encoder: components["schemas"]["EncoderFound"] | null;
         };
         /**
+         * CalmChopper
+         * @description The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder.
+         */
+        "CalmChopper-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "chopper";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Speeds Rps
+             * @description at which the motor is to be calm [turns of the motor a second]
+             * @default [
+             *       0.25,
+             *       0.5,
+             *       1
+             *     ]
+             */
+            speeds_rps?: number[];
+            /**
+             * Lowest Hz
+             * @description no setting is tried whose chopper would be slower, by an estimate: it is heard [Hz]
+             * @default 20000
+             */
+            lowest_hz?: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what shakes less than this share less is no improvement
+             * @default 0.02
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be calmer
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * CalmChopper
+         * @description The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder.
+         */
+        "CalmChopper-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "chopper";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Speeds Rps
+             * @description at which the motor is to be calm [turns of the motor a second]
+             * @default [
+             *       0.25,
+             *       0.5,
+             *       1
+             *     ]
+             */
+            speeds_rps: number[];
+            /**
+             * Lowest Hz
+             * @description no setting is tried whose chopper would be slower, by an estimate: it is heard [Hz]
+             * @default 20000
+             */
+            lowest_hz: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what shakes less than this share less is no improvement
+             * @default 0.02
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be calmer
+             * @default false
+             */
+            keep: boolean;
+        };
+        /**
          * CapabilityTitle
          * @description A word of the vocabulary that the catalog says by what a model can.
          */
@@ -4583,6 +4713,27 @@ export interface components {
             /** Source */
             source: string;
         };
+        /**
+         * ChopperFound
+         * @description A chopper.
+         */
+        ChopperFound: {
+            /**
+             * Speeds Rps
+             * @description turns of the motor a second
+             */
+            speeds_rps: number[];
+            before: components["schemas"]["ChopperTried"] | null;
+            /** @description from resistance, inductance, current and supply */
+            calculated: components["schemas"]["ChopperTried"] | null;
+            /** Tried */
+            tried: components["schemas"]["ChopperTried"][];
+            /** @description the one of the proof */
+            chosen: components["schemas"]["ChopperTried"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["RipplePair"][];
+            effect: components["schemas"]["RippleEffect"] | null;
+        };
         /** ChopperResult */
         ChopperResult: {
             /** Settings */
@@ -4625,6 +4776,47 @@ export interface components {
              * @description false: as asked for
              */
             chosen: boolean;
+        };
+        /**
+         * ChopperTried
+         * @description A setting that was tried, and how much the shaft shook by it.
+         */
+        ChopperTried: {
+            /**
+             * Off
+             * @description TOFF
+             */
+            off: number;
+            /**
+             * Blank
+             * @description TBL
+             */
+            blank: number;
+            /**
+             * Hysteresis
+             * @description effective, at its start: HSTRT + 1 + HEND - 3
+             */
+            hysteresis: number;
+            /**
+             * Ripple Fullsteps
+             * @description geometric mean over all speeds [full steps]
+             */
+            ripple_fullsteps: number;
+            /**
+             * By Speed Fullsteps
+             * @description at each speed: encoder less position, root mean square
+             */
+            by_speed_fullsteps: number[];
+            /**
+             * Chopper Hz
+             * @description at rest and the current's peak, estimated [Hz]
+             */
+            chopper_hz: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
         };
         /**
          * ClosedLoop
@@ -13611,6 +13803,44 @@ export interface components {
             residual_deg: number;
         };
         /**
+         * RippleEffect
+         * @description The new setting against the one before, by pairs. Differences are new less old [full steps].
+         */
+        RippleEffect: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline Fullsteps */
+            baseline_fullsteps: number;
+            /** Winner Fullsteps */
+            winner_fullsteps: number;
+            /** Difference Fullsteps */
+            difference_fullsteps: number;
+            /** @description of the mean difference, 95 % */
+            interval_fullsteps: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Significant */
+            significant: boolean;
+        };
+        /**
+         * RipplePair
+         * @description The same runs with the setting before and with the new one [full steps].
+         */
+        RipplePair: {
+            /** Baseline Fullsteps */
+            baseline_fullsteps: number;
+            /** Winner Fullsteps */
+            winner_fullsteps: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
          * RocPoint
          * @description A level, and what a threshold there would do with the runs that were measured.
          */
@@ -15420,7 +15650,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15462,7 +15692,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15482,7 +15712,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15521,7 +15751,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -15749,6 +15979,8 @@ export interface components {
             stallguard: components["schemas"]["StallFound"] | null;
             /** @description of a study of the least current */
             least_current: components["schemas"]["LeastCurrentFound"] | null;
+            /** @description of a study of the chopper */
+            chopper: components["schemas"]["ChopperFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
             /** @description of a resonance map */

@@ -1,3 +1,4 @@
+import { CHOPPER, type ChopperForm } from "./chopper/form";
 import { CLOSED_LOOP, type ClosedLoopForm } from "./closedLoop/form";
 import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
 import { FIRST_LOOK, type FirstLookForm } from "./firstLook/form";
@@ -21,6 +22,7 @@ export interface Forms {
   stallguard: StallGuardForm;
   torque_curve: TorqueForm;
   closed_loop: ClosedLoopForm;
+  chopper: ChopperForm;
 }
 
 /** The studies, in the order of the choice. */
@@ -34,6 +36,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   stallguard: STALLGUARD,
   torque_curve: TORQUE_CURVE,
   closed_loop: CLOSED_LOOP,
+  chopper: CHOPPER,
 };
 
 /** The kinds; the one of which nothing has to be known comes first. */
@@ -53,6 +56,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     stallguard: STALLGUARD.first(microstepsPerTurn),
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
     closed_loop: CLOSED_LOOP.first(microstepsPerTurn),
+    chopper: CHOPPER.first(microstepsPerTurn),
   };
 }
 

@@ -32,6 +32,10 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
   ),
   least_current: sketch(<path d="M4 7h64" />, <path d="M4 7h14v9h14v7h36" />),
   torque_curve: sketch(<path d="M6 3v23h62" />, <path d="M6 6h24c14 0 20 12 36 15" />),
+  chopper: sketch(
+    <path d="M4 15l4-9 4 18 4-18 4 18 4-18 4 18 4-9" />,
+    <path d="M36 15c4-5 6-5 8 0s5 5 8 0 5-5 8 0 5 4 8 0" />,
+  ),
   closed_loop: sketch(<path d="M4 26h8V9h56" />, <path d="M4 26h8c4 0 4-21 10-21s5 6 10 6 5-2 36-2" />),
   stallguard: sketch(
     <path d="M4 26c8 0 8-20 14-20s6 20 14 20" />,

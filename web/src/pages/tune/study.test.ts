@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
@@ -165,6 +166,22 @@ describe("a study on the page", () => {
     } as TorquePoint;
     expect(curveOf(rowsOf([point]))).toEqual([[2], [0.1], [0.09], [0.11]]);
     expect(curveOf(rowsOf([{ ...point, torque_nm: null }]))).toEqual([[2], [100], [90], [110]]);
+  });
+
+  it("asks for a calmer chopper, and draws what was tried apart from the setting before", () => {
+    const study = { kind: "chopper", inductance_h: 0.0044, speeds_rps: [0.25, 0.5, 1], lowest_hz: 20_000 };
+    const document = documentOf("chopper", firstForms(null), "slide", 0);
+    expect(document.study).toMatchObject(study);
+    expect(document.budget).toMatchObject({ trials: 60 });
+    const one = { off: 3, blank: 1, hysteresis: 4, ripple_fullsteps: 0.02 } as ChopperTried;
+    const before = { ...one, hysteresis: -2, ripple_fullsteps: 0.05 };
+    expect(rippleOf({ before, tried: [one, { ...one, hysteresis: 0, ripple_fullsteps: 0.03 }] })).toEqual([
+      [-2, 0, 4],
+      [null, 0.03, 0.02],
+      [0.05, null, null],
+    ]);
+    const found = { before, calculated: one, chosen: null } as unknown as ChopperFound;
+    expect(namedOf(found).map(([name]) => name)).toEqual(["before", "calculated"]);
   });
 
   it("asks for less current, and draws what held apart from what lost steps", () => {

@@ -1,3 +1,5 @@
+import { Fields as ChopperFields } from "./chopper/Fields";
+import { Results as ChopperResults } from "./chopper/Results";
 import { Fields as ClosedLoopFields } from "./closedLoop/Fields";
 import { Results as ClosedLoopResults } from "./closedLoop/Results";
 import { Fields as FastestMoveFields } from "./fastestMove/Fields";
@@ -27,6 +29,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   least_current: { Fields: LeastCurrentFields, Results: LeastCurrentResults },
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   resonance_map: { Fields: ResonanceFields, Results: ResonanceResults },
+  chopper: { Fields: ChopperFields, Results: ChopperResults },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
   torque_curve: { Fields: TorqueFields, Results: TorqueResults },

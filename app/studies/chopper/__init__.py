@@ -1,0 +1,1 @@
+"""The study of which setting of SpreadCycle shakes the motor least."""

@@ -1,0 +1,125 @@
+"""A chopper setting on an emulated axis whose SpreadCycle bends its currents: found, proved, put back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.manager import DeviceChange
+from app.studies.kinds import KINDS
+from app.studies.report import html_of
+from tests.studies.harness import START, Studied, studied
+
+FULL = replace(START, vmax=51_200, amax=256_000, irun=31, ihold=31)
+PLANT: dict[str, Any] = {
+    "motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005},
+    "ripple": True,
+    "supply_v": 36.0,
+    "full_scale_a": 2.1,
+}
+STUDY: dict[str, Any] = {
+    "kind": "chopper",
+    "resistance_ohm": 2.3,
+    "inductance_h": 4.4e-3,
+    "run_current_a": 1.485,
+    "supply_v": 36.0,
+    "speeds_rps": [0.5, 1.0],
+}
+NAMES = ("CHOPCONF", "GCONF", "VMAX", "AMAX")
+
+
+async def with_hysteresis(s: Studied, hysteresis: int) -> None:
+    start = min(8, hysteresis + 3)
+    (chopconf,) = await s.settings("CHOPCONF")
+    chopconf = chopconf & ~0x1FFFF | 3 | (start - 1) << 4 | (hysteresis - start + 3) << 7 | 2 << 15
+    await s.passing(_write(s, chopconf))
+
+
+async def _write(s: Studied, chopconf: int) -> None:
+    await s.device.registers.write("CHOPCONF", 0, chopconf)
+
+
+async def test_a_calmer_setting_is_found_and_proved_and_the_axis_is_as_before(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_hysteresis(s, -2)
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(STUDY, budget={"trials": 8})), 600)
+        found = record.chopper
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert found is not None
+        assert found.before is not None
+        assert found.chosen is not None
+        assert found.calculated is not None
+        assert found.effect is not None
+        assert len(found.tried) == 8
+        assert found.before.hysteresis == -2
+        assert found.calculated.hysteresis >= 4
+        assert found.chosen.ripple_fullsteps < 0.8 * found.before.ripple_fullsteps
+        assert found.effect.interval_fullsteps.high < 0
+        assert all(20e3 <= one.chopper_hz <= 60e3 for one in found.tried)
+        best = record.trial(record.best)
+        assert best is not None
+        assert {each.name: each.value for each in best.registers}["CHOPCONF"] & 15 == found.chosen.off
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        assert html_of(record).count("<svg") == 2
+
+
+async def test_where_nothing_is_calmer_nothing_is_claimed(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_hysteresis(s, 9)
+        record = await s.finish(s.begin(s.document(STUDY, budget={"trials": 3})), 600)
+        assert (record.state, record.improved, record.best) == ("done", False, None), record.message
+        assert "stays" in record.verdict
+
+
+async def test_what_is_kept_is_the_new_setting_and_nothing_else(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_hysteresis(s, -2)
+        chopconf, *rest = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document({**STUDY, "keep": True}, budget={"trials": 3})), 600)
+        assert record.improved, record.verdict
+        now, *others = await s.settings(*NAMES)
+        assert others == rest
+        assert now != chopconf
+        assert now & ~0x187FF == chopconf & ~0x187FF
+
+
+async def test_a_stop_in_the_search_puts_the_chopper_back(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        before, run = await s.settings(*NAMES), s.begin(s.document(STUDY))
+        while run.record.phase != "search" or len(run.record.trials) < 2:
+            await s.clock.advance(0.2)
+            assert run.running, run.record.message
+        await s.device.stop_axes([0])
+        record = await s.finish(run, 60)
+        assert (record.state, record.left) == ("aborted", [])
+        assert await s.settings(*NAMES) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"lowest_hz": 50_000.0, "supply_v": 4.0}, "no setting chops"),
+        ({"speeds_rps": [1.0, 50.0]}, "soft limit of velocity"),
+    ],
+)
+async def test_the_plan_says_what_cannot_be(tmp_path: Path, change: dict[str, Any], words: str) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        limited = replace(s.device.axes[0].settings, limits=AxisLimits(velocity_max_pps=1e6))
+        await s.b.manager.edit(s.device.id, DeviceChange(axes=(limited,)))
+        plan = await KINDS["chopper"].plan(s.device, 0, s.document({**STUDY, **change}))
+        assert any(words in line for line in plan.missing)
+
+
+async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        plan = await KINDS["chopper"].plan(s.device, 0, s.document(STUDY, budget={"trials": 5}))
+        assert plan.missing == []
+        assert plan.moves_max == 4 * (2 + 5 + 6 + 20)
+        assert any("CHOPCONF" in name for name in plan.registers)
+        assert any("calculated from the coil: TOFF" in line for line in plan.steps)
