@@ -3,8 +3,9 @@
 For each device of bench.json: connect it by TCP as if it were hardware, write what it needs to run, then move there and
 back with rising accelerations while telemetry runs. Of the moves that arrived, and whose prediction held, the quickest
 is kept in the device. What was found goes to the terminal, as report.md and report.json into a folder, and into the
-dashboard: a recording of each device has its moves as a plot, a mark for each acceleration, and its part of the report;
-what was kept is a profile. At the end every axis goes slowly back and forth, until whoever comes stops it.
+dashboard: a recording of each device has its moves as a plot, a mark for each acceleration, and its part of the report,
+all of which the page `REPORT` shows; what was kept is a profile. At the end every axis goes slowly back and forth,
+until whoever comes stops it.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ SERVER_WITHIN_S = 120.0
 SHOW_DWELL_S = 2.0
 """How long an axis stands at either end of the show [s]."""
 RECORD_HZ = 200.0
+REPORT = "/recordings/report?search=tuning%20session"
+"""Page of the dashboard: the recordings that the session made, each with its plots and its part of the report."""
 LEASE_WAIT_S = 60.0
 """Somebody may have the bench in a browser; they are asked for it so long [s]."""
 
@@ -345,6 +348,7 @@ def main() -> int:
     report = markdown(outcomes)
     (given.report / "report.md").write_text(report)
     log(report)
+    log(f"With plots: page {REPORT} of the dashboard. The axes go on slowly until somebody stops them.")
     return 0 if all(outcome.kept is not None for outcome in outcomes) else 1
 
 

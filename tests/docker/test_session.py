@@ -64,6 +64,10 @@ def healthy(check: list[str], environment: dict[str, str], instead: dict[str, st
         time.sleep(0.1)
 
 
+SEARCH = "tuning session"
+"""What the page with the report finds them by (`REPORT` of the session)."""
+
+
 def left_behind(url: str, token: str) -> dict[str, Any]:
     """What somebody finds who opens the dashboard after the session: recordings, profiles, and how many axes move."""
     with httpx.Client(base_url=f"{url}/api/v1/", headers={"Authorization": f"Bearer {token}"}, timeout=30) as api:
@@ -71,7 +75,7 @@ def left_behind(url: str, token: str) -> dict[str, Any]:
         axes = [f"devices/{device['id']}/axes/0" for device in devices]
         shuttles = [api.get(f"{axis}/shuttle").raise_for_status().json() for axis in axes]
         return {
-            "recordings": api.get("recordings").raise_for_status().json()["recordings"],
+            "recordings": api.get("recordings", params={"search": SEARCH}).raise_for_status().json()["recordings"],
             "profiles": api.get("profiles").raise_for_status().json()["profiles"],
             "shuttles": [shuttle["running"] for shuttle in shuttles],
             "lease": api.get("lease").raise_for_status().json(),
@@ -132,5 +136,6 @@ def test_a_session_from_nothing_to_its_report(tmp_path: Path) -> None:
     assert len(left["profiles"]) == len(BENCH)
     assert left["shuttles"] == [True] * len(BENCH), "who comes late sees motion"
     assert left["lease"]["holder"] is None, "and may take the bench"
+    assert f"/recordings/report?search={SEARCH.replace(' ', '%20')}" in done.stdout
     assert "**kept**" in (tmp_path / "report.md").read_text()
     assert (tmp_path / "data" / "connections.json").exists(), "connected as hardware is: kept"

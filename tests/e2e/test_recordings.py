@@ -197,3 +197,22 @@ def test_nothing_is_in_anybodys_way(
     check_axe(page)
     width = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert width <= 0, "it scrolls sideways"
+
+
+def test_several_are_one_report_with_their_plots_and_notes(
+    page: Page, moves: tuple[str, str], api: httpx.Client
+) -> None:
+    for recording, note in zip(moves, ("far: 2000 steps", "near: 1500 steps"), strict=True):
+        api.patch(f"/recordings/{recording}", json={"note": note}).raise_for_status()
+    page.goto("/recordings")
+    page.get_by_label("Compare the long way").check()
+    page.get_by_role("button", name="Report").click()
+    report = page.get_by_test_id("report")
+    expect(report.get_by_role("heading", name="the long way")).to_be_visible()
+    expect(report.get_by_text("far: 2000 steps")).to_be_visible()
+
+    page.goto("/recordings/report?search=steps")
+    expect(report.get_by_role("heading")).to_have_text(["the long way", "the short way"])
+    expect(report.get_by_test_id("recording-plots")).to_have_count(2)
+    page.goto("/recordings/report?search=nobody")
+    expect(page.get_by_text("No recording has “nobody” in its name or note yet")).to_be_visible()

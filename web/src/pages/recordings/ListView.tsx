@@ -1,6 +1,6 @@
 import { Button, Checkbox, Drawer, Group, Loader, Progress, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue, useDisclosure } from "@mantine/hooks";
-import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconSearch } from "@tabler/icons-react";
+import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconReportAnalytics, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import { Link, useLocation } from "wouter";
 import { Card } from "../../lib/Card";
@@ -9,6 +9,7 @@ import { sizeText } from "../../lib/format";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
+import { REPORTED_MAX } from "./ReportView";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { StartForm } from "./StartForm";
@@ -76,6 +77,15 @@ export function ListView() {
               onClick={() => go(`/recordings/compare?of=${chosen.map(({ id }) => id).join(",")}`)}
             >
               Compare{chosen.length > 0 ? ` ${chosen.length}` : ""}
+            </Button>
+            <Button
+              variant="default"
+              leftSection={<IconReportAnalytics size={15} aria-hidden />}
+              disabled={chosen.length === 0 || chosen.length > REPORTED_MAX}
+              title={chosen.length > REPORTED_MAX ? `at most ${REPORTED_MAX}` : "pick some below"}
+              onClick={() => go(`/recordings/report?of=${chosen.map(({ id }) => id).join(",")}`)}
+            >
+              Report
             </Button>
             <Button leftSection={<IconPlayerRecord size={15} aria-hidden />} onClick={open}>
               Record
