@@ -13,7 +13,7 @@ from .ramp_settings import RampRegisters
 from .resonance_map.places import RipplePlaces
 from .stallguard.setting import StallPlaces
 from .tmc5xxx.chopper import CHOPPER
-from .tmc5xxx.identification import CURRENT, ENCODER, HOP
+from .tmc5xxx.identification import AMPLITUDE, CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
@@ -21,7 +21,9 @@ from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
-IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER)}
+IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
+    "tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER, AMPLITUDE)
+}
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping
 from typing import Any
 
 MOTORS = (
@@ -33,6 +34,14 @@ def drawn_motor(rng: random.Random) -> dict[str, float]:
         "viscous_nms": 10 ** rng.uniform(-3.5, -2.7),
         "friction_nm": torque * rng.uniform(0.005, 0.03),
     }
+
+
+def nominal_of(motor: Mapping[str, float]) -> tuple[float, float, float, float, float]:
+    """What the data sheet of a drawn motor says: the nearest of all."""
+    return min(
+        MOTORS,
+        key=lambda each: abs(each[0] / motor["resistance_ohm"] - 1) + abs(each[3] / motor["rated_current_a"] - 1),
+    )
 
 
 def drawn(seed: int) -> dict[str, Any]:

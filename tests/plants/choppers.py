@@ -7,7 +7,7 @@ import random
 from dataclasses import dataclass
 from typing import Any
 
-from tests.plants.axes import MOTORS, drawn_motor
+from tests.plants.axes import drawn_motor, nominal_of
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,7 @@ def drawn(seed: int) -> ChopperPlant:
     rotor inertias, 24 to 48 V, 60 to 100 % of the rated current, an encoder of 4000 to 10,000 lines."""
     rng = random.Random(seed)
     motor = drawn_motor(rng)
-    nominal = min(
-        MOTORS,
-        key=lambda each: abs(each[0] / motor["resistance_ohm"] - 1) + abs(each[3] / motor["rated_current_a"] - 1),
-    )
+    nominal = nominal_of(motor)
     irun, supply = rng.randint(19, 31), rng.uniform(24, 48)
     options = {
         "motor": motor,

@@ -35,7 +35,9 @@ PLANT: dict[str, Any] = {
     "full_scale_a": 1.5 * math.sqrt(2),
     "encoder": {"errors": {"backlash_deg": BACKLASH * 360 / 51_200}},
 }
-NAMES = ("VMAX", "VSTART", "VSTOP", "AMAX", "DMAX", "V1", "IHOLD_IRUN")
+COIL: dict[str, Any] = {"supply_v": 24.0, "run_current_a": 1.5, "inductance_h": 4.4e-3}
+BACK_EMF = TORQUE / (math.sqrt(2) * 1.5)
+NAMES = ("GCONF", "PWMCONF", "TPWMTHRS", "VMAX", "VSTART", "VSTOP", "AMAX", "DMAX", "V1", "IHOLD_IRUN")
 
 
 def near(told: Estimate | None, true: float, within: float) -> bool:
@@ -47,9 +49,10 @@ def near(told: Estimate | None, true: float, within: float) -> bool:
 async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
         before = await s.settings(*NAMES)
-        plan = await KINDS["identification"].plan(s.device, 0, s.document(STUDY))
+        plan = await KINDS["identification"].plan(s.device, 0, s.document({**STUDY, **COIL}))
         assert plan.missing == []
-        record = await s.finish(s.begin(s.document(STUDY)))
+        assert any("StealthChop tunes itself" in step for step in plan.steps)
+        record = await s.finish(s.begin(s.document({**STUDY, **COIL})))
         assert record.state == "done", record.message
         told = record.identified
         assert told is not None
@@ -60,6 +63,9 @@ async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path
         assert near(told.detent_share, 0.02 / TORQUE, 0.01)
         assert near(told.backlash_microsteps, BACKLASH, 1.0)
         assert told.encoder_lines == 10_000
+        assert near(told.resistance_ohm, 2.3, 0.03 * 2.3)
+        assert told.back_emf_v_s_rad is not None
+        assert told.back_emf_v_s_rad.interval.low < BACK_EMF < told.back_emf_v_s_rad.interval.high
         assert await s.settings(*NAMES) == before
         assert (await s.b.state()).position == 0
         assert record.runs <= plan.moves_max

@@ -103,6 +103,18 @@ FIGURES: Sequence[tuple[str, str, str, str]] = (
     ("detent_torque_nm", "detent torque, absolute", "the same, by the holding torque that was told", "N m"),
     ("viscous_nms", "viscous friction", "by the holding torque that was told", "N m s"),
     (
+        "resistance_ohm",
+        "resistance",
+        "of one coil, by StealthChop's amplitude at rest (automatic tuning), for supply and current as they were told",
+        "ohm",
+    ),
+    (
+        "back_emf_v_s_rad",
+        "back-EMF constant",
+        "peak of one coil, by the amplitude at speed, for the inductance that was told; the torque an ampere, too",
+        "V s/rad",
+    ),
+    (
         "backlash_microsteps",
         "backlash",
         "before the encoder: what is between both ways and does not grow with less current",

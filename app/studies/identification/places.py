@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from ..current_settings import CurrentPlaces
 from ..encoder_scale import EncoderPlaces
 from ..ramp_settings import RampRegisters
+from .coil import AmplitudePlaces
 
 
 @dataclass(frozen=True, slots=True)
 class IdentificationPlaces:
-    """hop : a ramp that starts and stops at its full speed"""
+    """hop : a ramp that starts and stops at its full speed; amplitude : None where a family has no StealthChop that
+    tunes itself"""
 
     hop: RampRegisters
     current: CurrentPlaces
     encoder: EncoderPlaces
+    amplitude: AmplitudePlaces | None = None

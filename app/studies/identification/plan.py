@@ -13,9 +13,11 @@ from ..current_settings import CurrentSpace
 from ..document import Identification, StudyDocument
 from ..encoder_scale import microsteps_a_count
 from ..families import identification_of
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..field_settings import FieldSpace
+from ..plan import AxisNow, Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..ringing import HOP_PPS, HOPS, RING_S
+from .coil import SPEED_UP_S, SPEEDS_RPS, TUNES_WITHIN_S, AmplitudePlaces, CoilTold
 
 TURN_S = 0.5
 """What a slow turn takes beside its way [s]."""
@@ -23,9 +25,21 @@ LEAST_SCALE = 3
 
 
 @dataclass(frozen=True, slots=True)
+class AmplitudeGround:
+    """For resistance and back-EMF. ramps : each at one speed [turns of the motor a second]; fields : what is set."""
+
+    places: AmplitudePlaces
+    fields: FieldSpace
+    ramps: RampSpace
+    speeds: tuple[tuple[float, dict[str, float]], ...]
+    told: CoilTold
+
+
+@dataclass(frozen=True, slots=True)
 class Ground:
     """What is known before the first move [microsteps]. low_scale : current scale of the turns with less current;
-    a_count : what a count of the encoder is set to be; lead : before and behind a turn; hop_pps : [pps]."""
+    a_count : what a count of the encoder is set to be; lead : before and behind a turn; hop_pps : [pps]; amplitude :
+    None where no resistance can be told, `no_amplitude` says why then."""
 
     ramp: RampSpace
     current: CurrentSpace
@@ -37,6 +51,8 @@ class Ground:
     lead: int
     slow_pps: float
     hop_pps: float
+    amplitude: AmplitudeGround | None
+    no_amplitude: str
 
     @property
     def turns(self) -> tuple[tuple[int, float], ...]:
@@ -93,8 +109,32 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
             "a hop starts and stops at its full speed: the soft limit of acceleration bounds no jump"
         )
     scale = microsteps_a_count(device, axis, places.encoder, found.held)
-    looked.ground = Ground(ramp, current, low, scale, state.position, full_step, turn, lead, slow, hop)
+    amplitude, why = _amplitude(device, axis, found, wanted)
+    looked.ground = Ground(ramp, current, low, scale, state.position, full_step, turn, lead, slow, hop, amplitude, why)
     return looked
+
+
+def _amplitude(device: Device, axis: int, found: AxisNow, wanted: Identification) -> tuple[AmplitudeGround | None, str]:
+    """What resistance and back-EMF are told by, or why they are not."""
+    places, find = identification_of(device).amplitude, device.family.table.find
+    if wanted.supply_v is None or wanted.run_current_a is None:
+        return None, "supply and run current are not told"
+    if places is None or find(places.at_rest, axis) is None or find(places.now, axis) is None:
+        return None, f"a {device.model.upper()} does not tell the amplitude that its StealthChop has tuned"
+    try:
+        fields = FieldSpace(device, axis, places.every, found.held)
+    except WrongState as error:
+        return None, str(error)
+    limits = device.axes[axis].settings.limits
+    fastest = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED)) / found.turn
+    hardest = min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION))
+    speeds = tuple(
+        (rps, {SPEED: rps * found.turn, ACCELERATION: min(rps * found.turn / SPEED_UP_S, hardest)})
+        for rps in SPEEDS_RPS
+        if rps <= fastest
+    )
+    told = CoilTold(wanted.run_current_a, wanted.supply_v, wanted.inductance_h)
+    return AmplitudeGround(places, fields, found.space, speeds, told), ""
 
 
 def hop_targets(ground: Ground, count: int) -> list[int]:
@@ -128,13 +168,36 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: Identification) ->
     slow_s = 2 * sum(ground.way / ground.slow_pps / times + TURN_S for _, times in ground.turns)
     told.time_s = slow_s + wanted.hops * (RING_S + 0.1)
     told.registers = [f"{each.name} of axis {axis}" for each in (*ground.ramp.before, *ground.current.before)]
+    told.unwatched = [
+        "whether the play is in the coupling of the encoder or in what moves the load, one encoder cannot tell",
+        "rotor and load swing as one: a load on a soft coupling rings at a frequency of its own",
+    ]
     told.steps = [
         f"a turn there and back at {plain(wanted.velocity_rps)} turns a second and at twice that, with the run current",
         f"the first with {100 * ground.current.share(ground.low_scale):.0f} % of it: friction grows, backlash does not",
         f"{wanted.hops} hops of about three quarters of a full step, after each of which the rotor rings out",
+        *_amplitude_told(told, ground, axis),
         "the setting as it is now goes back: nothing of it is changed",
     ]
-    told.unwatched = [
-        "whether the play is in the coupling of the encoder or in what moves the load, one encoder cannot tell",
-        "rotor and load swing as one: a load on a soft coupling rings at a frequency of its own",
+
+
+def _amplitude_told(told: StudyPlan, ground: Ground, axis: int) -> list[str]:
+    """The steps of resistance and back-EMF; what they cost joins what is told."""
+    amplitude = ground.amplitude
+    if amplitude is None:
+        told.unwatched.append(f"resistance and back-EMF: {ground.no_amplitude}")
+        return []
+    told.registers += [f"{each.name} of axis {axis}" for each in amplitude.fields.before]
+    told.time_s += TUNES_WITHIN_S
+    steps = ["at rest StealthChop tunes itself: the amplitude of its PWM tells the resistance"]
+    if amplitude.told.inductance_h is None or not amplitude.speeds:
+        return steps
+    fastest = amplitude.speeds[-1]
+    told.moves_max += 2 * len(amplitude.speeds)
+    told.way_fullsteps += 2 * len(amplitude.speeds) * ground.way / ground.full_step
+    told.time_s += sum(2 * (ground.way / ramp[SPEED] + TURN_S) for _, ramp in amplitude.speeds)
+    told.velocity_max_pps = max(ground.hop_pps, fastest[1][SPEED])
+    return [
+        *steps,
+        f"turns there and back with StealthChop, at {plain(fastest[0])} turns a second at most: the back-EMF",
     ]

@@ -12,12 +12,15 @@ from ...calc.motors.slow_turns import SlowTurn, fit_slow_turn
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import Identification
+from ..fitted import estimate
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves
 from ..ramp_settings import ACCELERATION, SPEED
 from ..ringing import HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
+from .coil import ENOUGH, MOST, AmplitudeRuns, Amplitudes, CoilFound, coil_of, load_sine_of
+from .found import Identified
 from .measured import Measured, findings, identified
-from .plan import Ground, hop_targets, look
+from .plan import AmplitudeGround, Ground, hop_targets, look
 
 TURNS_WITH = 0.02
 """How much less or more than the motor is told may an encoder show, on the whole way."""
@@ -45,15 +48,22 @@ class IdentificationStudy(StudyRun):
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         record.findings, record.identified = [], None
         if not record.baseline:
-            record.baseline = [*ground.ramp.before, *ground.current.before]
+            fields = [] if ground.amplitude is None else ground.amplitude.fields.before
+            record.baseline = [*ground.ramp.before, *ground.current.before, *fields]
         await self.keeper.save(record)
         turns = [await self._slow_turn(index, *how) for index, how in enumerate(ground.turns)]
         rings = await self._rings()
         await self._moves.go(ground.start)
         await self.back()
         found = self._fitted(turns, rings)
-        record.identified = identified(found, ground, self.wanted)
-        record.findings = findings(record.identified, found.why)
+        told_of = identified(found, ground, self.wanted)
+        coil = await self._coil(told_of)
+        if coil.resistance is not None:
+            told_of.resistance_ohm = estimate(coil.resistance)
+        if coil.back_emf is not None:
+            told_of.back_emf_v_s_rad = estimate(coil.back_emf)
+        record.identified = told_of
+        record.findings = findings(told_of, [*found.why, *coil.why])
         told = sum(one.sure == "measured" for one in record.findings)
         record.verdict = f"{told} figures of motor and machine, {len(record.findings) - told} that cannot be told"
         record.next = "a twin with these figures: fastest move tries on it first"
@@ -141,6 +151,52 @@ class IdentificationStudy(StudyRun):
         ring = await ring_after(hop, self.device, self.axis, self.clock, target, ground.full_step)
         self._count_run()
         return ring
+
+    # --- the coil -----------------------------------------------------------------------------------
+
+    async def _coil(self, told: Identified) -> CoilFound:
+        """Resistance and back-EMF, with StealthChop tuning itself; the setting goes back then."""
+        ground, amplitude = self._ground, self._ground.amplitude
+        if amplitude is None:
+            return CoilFound(None, None, [f"resistance, back-EMF: {ground.no_amplitude}"])
+        self.tell("look", TURNS_TAKE, "StealthChop tunes itself at rest")
+        self.keeper.mark("StealthChop tunes itself")
+        runs = AmplitudeRuns(self.device, self.axis, self.clock, amplitude.places)
+        scale = ground.current.run_scale
+        try:
+            for values in (amplitude.places.before, amplitude.places.tuned):
+                await self.apply(
+                    [*ground.current.registers(scale), *amplitude.fields.registers(values)],
+                    "StealthChop that tunes itself",
+                )
+            at_rest = await runs.at_rest(scale, ground.current.steps)
+            rps, at_speed = await self._at_speed(runs, amplitude, at_rest)
+        except Failed as error:
+            return CoilFound(None, None, [f"resistance, back-EMF: {error}"])
+        finally:
+            await self._rest()
+            await self.back()
+        found = Amplitudes(at_rest, rps, at_speed)
+        teeth = ground.turn / ground.full_step / 4
+        return coil_of(found, amplitude.told, amplitude.places, teeth, load_sine_of(told, rps or 0.0, teeth))
+
+    async def _at_speed(
+        self, runs: AmplitudeRuns, amplitude: AmplitudeGround, at_rest: float
+    ) -> tuple[float | None, float | None]:
+        """The first speed that takes enough more voltage than rest, and the amplitude there [counts]."""
+        ground = self._ground
+        if amplitude.told.inductance_h is None:
+            return None, None
+        for rps, ramp in amplitude.speeds:
+            self.tell("look", TURNS_TAKE, f"a turn there and back at {plain(rps)} turns a second, with StealthChop")
+            await self.apply(amplitude.ramps.registers(ramp), f"turns at {plain(rps)} turns a second")
+            longest_s = 2 * (ground.way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
+            found = await runs.there_and_back(ground.start, ground.way, longest_s)
+            self._moves.way_fullsteps += 2 * ground.way / ground.full_step
+            self._count_run()
+            if found is not None and ENOUGH * at_rest <= found <= MOST:
+                return rps, found
+        return None, None
 
     # --- fits ---------------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +12,7 @@ from pathlib import Path
 from app.studies.fitted import Estimate
 from app.studies.record import StudyRecord
 from tests.bench.table import Row
+from tests.plants.axes import nominal_of
 from tests.plants.machines import Machine, drawn
 from tests.studies.harness import START, studied
 
@@ -18,6 +20,7 @@ NAMES = ("VMAX", "VSTART", "VSTOP", "AMAX", "DMAX", "V1", "IHOLD_IRUN")
 LONGEST_S = 1000.0
 WITHIN = {"inertia": 0.10, "resonance": 0.02, "damping": 0.15}
 BACKLASH = 1.0
+COIL = ("resistance", "back-EMF")
 SHARE, COVERED = 0.95, 0.90
 FIRST = 1000
 """Seed of the first plant: those below were looked at while the study was made."""
@@ -35,12 +38,18 @@ class Judged:
         """What was told, and what is true."""
         told, true = self.record.identified, self.machine
         if told is None:
-            return dict.fromkeys((*WITHIN, "backlash"), (None, 0.0))
+            return dict.fromkeys((*WITHIN, "backlash", *COIL), (None, 0.0))
+        motor = true.options["motor"]
         return {
             "inertia": (told.inertia_kgm2, true.inertia_kgm2),
             "resonance": (told.resonance_hz, true.resonance_hz),
             "damping": (told.damping_ratio, true.damping),
             "backlash": (told.backlash_microsteps, true.backlash_microsteps),
+            "resistance": (told.resistance_ohm, motor["resistance_ohm"]),
+            "back-EMF": (
+                told.back_emf_v_s_rad,
+                motor["holding_torque_nm"] / (math.sqrt(2) * motor["rated_current_a"]),
+            ),
         }
 
     def right(self, name: str) -> bool:
@@ -63,7 +72,14 @@ async def judged(seed: int, folder: Path) -> Judged:
     start = replace(START, irun=31, ihold=16, stops=False, counts_per_rev=4 * machine.lines)
     async with studied(folder, start, **machine.options) as s:
         before = await s.settings(*NAMES)
-        study = {"kind": "identification", "hold_torque_nm": machine.torque_nm}
+        motor = machine.options["motor"]
+        study = {
+            "kind": "identification",
+            "hold_torque_nm": machine.torque_nm,
+            "supply_v": machine.options["supply_v"],
+            "run_current_a": motor["rated_current_a"],
+            "inductance_h": nominal_of(motor)[1],
+        }
         record = await s.finish(s.begin(s.document(study)), LONGEST_S)
         return Judged(machine, record, await s.settings(*NAMES) == before)
 
@@ -79,7 +95,7 @@ def measure(quick: bool) -> Sequence[Row]:
         plants = asyncio.run(all_of())
     names = (*WITHIN, "backlash", "lines")
     right = {name: sum(one.right(name) for one in plants) for name in names}
-    holds = {name: sum(one.holds(name) for one in plants) for name in names if name != "lines"}
+    holds = {name: sum(one.holds(name) for one in plants) for name in (*names, *COIL) if name != "lines"}
     odd = [one.record.message for one in plants if one.record.state != "done" or not one.as_before]
     said = [
         f"plant {seed}: {name}, {_words(one, name)}"

@@ -8177,6 +8177,21 @@ export interface components {
              * @default 0.1
              */
             torque_tolerance?: number;
+            /**
+             * Supply V
+             * @description of the motor; null: resistance and back-EMF are not told
+             */
+            supply_v?: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a?: number | null;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
+             */
+            inductance_h?: number | null;
         };
         /**
          * Identification
@@ -8219,6 +8234,21 @@ export interface components {
              * @default 0.1
              */
             torque_tolerance: number;
+            /**
+             * Supply V
+             * @description of the motor; null: resistance and back-EMF are not told
+             */
+            supply_v: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a: number | null;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
+             */
+            inductance_h: number | null;
         };
         /**
          * Identified
@@ -8254,6 +8284,10 @@ export interface components {
             viscous_nms: components["schemas"]["Estimate"] | null;
             friction_nm: components["schemas"]["Estimate"] | null;
             detent_torque_nm: components["schemas"]["Estimate"] | null;
+            /** @description of one coil; needs supply and current as told */
+            resistance_ohm: components["schemas"]["Estimate"] | null;
+            /** @description peak of one coil, of the shaft's speed; needs the inductance too */
+            back_emf_v_s_rad: components["schemas"]["Estimate"] | null;
             /** @description before the encoder */
             backlash_microsteps: components["schemas"]["Estimate"] | null;
             /**

@@ -33,6 +33,35 @@ export function Fields({ form, change }: FieldsProps<IdentificationForm>) {
         onChange={(holdTorqueNm) => change({ holdTorqueNm })}
         onClear={() => change({ holdTorqueNm: null })}
       />
+      <NumberField
+        label="Supply of the motor"
+        description="with the run current: the coil's resistance"
+        value={form.supplyV}
+        min={1}
+        max={100}
+        unit="V"
+        onChange={(supplyV) => change({ supplyV })}
+        onClear={() => change({ supplyV: null })}
+      />
+      <NumberField
+        label="Run current as it is set now, RMS of one coil"
+        value={form.runCurrentA}
+        min={0.01}
+        max={50}
+        unit="A"
+        onChange={(runCurrentA) => change({ runCurrentA })}
+        onClear={() => change({ runCurrentA: null })}
+      />
+      <NumberField
+        label="Inductance of one coil"
+        description="with both: the back-EMF"
+        value={form.inductanceMh}
+        min={0.01}
+        max={500}
+        unit="mH"
+        onChange={(inductanceMh) => change({ inductanceMh })}
+        onClear={() => change({ inductanceMh: null })}
+      />
     </>
   );
 }

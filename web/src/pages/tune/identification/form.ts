@@ -6,14 +6,35 @@ export interface IdentificationForm {
   hops: number;
   /** with the run current [N m]; null: unknown */
   holdTorqueNm: number | null;
+  /** of the motor [V]; null: neither resistance nor back-EMF is told */
+  supplyV: number | null;
+  /** RMS of one coil as it is set now [A] */
+  runCurrentA: number | null;
+  /** of one coil [mH]; null: the back-EMF is not told */
+  inductanceMh: number | null;
 }
 
 export const IDENTIFICATION: KindForm<IdentificationForm> = {
   label: "Know motor and machine",
   text: "Resonance, damping, friction, inertia, backlash and lines of the encoder, each with its interval: by the encoder. The setting stays.",
   title: "Motor and machine",
-  first: () => ({ velocityRps: 0.1, hops: 24, holdTorqueNm: null }),
-  wish: ({ velocityRps, hops, holdTorqueNm }) => ({
-    study: { kind: "identification", velocity_rps: velocityRps, hops, hold_torque_nm: holdTorqueNm },
+  first: () => ({
+    velocityRps: 0.1,
+    hops: 24,
+    holdTorqueNm: null,
+    supplyV: null,
+    runCurrentA: null,
+    inductanceMh: null,
+  }),
+  wish: (form) => ({
+    study: {
+      kind: "identification",
+      velocity_rps: form.velocityRps,
+      hops: form.hops,
+      hold_torque_nm: form.holdTorqueNm,
+      supply_v: form.supplyV,
+      run_current_a: form.runCurrentA,
+      inductance_h: form.inductanceMh === null ? null : form.inductanceMh / 1e3,
+    },
   }),
 };
