@@ -254,6 +254,23 @@ class StallGuard(Part):
         return self
 
 
+class ScoredMove(Part):
+    """A move there and back with all settings as they are, and its figures: for tuning by hand. It sets nothing."""
+
+    kind: Literal["scored_move"] = "scored_move"
+    distance: Int = Field(description="of the move, and back; its sign says to which side [microsteps]")
+    repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(default=2, description="there and back")
+    band_fullsteps: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = Field(
+        default=1.0, description="a move is over when the encoder stays within it of the target [full steps]"
+    )
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> ScoredMove:
+        if self.distance == 0:
+            raise ValueError("distance is 0: a move goes somewhere")
+        return self
+
+
 class LeastCurrent(Part):
     """The least run current at which a load cycle (there and back, the ramp as it is) loses no step, with a margin."""
 
@@ -406,6 +423,7 @@ What: TypeAlias = Annotated[
     | LeastCurrent
     | MicrostepCalibration
     | ResonanceMap
+    | ScoredMove
     | StallGuard
     | TorqueCurve,
     Field(discriminator="kind"),
@@ -419,6 +437,7 @@ Kind = Literal[
     "least_current",
     "microstep_calibration",
     "resonance_map",
+    "scored_move",
     "stallguard",
     "torque_curve",
 ]
@@ -431,6 +450,7 @@ TITLES: dict[Kind, str] = {
     "least_current": "Least current",
     "microstep_calibration": "Microstep calibration",
     "resonance_map": "Resonance map",
+    "scored_move": "Scored move",
     "stallguard": "StallGuard threshold",
     "torque_curve": "Torque over speed",
 }

@@ -11,12 +11,15 @@ from .closed_loop.setting import LoopPlaces
 from .identification.places import IdentificationPlaces
 from .ramp_settings import RampRegisters
 from .resonance_map.places import RipplePlaces
+from .scored_move.places import HandPlace
 from .stallguard.setting import StallPlaces
+from .tmc5xxx.by_hand import BY_HAND as BY_HAND_5XXX
 from .tmc5xxx.chopper import CHOPPER
 from .tmc5xxx.identification import AMPLITUDE, CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
+from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
 
@@ -27,6 +30,7 @@ IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
+HANDS: Mapping[str, Sequence[HandPlace]] = {"tmc5xxx": BY_HAND_5XXX, "tmc4361": BY_HAND_4361}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 
@@ -86,3 +90,8 @@ def chopper_of(device: Device) -> ChopperPlaces:
             "calculate it from the motor on the page Current and chopper",
         )
     return found
+
+
+def by_hand_of(device: Device) -> Sequence[HandPlace]:
+    """What of it is tuned by hand beside its ramp."""
+    return HANDS.get(device.family.family, ())

@@ -28,6 +28,8 @@ from .record import StudyRecord
 from .resonance_map import plan as resonance_map
 from .resonance_map.study import ResonanceMapStudy
 from .run import Keeper, StudyRun
+from .scored_move import plan as scored_move
+from .scored_move.study import ScoredMoveStudy
 from .stallguard import plan as stallguard
 from .stallguard.study import StallGuardStudy
 from .torque_curve import plan as torque_curve
@@ -40,6 +42,7 @@ class StudyKind:
     """One of them.
 
     channels : what its recording has of the axis
+    sets_nothing : its setting is that of the axis; what was before is what there is when it is taken
     on_twin : how one of its settings is tried on an emulated twin; None: its search runs on the axis alone
     """
 
@@ -50,6 +53,7 @@ class StudyKind:
     make: Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]
     plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
     on_twin: OnTwin | None = None
+    sets_nothing: bool = False
 
 
 POSITIONS = ("position", "encoder_position", "velocity")
@@ -110,6 +114,15 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ChopperStudy,
         chopper.plan,
+    ),
+    "scored_move": StudyKind(
+        "scored_move",
+        "Scored move",
+        "by hand: change what you like, move, and compare; the settings in force are kept with the figures",
+        (*POSITIONS, "load_value"),
+        ScoredMoveStudy,
+        scored_move.plan,
+        sets_nothing=True,
     ),
     "closed_loop": StudyKind(
         "closed_loop",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ..calc.signals.step_response import score
@@ -39,13 +39,15 @@ class MoveFigures:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """A move as it was sampled [microsteps]; `time_s` from its command on. deviation : at rest, at its end."""
+    """A move as it was sampled [microsteps]; `time_s` from its command on. deviation : at rest, at its end; beside :
+    other channels [rows, channels]."""
 
     time_s: FloatArray
     position: FloatArray
     encoder: FloatArray
     start: int
     deviation: float
+    beside: FloatArray
 
 
 def deviation_of(state: AxisState) -> float:
@@ -58,8 +60,18 @@ def deviation_of(state: AxisState) -> float:
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
-    def __init__(self, device: Device, axis: int, clock: Clock, microsteps: int, band_fullsteps: float) -> None:
-        """`microsteps` of a full step. `band_fullsteps`: how near the encoder has to stay."""
+    def __init__(
+        self,
+        device: Device,
+        axis: int,
+        clock: Clock,
+        microsteps: int,
+        band_fullsteps: float,
+        beside: Sequence[str] = (),
+    ) -> None:
+        """`microsteps` of a full step. `band_fullsteps`: how near the encoder has to stay; `beside`: other channels
+        that are sampled."""
+        self._beside = tuple(beside)
         self._device, self._axis, self._clock = device, axis, clock
         self._microsteps, self._band = microsteps, band_fullsteps * microsteps
         self.way_fullsteps = 0.0
@@ -99,7 +111,7 @@ class MeasuredMoves:
 
     async def sampled(self, target: int, rate_hz: float) -> Sampled:
         """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""
-        names = [f"position.{self._axis}", f"encoder_position.{self._axis}"]
+        names = [f"position.{self._axis}", f"encoder_position.{self._axis}", *self._beside]
         with sampling(self._device, names, rate_hz, self._clock) as samples:
             start = (await self.state()).position
             self.way_fullsteps += abs(target - start) / self._microsteps
@@ -108,8 +120,8 @@ class MeasuredMoves:
             after = await self.deviation()
             samples.take()
         times_s, rows = samples.all()
-        position, encoder = rows.T
-        return Sampled(times_s - started.started_at_s, position, encoder, start, after)
+        position, encoder = rows[:, 0], rows[:, 1]
+        return Sampled(times_s - started.started_at_s, position, encoder, start, after, rows[:, 2:])
 
     async def deviation(self) -> float:
         """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""

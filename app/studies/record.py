@@ -13,6 +13,7 @@ from .identification.found import Identified
 from .least_current.found import LeastCurrentFound
 from .parts import Interval, Part
 from .resonance_map.found import ResonanceFound
+from .scored_move.found import Scored
 from .stallguard.found import StallFound
 from .torque_curve.found import TorqueFound
 
@@ -223,6 +224,7 @@ class StudyRecord(Part):
     chopper: ChopperFound | None = Field(default=None, description="of a study of the chopper")
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
+    scored: Scored | None = Field(default=None, description="of a scored move")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

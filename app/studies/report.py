@@ -16,6 +16,7 @@ from .microstep_calibration import report as microstep_calibration
 from .record import StudyRecord
 from .report_parts import number, table, text
 from .resonance_map import report as resonance_map
+from .scored_move import report as scored_move
 from .stallguard import report as stallguard
 from .torque_curve import report as torque_curve
 
@@ -36,6 +37,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "least_current": least_current.sections,
     "microstep_calibration": microstep_calibration.sections,
     "resonance_map": resonance_map.sections,
+    "scored_move": scored_move.sections,
     "stallguard": stallguard.sections,
     "torque_curve": torque_curve.sections,
 }

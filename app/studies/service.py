@@ -236,8 +236,13 @@ class StudyService:
         if record.model != device.model:
             raise WrongState(f"it was a study of a {record.model}, and {device.name} is a {device.model}", "")
         registers = self._registers(record, which)
+        before = record.baseline
+        if which == "best" and KINDS[record.document.study.kind].sets_nothing:
+            held = await held_of(device)
+            now = [(each, value_now(device, held, each)) for each in registers]
+            before = [each.model_copy(update={"value": value}) for each, value in now if value is not None]
         await self._profiles.apply(device, document_of(device, registers, f"{which} of study {study}"))
-        record.left = []
+        record.left, record.baseline = [], before
         await self._store.save(record)
         return record
 

@@ -138,3 +138,23 @@ async def test_a_chip_without_an_encoder_is_told_so(client: httpx.AsyncClient) -
     assert len(plan["missing"]) == 1
     assert "TMC428" in plan["missing"][0]
     assert (await client.post("studies", json={"device": "bench", "study": MOVE})).status_code == 409
+
+
+async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:
+    document = {"device": slide, "study": {"kind": "scored_move", "distance": 6400, "repeats": 1}}
+    begun = await client.post("studies", json=document)
+    assert begun.status_code == 201, begun.text
+    done = await over(client, clock, begun.json()["id"], 20)
+    assert done["state"] == "done", done["message"]
+    listed = (await client.get("studies")).json()["studies"][0]
+    assert listed["scored"] == done["scored"]
+    assert listed["setting"] == done["trials"][0]["setting"]
+    then = await held(client)
+    changed = await client.put("devices/slide/registers/VMAX?axis=0", json={"value": 20_000})
+    assert changed.status_code == 200, changed.text
+    now = await held(client)
+    assert now != then
+    for which, expected in (("best", then), ("baseline", now)):
+        taken = await client.post(f"studies/{done['id']}/take", json={"which": which})
+        assert taken.status_code == 200, taken.text
+        assert await held(client) == expected

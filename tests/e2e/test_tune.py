@@ -86,3 +86,36 @@ def test_the_microsteps_page_leads_to_a_calibration_by_the_encoder(page: Page, s
     page.get_by_role("link", name="By the encoder").click()
     expect(page.get_by_role("radio", name="More exact")).to_be_checked()
     expect(page.get_by_test_id("plan")).to_contain_text("the microstep table of axis 0")
+
+
+def test_moves_by_hand_are_scored_ranked_taken_and_undone(
+    page: Page, slide: Chip, check_axe: Callable[[Page], None]
+) -> None:
+    select(page, slide)
+    page.goto("/tune")
+    page.get_by_role("radio", name="By hand").check()
+    field = page.get_by_label("Times", exact=True)
+    field.fill("1")
+    field.press("Tab")
+    rows = page.get_by_test_id("move")
+    begin = page.get_by_test_id("begin")
+    plain = slide.register("VMAX")["value"]
+    for count, speed in ((1, plain), (2, plain // 2)):
+        slide.write("VMAX", speed)
+        expect(begin).to_be_enabled(timeout=LONG_MS)
+        begin.click()
+        expect(rows).to_have_count(count, timeout=LONG_MS)
+    ranked = page.get_by_role("table", name="Moves by hand, the best first")
+    expect(ranked.get_by_role("columnheader", name="speed [pps]")).to_be_visible()
+    rows.first.get_by_role("button", name="Take").click()
+    preview = page.get_by_role("region", name="What taking it sets")
+    expect(preview).to_contain_text("speed [pps]")
+    preview.get_by_role("button", name="Take it").click()
+    wait_for(lambda: slide.register("VMAX")["value"] == plain, "the faster move's setting is taken")
+    page.get_by_role("button", name="Undo", exact=True).click()
+    wait_for(lambda: slide.register("VMAX")["value"] == plain // 2, "the setting is as before")
+    check_axe(page)
+    page.set_viewport_size(PHONE)
+    expect(rows).to_have_count(2)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.goto("/connections")  # before the chip is gone

@@ -32,6 +32,7 @@ TAKE = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileMisfit, ProfileTakenBack, Pr
 
 def _info(record: StudyRecord) -> StudyInfo:
     document = record.document
+    best = record.trial(record.best)
     return StudyInfo(
         id=record.id,
         kind=document.study.kind,
@@ -46,6 +47,8 @@ def _info(record: StudyRecord) -> StudyInfo:
         started_unix_s=record.started_unix_s,
         ended_unix_s=record.ended_unix_s,
         left=record.left,
+        setting={} if best is None or record.scored is None else best.setting,
+        scored=record.scored,
     )
 
 

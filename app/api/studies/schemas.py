@@ -8,6 +8,7 @@ from pydantic import Field
 
 from ...studies.document import Kind
 from ...studies.record import State
+from ...studies.scored_move.found import Scored
 from ..profiles.schemas import ProfileInfo
 from ..schemas import Answer, Body
 
@@ -36,6 +37,8 @@ class StudyInfo(Answer):
     started_unix_s: float
     ended_unix_s: float | None
     left: list[str] = Field(description="what is not as it was before; empty where all is")
+    setting: dict[str, float] = Field(description="of a scored move: what was in force")
+    scored: Scored | None = Field(description="of a scored move: its figures")
 
 
 class StudyList(Answer):

@@ -14116,6 +14116,109 @@ export interface components {
             band: number;
         };
         /**
+         * Scored
+         * @description Figures of one setting. Deviations in full steps of the motor, encoder less position as it was at first.
+         */
+        Scored: {
+            /**
+             * Distance
+             * @description there, and back again [microsteps]
+             */
+            distance: number;
+            /** Moves */
+            moves: number;
+            /**
+             * Time S
+             * @description from the command until the encoder stays in its band [s]
+             */
+            time_s: number | null;
+            /** @description of that, 95 %; null for fewer than two */
+            interval_s: components["schemas"]["Interval"] | null;
+            /** Overshoot Fullsteps */
+            overshoot_fullsteps: number;
+            /**
+             * Peak Fullsteps
+             * @description greatest deviation under way
+             */
+            peak_fullsteps: number;
+            /**
+             * Vibration Fullsteps
+             * @description root mean square of the deviation under way, less its mean
+             */
+            vibration_fullsteps: number;
+            /**
+             * Rest Fullsteps
+             * @description the same from the end of the ramp on, until it rested
+             */
+            rest_fullsteps: number | null;
+            /**
+             * Lost Fullsteps
+             * @description worst of all moves; multiples of 4 of a whole loss
+             */
+            lost_fullsteps: number;
+            /**
+             * Load Min
+             * @description least load value of StallGuard on the middle half of the way
+             */
+            load_min: number | null;
+        };
+        /**
+         * ScoredMove
+         * @description A move there and back with all settings as they are, and its figures: for tuning by hand. It sets nothing.
+         */
+        "ScoredMove-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "scored_move";
+            /**
+             * Distance
+             * @description of the move, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Repeats
+             * @description there and back
+             * @default 2
+             */
+            repeats?: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps?: number;
+        };
+        /**
+         * ScoredMove
+         * @description A move there and back with all settings as they are, and its figures: for tuning by hand. It sets nothing.
+         */
+        "ScoredMove-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "scored_move";
+            /**
+             * Distance
+             * @description of the move, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Repeats
+             * @description there and back
+             * @default 2
+             */
+            repeats: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps: number;
+        };
+        /**
          * ScriptCheck
          * @description What the trial on an emulator showed. A script whose trial failed is an error, not an answer.
          */
@@ -15684,7 +15787,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15726,7 +15829,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15746,7 +15849,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15775,6 +15878,15 @@ export interface components {
              * @description what is not as it was before; empty where all is
              */
             left: string[];
+            /**
+             * Setting
+             * @description of a scored move: what was in force
+             */
+            setting: {
+                [key: string]: number;
+            };
+            /** @description of a scored move: its figures */
+            scored: components["schemas"]["Scored"] | null;
         };
         /**
          * StudyKindInfo
@@ -15785,7 +15897,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -16019,6 +16131,8 @@ export interface components {
             torque: components["schemas"]["TorqueFound"] | null;
             /** @description of a resonance map */
             resonances: components["schemas"]["ResonanceFound"] | null;
+            /** @description of a scored move */
+            scored: components["schemas"]["Scored"] | null;
             /**
              * Next
              * @description what would be worth doing next

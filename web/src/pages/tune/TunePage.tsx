@@ -5,6 +5,8 @@ import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { Page } from "../../lib/Page";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { useSelectedAxis } from "../../live/selection";
+import { isMove } from "./byHand/moves";
+import { Ranking } from "./byHand/Ranking";
 import { StudyList } from "./StudyList";
 import { StudyView } from "./StudyView";
 import { useChanges, useStudies } from "./useStudies";
@@ -43,6 +45,7 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
         </div>
         <div className={`column ${runs ? "ahead" : ""}`}>
           <StudyView id={shown} changes={changes} />
+          <Ranking moves={own.filter(isMove)} changes={changes} busy={runs} />
         </div>
       </div>
     </Page>

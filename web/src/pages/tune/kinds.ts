@@ -1,3 +1,4 @@
+import { SCORED_MOVE, type ScoredMoveForm } from "./byHand/form";
 import { CHOPPER, type ChopperForm } from "./chopper/form";
 import { CLOSED_LOOP, type ClosedLoopForm } from "./closedLoop/form";
 import { FASTEST_MOVE, type FastestMoveForm } from "./fastestMove/form";
@@ -19,6 +20,7 @@ export interface Forms {
   least_current: LeastCurrentForm;
   microstep_calibration: MicrostepForm;
   resonance_map: ResonanceForm;
+  scored_move: ScoredMoveForm;
   stallguard: StallGuardForm;
   torque_curve: TorqueForm;
   closed_loop: ClosedLoopForm;
@@ -37,6 +39,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   torque_curve: TORQUE_CURVE,
   closed_loop: CLOSED_LOOP,
   chopper: CHOPPER,
+  scored_move: SCORED_MOVE,
 };
 
 /** The kinds; the one of which nothing has to be known comes first. */
@@ -57,6 +60,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
     closed_loop: CLOSED_LOOP.first(microstepsPerTurn),
     chopper: CHOPPER.first(microstepsPerTurn),
+    scored_move: SCORED_MOVE.first(microstepsPerTurn),
   };
 }
 

@@ -31,6 +31,7 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
     <path d="M4 26h14c8 0 7-20 11-20s3 20 11 20h4c5 0 4-10 7-10s2 10 7 10h10" />,
   ),
   least_current: sketch(<path d="M4 7h64" />, <path d="M4 7h14v9h14v7h36" />),
+  scored_move: sketch(<path d="M4 8h64M4 15h64M4 22h64" />, <path d="M20 4v8M48 11v8M30 18v8" />),
   torque_curve: sketch(<path d="M6 3v23h62" />, <path d="M6 6h24c14 0 20 12 36 15" />),
   chopper: sketch(
     <path d="M4 15l4-9 4 18 4-18 4 18 4-18 4 18 4-9" />,

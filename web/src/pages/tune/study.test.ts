@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { changedIn, differences, type Move, parallelOf, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
@@ -305,6 +306,29 @@ describe("a study on the page", () => {
     const points = [{ ...compared, speed_rps: 0.5, told: "quieter" as const }];
     const change = { name: "x", trial: 1, points, lost_rps: [], resonance_hz: null, p: null, quieter: true };
     expect(changeOf({ ...change, before_deg: 3, difference_deg: -2, interval_deg: null })).toEqual([[0.5], [3], [1]]);
+  });
+
+  it("ranks moves by hand: those that lost steps last, and tells what taking one changes", () => {
+    const move = (id: string, speed: number, time: number | null, lost = 0) =>
+      ({
+        id,
+        started_unix_s: Number(id),
+        setting: { speed, TOFF: 3 },
+        scored: { time_s: time, lost_fullsteps: lost },
+      }) as unknown as Move;
+    const moves = [move("1", 100, 2), move("2", 400, 0.5, 4), move("3", 200, 1), move("4", 300, null)];
+    expect(ranked(moves, "time_s").map(({ id }) => id)).toEqual(["3", "1", "4", "2"]);
+    expect(changedIn(moves)).toEqual(["speed"]);
+    const [first, , third] = moves as [Move, Move, Move, Move];
+    expect(differences(first, third)).toEqual([["speed", 200, 100]]);
+    expect(differences(first, first)).toEqual([]);
+    const { axes, heights } = parallelOf(moves, "time_s");
+    expect(axes.map(({ name, low, high }) => [name, low, high])).toEqual([
+      ["speed", 100, 400],
+      ["time [s]", 0.5, 2],
+    ]);
+    expect(heights(first)).toEqual([0, 1]);
+    expect(heights(moves[3] as Move).at(-1)).toBeNull();
   });
 
   it("makes a cure's address whole", () => {

@@ -1,3 +1,4 @@
+import { Fields as ScoredMoveFields } from "./byHand/Fields";
 import { Fields as ChopperFields } from "./chopper/Fields";
 import { Results as ChopperResults } from "./chopper/Results";
 import { Fields as ClosedLoopFields } from "./closedLoop/Fields";
@@ -30,6 +31,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   resonance_map: { Fields: ResonanceFields, Results: ResonanceResults },
   chopper: { Fields: ChopperFields, Results: ChopperResults },
+  scored_move: { Fields: ScoredMoveFields, Results: null },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
   torque_curve: { Fields: TorqueFields, Results: TorqueResults },

@@ -1,0 +1,1 @@
+"""A move with the settings as they are, scored: for tuning by hand."""

@@ -1,0 +1,24 @@
+"""What a scored move tells: its figures, means over its moves. Null is what could not be told."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from ..parts import Interval, Part
+
+
+class Scored(Part):
+    """Figures of one setting. Deviations in full steps of the motor, encoder less position as it was at first."""
+
+    distance: int = Field(description="there, and back again [microsteps]")
+    moves: int
+    time_s: float | None = Field(description="from the command until the encoder stays in its band [s]")
+    interval_s: Interval | None = Field(default=None, description="of that, 95 %; null for fewer than two")
+    overshoot_fullsteps: float
+    peak_fullsteps: float = Field(description="greatest deviation under way")
+    vibration_fullsteps: float = Field(description="root mean square of the deviation under way, less its mean")
+    rest_fullsteps: float | None = Field(description="the same from the end of the ramp on, until it rested")
+    lost_fullsteps: float = Field(description="worst of all moves; multiples of 4 of a whole loss")
+    load_min: float | None = Field(
+        default=None, description="least load value of StallGuard on the middle half of the way"
+    )

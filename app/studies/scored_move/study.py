@@ -1,0 +1,142 @@
+"""The move itself: there and back with the settings as they are, and its figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...number_text import plain
+from ..document import ScoredMove
+from ..moves import MeasuredMoves, MoveFigures, Sampled
+from ..parts import Interval
+from ..record import Figures, Trial
+from ..run import StudyRun
+from .found import Scored
+from .plan import Ground, look
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    """Of one move, in full steps; rest : None where there was none to be seen."""
+
+    figures: MoveFigures
+    overshoot: float
+    vibration: float
+    rest: float | None
+    load_min: float | None
+
+
+class ScoredMoveStudy(StudyRun):
+    """Moves, and keeps what it saw with the settings in force. It sets nothing."""
+
+    _ground: Ground
+
+    @property
+    def wanted(self) -> ScoredMove:
+        """What is asked for."""
+        return self.record.document.wanted(ScoredMove)
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        load = f"load_value.{self.axis}"
+        beside = [load] if load in {channel.name for channel in self.device.telemetry.channels()} else []
+        moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, wanted.band_fullsteps, beside)
+        record.runs, record.trials, record.best, record.scored = 0, [], None, None
+        await self.keeper.save(record)
+        made: list[_Move] = []
+        many = 2 * wanted.repeats
+        for index in range(many):
+            self.tell("look", index / many, f"move {index + 1} of {many}")
+            target = ground.start + (wanted.distance if index % 2 == 0 else 0)
+            figures = await moves.measured(target)
+            assert moves.last is not None
+            made.append(_seen(figures, moves.last, target, ground.full_step))
+            record.runs, record.way_fullsteps = record.runs + 1, moves.way_fullsteps
+        self._keep(scored(wanted.distance, made))
+
+    def _keep(self, found: Scored) -> None:
+        record, ground = self.record, self._ground
+        record.scored = found
+        lost = found.lost_fullsteps > 0
+        record.trials = [
+            Trial(
+                number=1,
+                setting=ground.setting,
+                registers=ground.registers,
+                state="infeasible" if lost else "feasible",
+                figures=Figures(
+                    time_s=found.time_s,
+                    deviation_fullsteps=found.peak_fullsteps,
+                    lost_fullsteps=found.lost_fullsteps,
+                    runs=found.moves,
+                ),
+                why="steps were lost" if lost else "",
+            )
+        ]
+        record.best = 1
+        time = "did not come to rest in its band" if found.time_s is None else f"{plain(found.time_s, 4)} s"
+        record.verdict = (
+            f"lost {plain(found.lost_fullsteps)} full steps"
+            if lost
+            else (
+                f"{time}, {plain(found.peak_fullsteps, 3)} full steps off at most, vibrating by "
+                f"{plain(found.vibration_fullsteps, 3)} under way"
+            )
+        )
+
+
+def _seen(figures: MoveFigures, sampled: Sampled, target: int, full_step: int) -> _Move:
+    """What the encoder showed of one move."""
+    counts = (sampled.time_s >= 0) & np.isfinite(sampled.position) & np.isfinite(sampled.encoder)
+    position, encoder = sampled.position[counts], sampled.encoder[counts]
+    deviation = (encoder - position) / full_step
+    way = deviation[position != target]
+    rest = deviation[position == target]
+    ahead = 1 if target > sampled.start else -1
+    # Beyond where it rests in the end: where the encoder's zero lies does not matter.
+    beyond = ahead * (encoder - target - sampled.deviation) / full_step
+    # A load value means something at speed alone: on the middle half of the way.
+    middle = np.abs(position - (sampled.start + target) / 2) < abs(target - sampled.start) / 4
+    load = sampled.beside[counts][middle]
+    told = load[np.isfinite(load)]
+    return _Move(
+        figures,
+        float(max(beyond.max(initial=0.0), 0.0)),
+        float(way.std()) if len(way) > 1 else 0.0,
+        float(rest.std()) if len(rest) > 1 else None,
+        float(told.min()) if told.size else None,
+    )
+
+
+def scored(distance: int, moves: Sequence[_Move]) -> Scored:
+    """The figures of all moves together."""
+    times = [move.figures.time_s for move in moves if move.figures.time_s is not None]
+    rests = [move.rest for move in moves if move.rest is not None]
+    loads = [move.load_min for move in moves if move.load_min is not None]
+    return Scored(
+        distance=distance,
+        moves=len(moves),
+        time_s=float(np.mean(times)) if len(times) == len(moves) else None,
+        interval_s=_interval(times) if len(times) == len(moves) else None,
+        overshoot_fullsteps=max(move.overshoot for move in moves),
+        peak_fullsteps=max(move.figures.deviation_fullsteps for move in moves),
+        vibration_fullsteps=float(np.mean([move.vibration for move in moves])),
+        rest_fullsteps=float(np.mean(rests)) if rests else None,
+        lost_fullsteps=max(move.figures.lost_fullsteps for move in moves),
+        load_min=min(loads) if loads else None,
+    )
+
+
+def _interval(times: Sequence[float]) -> Interval | None:
+    from scipy import stats
+
+    if len(times) < 2:
+        return None
+    half = float(stats.t.ppf(0.975, len(times) - 1) * np.std(times, ddof=1) / math.sqrt(len(times)))
+    mean = float(np.mean(times))
+    return Interval(low=mean - half, high=mean + half)

@@ -1,0 +1,67 @@
+"""A move by hand on an emulated axis: scored with the settings in force, of which it sets none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from app.studies.kinds import KINDS
+from app.studies.report import html_of
+from tests.devices.tmc4361.harness import START as START_4361
+from tests.devices.tmc4361.harness import bench as bench_4361
+from tests.studies.harness import START, studied
+
+MOVE: dict[str, Any] = {"kind": "scored_move", "distance": 25_600, "repeats": 2}
+PLANT: dict[str, Any] = {"load": {"inertia_kgm2": 2e-4, "friction_nm": 0.02}, "full_scale_a": 2.0}
+
+
+async def test_a_move_is_scored_with_the_settings_in_force(tmp_path: Path) -> None:
+    async with studied(tmp_path, replace(START, irun=20), **PLANT) as s:
+        document = s.document(MOVE)
+        plan = await KINDS["scored_move"].plan(s.device, 0, document)
+        assert (plan.missing, plan.registers, plan.moves_max) == ([], [], 4)
+        slow = await s.finish(s.begin(document), 60)
+        assert (slow.state, slow.left, slow.baseline) == ("done", [], []), slow.message
+        found = slow.scored
+        assert found is not None
+        assert found.moves == 4
+        assert found.time_s is not None
+        assert 0.6 < found.time_s < 25_600 / 50_000 + 0.3
+        assert found.interval_s is not None
+        assert 0 < found.vibration_fullsteps < found.peak_fullsteps < 2
+        assert found.rest_fullsteps is not None
+        assert found.lost_fullsteps == 0
+        assert found.load_min is not None
+        trial = slow.trial(slow.best)
+        assert trial is not None
+        assert trial.setting["run current scale"] == 20
+        assert round(trial.setting["acceleration [pps^2]"], -1) == 200_000
+        assert {"IHOLD_IRUN", "CHOPCONF", "COOLCONF", "AMAX"} <= {each.name for each in trial.registers}
+        assert "Settings in force" in html_of(slow)
+
+        amax = (await s.settings("AMAX"))[0]
+        await s.device.registers.write("AMAX", 0, 2 * amax)
+        fast = await s.finish(s.begin(document), 60)
+        assert fast.scored is not None
+        assert fast.scored.time_s is not None
+        assert fast.scored.time_s < found.time_s
+        assert await s.settings("AMAX") == [2 * amax]
+
+
+async def test_lost_steps_are_told(tmp_path: Path) -> None:
+    weak = replace(START, irun=0, ihold=0, amax=5_000_000, vmax=256_000)
+    async with studied(tmp_path, weak, load={"inertia_kgm2": 5e-4, "friction_nm": 0.05}) as s:
+        record = await s.finish(s.begin(s.document({**MOVE, "repeats": 1})), 60)
+        assert record.scored is not None, record.message
+        assert record.scored.lost_fullsteps >= 4
+        assert record.trials[0].state == "infeasible"
+        assert "lost" in record.verdict
+
+
+async def test_the_gains_of_a_loop_are_settings_by_hand_too(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        document = s.document(MOVE)
+    async with bench_4361(START_4361) as b:
+        ground = (await KINDS["scored_move"].plan(b.device, 0, document)).missing
+        assert ground == []

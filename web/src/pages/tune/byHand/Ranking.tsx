@@ -1,0 +1,193 @@
+import { Button, Group, NativeSelect, Table, Text } from "@mantine/core";
+import { useState } from "react";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import type { Changes } from "../useStudies";
+import classes from "./byHand.module.css";
+import { changedIn, differences, FIGURES, type Figure, type Move, parallelOf, ranked } from "./moves";
+
+interface Props {
+  moves: readonly Move[];
+  changes: Changes;
+  /** something of this axis runs */
+  busy: boolean;
+}
+
+const OPTIONS = Object.entries(FIGURES).map(([value, { label }]) => ({ value, label }));
+
+/** All moves by hand of an axis, the best first, with what was changed between them, and the way to take one. */
+export function Ranking({ moves, changes, busy }: Props) {
+  const [by, setBy] = useState<Figure>("time_s");
+  const [asked, setAsked] = useState<string | null>(null);
+  const latest = moves.reduce<Move | null>((late, move) => (late && late.id > move.id ? late : move), null);
+  if (latest === null) return null;
+  const rows = ranked(moves, by);
+  const names = changedIn(moves);
+  const taken = moves.find(({ id }) => id === changes.best.variables);
+  return (
+    <Card title="Moves by hand, ranked" note={String(moves.length)}>
+      <NativeSelect
+        label="Best by"
+        data={OPTIONS}
+        value={by}
+        onChange={({ currentTarget }) => setBy(currentTarget.value as Figure)}
+        maw={220}
+      />
+      {moves.length > 1 && <Parallel moves={rows} by={by} />}
+      <Table.ScrollContainer minWidth={480} type="native">
+        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Moves by hand, the best first">
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col">Move</Table.Th>
+              {Object.entries(FIGURES).map(([figure, { label, unit }]) => (
+                <Table.Th key={figure} scope="col">
+                  {label} [{unit}]
+                </Table.Th>
+              ))}
+              <Table.Th scope="col">load, least</Table.Th>
+              {names.map((name) => (
+                <Table.Th key={name} scope="col">
+                  {name}
+                </Table.Th>
+              ))}
+              <Table.Th scope="col" />
+            </Table.Tr>
+          </Table.Thead>
+          <Table.Tbody>
+            {rows.map((move) => (
+              <Table.Tr key={move.id} data-testid="move">
+                <Table.Th scope="row">{new Date(move.started_unix_s * 1000).toLocaleTimeString()}</Table.Th>
+                {(Object.keys(FIGURES) as Figure[]).map((figure) => (
+                  <Table.Td key={figure} className="num">
+                    {move.scored.lost_fullsteps > 0 && figure === "time_s"
+                      ? "steps lost"
+                      : compact(move.scored[figure], 3)}
+                  </Table.Td>
+                ))}
+                <Table.Td className="num">{compact(move.scored.load_min, 3)}</Table.Td>
+                {names.map((name) => (
+                  <Table.Td key={name} className="num">
+                    {compact(move.setting[name] ?? null, 6)}
+                  </Table.Td>
+                ))}
+                <Table.Td>
+                  <Button size="compact-sm" variant="default" disabled={busy} onClick={() => setAsked(move.id)}>
+                    Take…
+                  </Button>
+                </Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </Table>
+      </Table.ScrollContainer>
+      {moves
+        .filter(({ id }) => id === asked)
+        .map((move) => (
+          <Preview
+            key={move.id}
+            move={move}
+            latest={latest}
+            loading={changes.best.isPending}
+            onTake={() => changes.best.mutate(move.id, { onSuccess: () => setAsked(null) })}
+            onCancel={() => setAsked(null)}
+          />
+        ))}
+      {taken && changes.best.isSuccess && changes.undo.variables !== taken.id && (
+        <Group gap="xs" mt="xs" role="status">
+          <Text size="sm">Set as in that move.</Text>
+          <Button
+            size="compact-sm"
+            variant="default"
+            loading={changes.undo.isPending}
+            disabled={busy}
+            onClick={() => changes.undo.mutate(taken.id)}
+          >
+            Undo
+          </Button>
+        </Group>
+      )}
+      <ProblemAlert error={changes.best.error} doing="Taking the setting" onClose={() => changes.best.reset()} />
+    </Card>
+  );
+}
+
+interface PreviewProps {
+  move: Move;
+  latest: Move;
+  loading: boolean;
+  onTake: () => void;
+  onCancel: () => void;
+}
+
+/** What taking a move's setting changes, against the latest move: before it is done. */
+function Preview({ move, latest, loading, onTake, onCancel }: PreviewProps) {
+  const changed = differences(move, latest);
+  return (
+    <section aria-label="What taking it sets" className={classes.preview}>
+      <Text size="sm">
+        {changed.length === 0
+          ? "As in the latest move; what was changed since then goes back."
+          : "Against the latest move:"}
+      </Text>
+      <ul className="list">
+        {changed.map(([name, from, to]) => (
+          <li key={name} className="num text-13">
+            {name}: {compact(from, 6)} → {compact(to, 6)}
+          </li>
+        ))}
+      </ul>
+      <Group gap="xs" mt={4}>
+        <Button size="compact-sm" loading={loading} onClick={onTake}>
+          Take it
+        </Button>
+        <Button size="compact-sm" variant="default" onClick={onCancel}>
+          Leave it
+        </Button>
+      </Group>
+    </section>
+  );
+}
+
+const TOP = 8;
+const BOTTOM = 92;
+
+/** A line a move across all settings that were changed, and the figure; the best is thick. */
+function Parallel({ moves, by }: { moves: readonly Move[]; by: Figure }) {
+  const scheme = useScheme();
+  const { axes, heights } = parallelOf(moves, by);
+  const x = (index: number) => (axes.length < 2 ? 50 : 4 + (92 * index) / (axes.length - 1));
+  return (
+    <figure className={classes.parallel} aria-label="Settings that were changed, and the figure of each move">
+      <svg viewBox="0 0 100 100" preserveAspectRatio="none" role="presentation">
+        {axes.map(({ name }, index) => (
+          <line key={name} x1={x(index)} x2={x(index)} y1={TOP} y2={BOTTOM} className={classes.axis} />
+        ))}
+        {moves.map((move, place) => (
+          <polyline
+            key={move.id}
+            points={heights(move)
+              .map((height, index) => [height, x(index)] as const)
+              .filter(([height]) => height !== null)
+              .map(([height, at]) => `${at},${BOTTOM - (height ?? 0) * (BOTTOM - TOP)}`)
+              .join(" ")}
+            fill="none"
+            stroke={colorOf("velocity", scheme)}
+            strokeWidth={place === 0 ? 3 : 1}
+            strokeOpacity={place === 0 ? 1 : 0.55}
+            vectorEffect="non-scaling-stroke"
+          />
+        ))}
+      </svg>
+      <figcaption className={classes.names}>
+        {axes.map(({ name, low, high }) => (
+          <span key={name}>
+            {name}: {compact(low, 3)} to {compact(high, 3)}
+          </span>
+        ))}
+      </figcaption>
+    </figure>
+  );
+}
