@@ -19,6 +19,7 @@ from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
 from .compare import compare, spectrum_of
+from .report import report_of
 from .schemas import (
     CompareWith,
     Comparison,
@@ -36,7 +37,7 @@ from .schemas import (
     ReplayStart,
     Spectrum,
 )
-from .views import csv_of, detail, ends_of, figures_of, info, parquet_of, plot, plot_frame, rows_between, zero_of
+from .views import csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -44,6 +45,8 @@ RecordingId = Annotated[str, Path(description="as in the list", max_length=60)]
 Since = Annotated[float | None, Query(description="since the zero [s]", allow_inf_nan=False)]
 READ_WITHIN_S = 0.05
 """How long a page of the list reads files that were never read [s]."""
+REPORT_POINTS = 1500
+"""Of a curve in a report that is 640 px wide: twice what can be seen."""
 FRAME = "application/vnd.stepscope.frame"
 T = TypeVar("T")
 ROWS_AS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
@@ -192,16 +195,30 @@ async def get_recording_figures(
 ) -> RecordingFigures:
     """Figures of a stretch: of what a plot shows, between two cursors."""
     library = bench.recordings.library
+    return await bench.recordings.readers.do(
+        lambda: stretch_figures(library.open(recording), library.marks(recording), from_s, to_s)
+    )
 
-    def figures() -> RecordingFigures:
-        opened = library.open(recording)
-        zero_s = zero_of(opened, library.marks(recording)) or 0.0
-        first, last = rows_between(opened, zero_s, from_s, to_s)
-        begin_s, end_s = ends_of(opened, first, last, zero_s)
-        found = figures_of(opened.head, lambda: opened.pieces(first, last))
-        return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found)
 
-    return await bench.recordings.readers.do(figures)
+@router.get(
+    "/{recording}/report",
+    response_class=Response,
+    responses={**problems(UnknownThing, WrongState), 200: {"content": {"text/html": {"schema": {"type": "string"}}}}},
+)
+async def get_recording_report(
+    bench: CurrentBench, recording: RecordingId, from_s: Since = None, to_s: Since = None
+) -> Response:
+    """Plots, marks and figures, in full or of a stretch, as one HTML file that needs nothing else."""
+    library, course = bench.recordings.library, bench.recordings.course(recording)
+
+    def report() -> str:
+        opened, marks = library.open(recording), library.marks(recording)
+        about = detail(library.entry(recording), course, opened, marks, with_figures=False)
+        shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS)
+        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s), from_s, to_s)
+
+    named = {"content-disposition": f'attachment; filename="recording-{recording}.html"'}
+    return Response(await bench.recordings.readers.do(report), media_type="text/html", headers=named)
 
 
 @router.get("/{recording}/spectrum", responses=problems(UnknownThing, WrongState, OutOfRange))

@@ -20,7 +20,7 @@ from ...store.recordings.marks import Mark
 from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
-from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingInfo, RecordingPlot
+from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingFigures, RecordingInfo, RecordingPlot
 
 if TYPE_CHECKING:
     import pyarrow as pa  # at run time by who makes a file, as in `store.recordings.file`
@@ -97,6 +97,17 @@ def rows_between(opened: Opened, zero_s: float, from_s: float | None, to_s: floa
     first = 0 if from_s is None else opened.row_at(from_s + zero_s)
     last = opened.rows if to_s is None else opened.row_at(to_s + zero_s, "right")
     return first, max(first, last)
+
+
+def stretch_figures(
+    opened: Opened, marks: Sequence[Mark], from_s: float | None, to_s: float | None
+) -> RecordingFigures:
+    """Figures of what lies between two times since the zero."""
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    begin_s, end_s = ends_of(opened, first, last, zero_s)
+    found = figures_of(opened.head, lambda: opened.pieces(first, last))
+    return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found)
 
 
 def ends_of(opened: Opened, first: int, last: int, zero_s: float) -> tuple[float, float]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
 from ...number_text import plain
 from ..record import Evidence, Figures, StudyRecord, Trial
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
 
 WORDS = {"feasible": "held", "infeasible": "lost steps", "pruned": "not tried", "failed": "failed"}
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line
 
 MEASURED, FITTED = "#e8590c", "#1971c2"
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
 from .found import LeastCurrentFound
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, number, table
 from ...number_text import plain
 from ..record import AngleEffect, AngleFigures, MicrostepFigures, StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, number, table
 
 COLOURS = {"before": "#e8590c", "expected": "#868e96", "after": "#1971c2"}
 Curves = Mapping[str, Sequence[float]]

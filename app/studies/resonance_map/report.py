@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, number, table, text
 from ...number_text import plain
 from ..parts import Interval
 from ..record import StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, number, table, text
 from .found import Change, MapPoint, ResonanceFound
 
 CIVIDIS = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")

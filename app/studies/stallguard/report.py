@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, table
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, table
 from .found import Rate, StallFound, StallSpeed
 
 FREE, STOPS = "#2b8a3e", "#e03131"

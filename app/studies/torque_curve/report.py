@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import COLOURS, EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, mark, number, table
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import COLOURS, EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, mark, number, table
 from .found import TorqueFound
 
 

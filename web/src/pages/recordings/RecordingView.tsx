@@ -77,7 +77,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
               All recordings
             </Link>
             {running ? <RunningActions detail={detail} attempt={attempt} /> : <ReplayAction detail={detail} />}
-            <RowMenu recording={detail} attempt={attempt} onRemoved={() => go("/recordings")} />
+            <RowMenu recording={detail} attempt={attempt} window={window} onRemoved={() => go("/recordings")} />
           </>
         }
       >

@@ -1,19 +1,22 @@
 import { ActionIcon, Button, Group, Menu, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { IconDotsVertical, IconDownload, IconPencil, IconTrash } from "@tabler/icons-react";
+import { IconDotsVertical, IconDownload, IconFileText, IconPencil, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
 import { sizeText } from "../../lib/format";
-import { downloadHref, isRunning, type Recording, titleOf, useChanges } from "./api";
+import { downloadHref, isRunning, type Recording, reportHref, titleOf, useChanges } from "./api";
+import type { Window } from "./ZoomData";
 
 interface Props {
   recording: Recording;
   attempt: (doing: string, work: () => Promise<unknown>) => void;
+  /** the stretch that is shown of it; null: all */
+  window?: Window | null;
   /** after it is gone */
   onRemoved?: () => void;
 }
 
 /** What can be done with a recording that is there: taken along, called otherwise, deleted. */
-export function RowMenu({ recording, attempt, onRemoved }: Props) {
+export function RowMenu({ recording, attempt, window = null, onRemoved }: Props) {
   const [naming, naming_] = useDisclosure();
   const [deleting, deleting_] = useDisclosure();
   const changes = useChanges();
@@ -40,6 +43,16 @@ export function RowMenu({ recording, attempt, onRemoved }: Props) {
                 {format === "csv" ? "CSV" : "Parquet"}
               </Menu.Item>
             ))}
+          {readable && (
+            <Menu.Item
+              component="a"
+              href={reportHref(recording.id, window)}
+              download
+              leftSection={<IconFileText size={15} aria-hidden />}
+            >
+              {window ? "Report of what is shown" : "Report"}
+            </Menu.Item>
+          )}
           <Menu.Item leftSection={<IconPencil size={15} aria-hidden />} onClick={naming_.open}>
             Name and note
           </Menu.Item>

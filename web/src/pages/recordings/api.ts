@@ -104,6 +104,12 @@ export function downloadHref(id: string, format: "csv" | "parquet"): string {
   return `/api/v1/recordings/${encodeURIComponent(id)}?format=${format}`;
 }
 
+/** One HTML file with plots, marks and figures: of the stretch that is shown, or of all. */
+export function reportHref(id: string, window: readonly [number, number] | null): string {
+  const stretch = window === null ? "" : `?from_s=${window[0]}&to_s=${window[1]}`;
+  return `/api/v1/recordings/${encodeURIComponent(id)}/report${stretch}`;
+}
+
 /** What people call it. */
 export function titleOf({ id, name }: { id: string; name: string }): string {
   return name || id;

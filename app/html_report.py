@@ -1,15 +1,39 @@
-"""What reports of studies are made of: tables, and plots as SVG."""
+"""What reports are made of: one HTML file of text, tables and plots (SVG), no script, nothing from elsewhere."""
 
 from __future__ import annotations
 
 import html
 import math
+import time
 from collections.abc import Sequence
 
-from ..number_text import plain
+from .number_text import plain
 
 WIDTH, HEIGHT, EDGE = 640, 260, 66
 COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", "failed": "#e8590c"}
+
+STYLE = """
+body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
+h1{font-size:1.5rem}h2{font-size:1.1rem;margin-top:2rem}table{border-collapse:collapse;width:100%}
+td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{text-align:right}
+.verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}svg{max-width:100%}
+@media (prefers-color-scheme:dark){body{color:#e9ecef;background:#1a1b1e}
+.verdict{background:#25262b}td,th{border-color:#373a40}}
+"""
+
+
+def page(title: str, parts: Sequence[str]) -> str:
+    """The file: `parts` are HTML, the title is not."""
+    body = "\n".join(parts)
+    return (
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{text(title)}</title><style>{STYLE}</style>\n'
+        f"<body>\n{body}\n</body></html>\n"
+    )
+
+
+def moment(unix_s: float) -> str:
+    """A time of day, to the minute."""
+    return time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(unix_s))
 
 
 def text(told: object) -> str:
@@ -93,8 +117,8 @@ def differences_plot(differences: Sequence[float], unit: str) -> str:
     return frame(x, y, "pair", f"difference [{unit}]", marks)
 
 
-def line(points: Sequence[tuple[float, float]], colour: str, title: str) -> str:
+def line(points: Sequence[tuple[float, float]], colour: str, title: str, *, dashed: bool = False) -> str:
     """A line through points of a plot [pixels]."""
     path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    look = f'fill="none" stroke="{colour}" stroke-width="2"'
+    look = f'fill="none" stroke="{colour}" stroke-width="2"' + (' stroke-dasharray="6 4"' if dashed else "")
     return f'<polyline points="{path}" {look}><title>{text(title)}</title></polyline>'
