@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
 from .found import ChopperFound, ChopperTried
 
 
