@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...html_report import number, table
 from ...number_text import plain
 from ..record import StudyRecord
-from ..report_parts import number, table
 
 
 def sections(record: StudyRecord) -> list[str]:

@@ -3844,6 +3844,136 @@ export interface components {
             encoder: components["schemas"]["EncoderFound"] | null;
         };
         /**
+         * CalmChopper
+         * @description The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder.
+         */
+        "CalmChopper-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "chopper";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Speeds Rps
+             * @description at which the motor is to be calm [turns of the motor a second]
+             * @default [
+             *       0.25,
+             *       0.5,
+             *       1
+             *     ]
+             */
+            speeds_rps?: number[];
+            /**
+             * Lowest Hz
+             * @description no setting is tried whose chopper would be slower, by an estimate: it is heard [Hz]
+             * @default 20000
+             */
+            lowest_hz?: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what shakes less than this share less is no improvement
+             * @default 0.02
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be calmer
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * CalmChopper
+         * @description The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder.
+         */
+        "CalmChopper-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "chopper";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Speeds Rps
+             * @description at which the motor is to be calm [turns of the motor a second]
+             * @default [
+             *       0.25,
+             *       0.5,
+             *       1
+             *     ]
+             */
+            speeds_rps: number[];
+            /**
+             * Lowest Hz
+             * @description no setting is tried whose chopper would be slower, by an estimate: it is heard [Hz]
+             * @default 20000
+             */
+            lowest_hz: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what shakes less than this share less is no improvement
+             * @default 0.02
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be calmer
+             * @default false
+             */
+            keep: boolean;
+        };
+        /**
          * CapabilityTitle
          * @description A word of the vocabulary that the catalog says by what a model can.
          */
@@ -4603,6 +4733,27 @@ export interface components {
             /** Source */
             source: string;
         };
+        /**
+         * ChopperFound
+         * @description A chopper.
+         */
+        ChopperFound: {
+            /**
+             * Speeds Rps
+             * @description turns of the motor a second
+             */
+            speeds_rps: number[];
+            before: components["schemas"]["ChopperTried"] | null;
+            /** @description from resistance, inductance, current and supply */
+            calculated: components["schemas"]["ChopperTried"] | null;
+            /** Tried */
+            tried: components["schemas"]["ChopperTried"][];
+            /** @description the one of the proof */
+            chosen: components["schemas"]["ChopperTried"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["RipplePair"][];
+            effect: components["schemas"]["RippleEffect"] | null;
+        };
         /** ChopperResult */
         ChopperResult: {
             /** Settings */
@@ -4645,6 +4796,47 @@ export interface components {
              * @description false: as asked for
              */
             chosen: boolean;
+        };
+        /**
+         * ChopperTried
+         * @description A setting that was tried, and how much the shaft shook by it.
+         */
+        ChopperTried: {
+            /**
+             * Off
+             * @description TOFF
+             */
+            off: number;
+            /**
+             * Blank
+             * @description TBL
+             */
+            blank: number;
+            /**
+             * Hysteresis
+             * @description effective, at its start: HSTRT + 1 + HEND - 3
+             */
+            hysteresis: number;
+            /**
+             * Ripple Fullsteps
+             * @description geometric mean over all speeds [full steps]
+             */
+            ripple_fullsteps: number;
+            /**
+             * By Speed Fullsteps
+             * @description at each speed: encoder less position, root mean square
+             */
+            by_speed_fullsteps: number[];
+            /**
+             * Chopper Hz
+             * @description at rest and the current's peak, estimated [Hz]
+             */
+            chopper_hz: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
         };
         /**
          * ClosedLoop
@@ -7859,7 +8051,7 @@ export interface components {
             sockets: components["schemas"]["SocketsHealth"];
             /** Devices */
             devices: components["schemas"]["DeviceHealth"][];
-            /** @description what a first start compiles in the background; emulators wait for it. null where all is there */
+            /** @description what a first start compiles in the background: until then emulators run in plain Python, slower than real time where that is too much, and studies of them are refused. null where all is there */
             compiling: components["schemas"]["Compiling"] | null;
         };
         /**
@@ -8005,6 +8197,21 @@ export interface components {
              * @default 0.1
              */
             torque_tolerance?: number;
+            /**
+             * Supply V
+             * @description of the motor; null: resistance and back-EMF are not told
+             */
+            supply_v?: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a?: number | null;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
+             */
+            inductance_h?: number | null;
         };
         /**
          * Identification
@@ -8047,6 +8254,21 @@ export interface components {
              * @default 0.1
              */
             torque_tolerance: number;
+            /**
+             * Supply V
+             * @description of the motor; null: resistance and back-EMF are not told
+             */
+            supply_v: number | null;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]; null: the same
+             */
+            run_current_a: number | null;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
+             */
+            inductance_h: number | null;
         };
         /**
          * Identified
@@ -8082,6 +8304,10 @@ export interface components {
             viscous_nms: components["schemas"]["Estimate"] | null;
             friction_nm: components["schemas"]["Estimate"] | null;
             detent_torque_nm: components["schemas"]["Estimate"] | null;
+            /** @description of one coil; needs supply and current as told */
+            resistance_ohm: components["schemas"]["Estimate"] | null;
+            /** @description peak of one coil, of the shaft's speed; needs the inductance too */
+            back_emf_v_s_rad: components["schemas"]["Estimate"] | null;
             /** @description before the encoder */
             backlash_microsteps: components["schemas"]["Estimate"] | null;
             /**
@@ -13631,6 +13857,44 @@ export interface components {
             residual_deg: number;
         };
         /**
+         * RippleEffect
+         * @description The new setting against the one before, by pairs. Differences are new less old [full steps].
+         */
+        RippleEffect: {
+            /** Pairs */
+            pairs: number;
+            /** Baseline Fullsteps */
+            baseline_fullsteps: number;
+            /** Winner Fullsteps */
+            winner_fullsteps: number;
+            /** Difference Fullsteps */
+            difference_fullsteps: number;
+            /** @description of the mean difference, 95 % */
+            interval_fullsteps: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /** Significant */
+            significant: boolean;
+        };
+        /**
+         * RipplePair
+         * @description The same runs with the setting before and with the new one [full steps].
+         */
+        RipplePair: {
+            /** Baseline Fullsteps */
+            baseline_fullsteps: number;
+            /** Winner Fullsteps */
+            winner_fullsteps: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
          * RocPoint
          * @description A level, and what a threshold there would do with the runs that were measured.
          */
@@ -13870,6 +14134,109 @@ export interface components {
             final_error: number;
             /** Band */
             band: number;
+        };
+        /**
+         * Scored
+         * @description Figures of one setting. Deviations in full steps of the motor, encoder less position as it was at first.
+         */
+        Scored: {
+            /**
+             * Distance
+             * @description there, and back again [microsteps]
+             */
+            distance: number;
+            /** Moves */
+            moves: number;
+            /**
+             * Time S
+             * @description from the command until the encoder stays in its band [s]
+             */
+            time_s: number | null;
+            /** @description of that, 95 %; null for fewer than two */
+            interval_s: components["schemas"]["Interval"] | null;
+            /** Overshoot Fullsteps */
+            overshoot_fullsteps: number;
+            /**
+             * Peak Fullsteps
+             * @description greatest deviation under way
+             */
+            peak_fullsteps: number;
+            /**
+             * Vibration Fullsteps
+             * @description root mean square of the deviation under way, less its mean
+             */
+            vibration_fullsteps: number;
+            /**
+             * Rest Fullsteps
+             * @description the same from the end of the ramp on, until it rested
+             */
+            rest_fullsteps: number | null;
+            /**
+             * Lost Fullsteps
+             * @description worst of all moves; multiples of 4 of a whole loss
+             */
+            lost_fullsteps: number;
+            /**
+             * Load Min
+             * @description least load value of StallGuard on the middle half of the way
+             */
+            load_min: number | null;
+        };
+        /**
+         * ScoredMove
+         * @description A move there and back with all settings as they are, and its figures: for tuning by hand. It sets nothing.
+         */
+        "ScoredMove-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "scored_move";
+            /**
+             * Distance
+             * @description of the move, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Repeats
+             * @description there and back
+             * @default 2
+             */
+            repeats?: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps?: number;
+        };
+        /**
+         * ScoredMove
+         * @description A move there and back with all settings as they are, and its figures: for tuning by hand. It sets nothing.
+         */
+        "ScoredMove-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "scored_move";
+            /**
+             * Distance
+             * @description of the move, and back; its sign says to which side [microsteps]
+             */
+            distance: number;
+            /**
+             * Repeats
+             * @description there and back
+             * @default 2
+             */
+            repeats: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps: number;
         };
         /**
          * ScriptCheck
@@ -15440,7 +15807,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15482,7 +15849,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15502,7 +15869,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15531,6 +15898,15 @@ export interface components {
              * @description what is not as it was before; empty where all is
              */
             left: string[];
+            /**
+             * Setting
+             * @description of a scored move: what was in force
+             */
+            setting: {
+                [key: string]: number;
+            };
+            /** @description of a scored move: its figures */
+            scored: components["schemas"]["Scored"] | null;
         };
         /**
          * StudyKindInfo
@@ -15541,7 +15917,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -15769,10 +16145,14 @@ export interface components {
             stallguard: components["schemas"]["StallFound"] | null;
             /** @description of a study of the least current */
             least_current: components["schemas"]["LeastCurrentFound"] | null;
+            /** @description of a study of the chopper */
+            chopper: components["schemas"]["ChopperFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
             /** @description of a resonance map */
             resonances: components["schemas"]["ResonanceFound"] | null;
+            /** @description of a scored move */
+            scored: components["schemas"]["Scored"] | null;
             /**
              * Next
              * @description what would be worth doing next
