@@ -28,7 +28,7 @@ SAME = 0.08
 NEAR = 0.1
 BESIDE = ((0.5, 0.8), (1.25, 2.0))
 """What is near to where an order meets the resonance, and beside it, as shares of that speed."""
-TIMES, LEAST_RAD = 1.8, math.radians(0.2)
+TIMES, LEAST_RAD = 1.8, math.radians(0.5)
 """So many times of what is beside, and so much, is the peak of an order that has a name."""
 LEVEL = 0.05
 
