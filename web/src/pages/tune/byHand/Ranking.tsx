@@ -4,6 +4,7 @@ import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
+import { timeOf } from "../../../lib/time";
 import { useScheme } from "../../../lib/useScheme";
 import type { Changes } from "../useStudies";
 import classes from "./byHand.module.css";
@@ -59,7 +60,7 @@ export function Ranking({ moves, changes, busy }: Props) {
           <Table.Tbody>
             {rows.map((move) => (
               <Table.Tr key={move.id} data-testid="move">
-                <Table.Th scope="row">{new Date(move.started_unix_s * 1000).toLocaleTimeString()}</Table.Th>
+                <Table.Th scope="row">{timeOf(move.started_unix_s * 1000)}</Table.Th>
                 {(Object.keys(FIGURES) as Figure[]).map((figure) => (
                   <Table.Td key={figure} className="num">
                     {move.scored.lost_fullsteps > 0 && figure === "time_s"
