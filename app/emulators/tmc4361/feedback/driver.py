@@ -101,7 +101,7 @@ def drive_behind(fb: Floats, n: Cells, turned: int, clock: int) -> None:
     n[c.STEP_REST] += n[c.DIRECTION] * turned
     if clock & (c.MOTOR_CLOCKS - 1) >= c.MOTOR_CLOCKS // 2:
         return
-    table = fb[c.TABLE : c.TABLE + 1024]
+    table = fb[c.TABLE : c.SIZE]
     conf = n[c.SPI_OUT_CONF]
     form = conf & 15
     if n[k.TICK] < clock // k.TICK_CLOCKS - 1:  # what comes now is of this tick, however long it was quiet before

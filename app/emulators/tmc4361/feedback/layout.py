@@ -76,8 +76,8 @@ WORD = _I + 72
 WAVE = WORD + 128
 """The microstep wave, 1024 values of about -248..247."""
 TABLE = INTEGERS_AT + WAVE + 1024
-"""From here on in `fb`, 1024 float cells: the microstep table of a driver behind."""
-SIZE = TABLE + 1024
+"""From here on in `fb`, `k.TABLE` float cells: what a driver behind makes of its microstep table."""
+SIZE = TABLE + k.TABLE
 
 ABN, SSI, SPI = 0, 1, 3
 """serial_enc_in_mode, and kinds of encoders."""
