@@ -275,8 +275,15 @@ def _run_plain(function: FunctionType, arguments: tuple[Any, ...]) -> Any:
 
 
 def _run_on_arrays(function: FunctionType, arguments: tuple[Any, ...]) -> Any:
-    with np.errstate(all="ignore"):  # compiled code tells of no overflow either
-        return _plain_names(function)[function.__name__](*arguments)
+    """Run it on the arrays themselves, which are as before where it fails: machine code begins from there."""
+    before = [(one, one.copy()) for one in arguments if isinstance(one, np.ndarray) and one.flags.writeable]
+    try:
+        with np.errstate(all="ignore"):  # compiled code tells of no overflow either
+            return _plain_names(function)[function.__name__](*arguments)
+    except (ArithmeticError, ValueError):
+        for array, cells in before:
+            array[...] = cells
+        raise
 
 
 _plain_modules: dict[str, dict[str, Any]] = {}

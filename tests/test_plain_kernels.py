@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app import kernels
 from app.calc.ramps.sramp import SRamp, position_plan, velocity_plan
@@ -73,6 +74,22 @@ def test_machine_code_says_the_same(compiled: tuple[object, object], request: py
 @kernels.Kernels(__file__, plain=True).compiled
 def divided(x: int) -> int:
     return 1 // x
+
+
+@kernels.Kernels(__file__, plain=True, views=True).compiled
+def counted(cells: NDArray[np.int64], of: NDArray[np.int64]) -> int:
+    cells[0] += 1
+    return 1 // int(of[0])
+
+
+@pytest.mark.usefixtures("plain")
+def test_what_is_left_to_machine_code_begins_from_what_was_there() -> None:
+    """Not from where plain Python came to, on arrays of which one is a part of the other."""
+    cells = np.array([1, 0], dtype=np.int64)
+    assert counted(cells, cells) == 0
+    with pytest.raises(pytest.fail.Exception, match="counted compiles"):
+        counted(cells, cells[1:])
+    assert cells.tolist() == [2, 0]
 
 
 @pytest.mark.usefixtures("plain")
