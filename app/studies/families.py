@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 from ..devices.core.device import Device
 from ..errors import WrongState
@@ -23,6 +24,8 @@ from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
 
+T = TypeVar("T")
+
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
     "tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER, AMPLITUDE)
@@ -36,44 +39,31 @@ STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
 
 def ramp_of(device: Device) -> RampRegisters:
     """The registers of its ramp. Raises WrongState for a family that no study sets."""
-    found = RAMPS.get(device.family.family)
-    if found is None:
-        raise WrongState(
-            f"no study sets the ramp of a {device.family.title} yet", "a chip with an encoder input can be tuned"
-        )
-    return found
+    return _known(RAMPS, device, "no study sets the ramp of a {} yet", "a chip with an encoder input can be tuned")
 
 
 def stalls_of(device: Device) -> Sequence[StallPlaces]:
     """Where it keeps what each generation of its StallGuard works by. Raises WrongState for a family without any."""
-    found = STALLS.get(device.family.family)
-    if found is None:
-        raise WrongState(
-            f"no study sets the StallGuard of a {device.family.title} yet",
-            "find its threshold by hand on the page StallGuard",
-        )
-    return found
+    remedy = "find its threshold by hand on the page StallGuard"
+    return _known(STALLS, device, "no study sets the StallGuard of a {} yet", remedy)
 
 
 def identification_of(device: Device) -> IdentificationPlaces:
     """Where it keeps what an identification sets. Raises WrongState for a family whose axes no study identifies."""
-    found = IDENTIFICATIONS.get(device.family.family)
-    if found is None:
-        raise WrongState(
-            f"no study identifies what hangs on a {device.family.title} yet",
-            "a TMC5xxx with an encoder can be looked at",
-        )
-    return found
+    remedy = "a TMC5xxx with an encoder can be looked at"
+    return _known(IDENTIFICATIONS, device, "no study identifies what hangs on a {} yet", remedy)
 
 
 def loop_of(device: Device) -> LoopPlaces:
     """Where it keeps the gains of its position loop. Raises WrongState for a family without one that a study sets."""
-    found = LOOPS.get(device.family.family)
-    if found is None:
-        raise WrongState(
-            f"no study sets a position loop of a {device.family.title}", "a TMC4361 with an encoder has one (PID)"
-        )
-    return found
+    remedy = "a TMC4361 with an encoder has one (PID)"
+    return _known(LOOPS, device, "no study sets a position loop of a {}", remedy)
+
+
+def chopper_of(device: Device) -> ChopperPlaces:
+    """Where it keeps its chopper. Raises WrongState for a family whose chopper no study sets."""
+    remedy = "calculate it from the motor on the page Current and chopper"
+    return _known(CHOPPERS, device, "no study sets the chopper of a {} yet", remedy)
 
 
 def ripple_of(device: Device) -> RipplePlaces | None:
@@ -81,17 +71,14 @@ def ripple_of(device: Device) -> RipplePlaces | None:
     return RIPPLES.get(device.family.family)
 
 
-def chopper_of(device: Device) -> ChopperPlaces:
-    """Where it keeps its chopper. Raises WrongState for a family whose chopper no study sets."""
-    found = CHOPPERS.get(device.family.family)
-    if found is None:
-        raise WrongState(
-            f"no study sets the chopper of a {device.family.title} yet",
-            "calculate it from the motor on the page Current and chopper",
-        )
-    return found
-
-
 def by_hand_of(device: Device) -> Sequence[HandPlace]:
     """What of it is tuned by hand beside its ramp."""
     return HANDS.get(device.family.family, ())
+
+
+def _known(places: Mapping[str, T], device: Device, none: str, remedy: str) -> T:
+    """What its family has. Raises WrongState: `none` with the family's title in it, and what to do."""
+    found = places.get(device.family.family)
+    if found is None:
+        raise WrongState(none.format(device.family.title), remedy)
+    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,6 +56,22 @@ def paired_effect(old: Sequence[float], new: Sequence[float], seed: int = 0) -> 
 def is_better(effect: PairedEffect, old_mean: float, smallest_share: float) -> bool:
     """Whether less is shown: the test says so, and the whole interval lies below the smallest gain that counts."""
     return effect.p < LEVEL and effect.high < -abs(smallest_share * old_mean)
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """Two series of pairs: the effect, both means, and whether less is shown."""
+
+    effect: PairedEffect
+    old: float
+    new: float
+    better: bool
+
+
+def compared_pairs(old: Sequence[float], new: Sequence[float], smallest_share: float, seed: int) -> Compared:
+    """Compare a new setting with the old one by pairs of runs; less is better. Raises ValueError as `paired_effect`."""
+    effect, mean = paired_effect(old, new, seed), statistics.fmean(old)
+    return Compared(effect, mean, statistics.fmean(new), is_better(effect, mean, smallest_share))
 
 
 def rate_bound(failures: int, runs: int, level: float = LEVEL) -> float:

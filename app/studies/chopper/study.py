@@ -11,7 +11,7 @@ from ...number_text import plain
 from ..document import CalmChopper
 from ..moves import MeasuredMoves
 from ..parts import Interval
-from ..proof import is_better, paired_effect
+from ..proof import compared_pairs
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
@@ -216,7 +216,7 @@ class ChopperStudy(StudyRun):
             self.tell("search", PROOF_FROM, f"trial {record.trials[index].number} again")
             one = found.tried[index]
             by_speed = await self._shaken(record.trials[index].registers, AGAIN)
-            again.append(self._tried(ChopperSetting(one.off, one.blank, one.hysteresis), by_speed, "measured again"))
+            again.append(self._tried(_setting(one), by_speed, "measured again"))
         if not again:
             record.improved = None
             record.verdict = "the budget ended before anything was compared: nothing is shown"
@@ -228,7 +228,7 @@ class ChopperStudy(StudyRun):
         record.best = best.number
         before = found.before
         assert before is not None
-        same = ChopperSetting(found.chosen.off, found.chosen.blank, found.chosen.hysteresis) == self._ground.chopper.now
+        same = _setting(found.chosen) == self._ground.chopper.now
         if same or found.chosen.ripple_fullsteps >= before.ripple_fullsteps * (1 - self.wanted.smallest_gain):
             record.improved, record.best = False, None
             record.verdict = (
@@ -269,9 +269,8 @@ class ChopperStudy(StudyRun):
             return
         before = [pair.baseline_fullsteps for pair in found.pairs]
         after = [pair.winner_fullsteps for pair in found.pairs]
-        effect = paired_effect(before, after, record.document.seed)
-        old, new = statistics.fmean(before), statistics.fmean(after)
-        record.improved = is_better(effect, old, wanted.smallest_gain)
+        shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed)
+        effect, old, new, record.improved = shown.effect, shown.old, shown.new, shown.better
         found.effect = RippleEffect(
             pairs=len(found.pairs),
             baseline_fullsteps=old,
@@ -281,7 +280,7 @@ class ChopperStudy(StudyRun):
             p=effect.p,
             significant=record.improved,
         )
-        setting = ChopperSetting(chosen.off, chosen.blank, chosen.hysteresis)
+        setting = _setting(chosen)
         if record.improved:
             record.verdict = (
                 f"{setting.words} instead of {self._ground.chopper.now.words}: the shaft shakes "
@@ -292,3 +291,7 @@ class ChopperStudy(StudyRun):
             return
         record.best = None
         record.verdict = f"{setting.words} is not shown to be calmer: {self._ground.chopper.now.words} stays"
+
+
+def _setting(tried: ChopperTried) -> ChopperSetting:
+    return ChopperSetting(tried.off, tried.blank, tried.hysteresis)

@@ -23,7 +23,7 @@ from ..document import ClosedLoop
 from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..parts import Interval
-from ..proof import is_better, paired_effect
+from ..proof import compared_pairs
 from ..record import Figures, Held, Trial
 from ..ringing import BEFORE_S, HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
@@ -241,9 +241,8 @@ class ClosedLoopStudy(StudyRun):
                 settled[which].append(STEP_S if one.settling_s is None else one.settling_s)
                 steps += [one] if which == "B" else []
         self._tell_steps(found, steps)
-        effect = paired_effect(settled["A"], settled["B"], self.record.document.seed)
-        old, new = statistics.fmean(settled["A"]), statistics.fmean(settled["B"])
-        better = is_better(effect, old, wanted.smallest_gain)
+        shown = compared_pairs(settled["A"], settled["B"], wanted.smallest_gain, self.record.document.seed)
+        effect, old, new, better = shown.effect, shown.old, shown.new, shown.better
         found.effect = LoopEffect(
             pairs=wanted.pairs,
             baseline_s=old,

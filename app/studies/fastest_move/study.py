@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Mapping
 from typing import Literal
 
@@ -12,7 +11,7 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
-from ..proof import is_better, paired_effect, rate_bound
+from ..proof import compared_pairs, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Evidence, Figures, Pair, Trial
 from ..run import StudyRun
@@ -289,10 +288,9 @@ class FastestMoveStudy(StudyRun):
             record.next = "more time or way"
             return
         before, after = [pair.baseline_s for pair in record.pairs], [pair.winner_s for pair in record.pairs]
-        effect = paired_effect(before, after, record.document.seed)
-        old, new = statistics.fmean(before), statistics.fmean(after)
+        shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed)
+        effect, old, new, better = shown.effect, shown.old, shown.new, shown.better
         all_runs = runs + best.figures.runs + (wanted.repeats if wanted.margin else 0)
-        better = is_better(effect, old, wanted.smallest_gain)
         record.evidence = Evidence(
             pairs=len(record.pairs),
             baseline_s=old,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Sequence
 from typing import Literal
 
@@ -18,7 +17,7 @@ from ...procedures.procedure import Failed
 from ..document import MicrostepCalibration
 from ..moves import MeasuredMoves
 from ..parts import Interval
-from ..proof import is_better, paired_effect
+from ..proof import compared_pairs
 from ..ramp_settings import SPEED
 from ..record import AngleEffect, AnglePair, Figures, MicrostepFigures, Trial
 from ..run import StudyRun
@@ -230,9 +229,8 @@ class MicrostepCalibrationStudy(StudyRun):
             record.next = "more time"
             return
         before, after = [pair.baseline_deg for pair in told.pairs], [pair.winner_deg for pair in told.pairs]
-        effect = paired_effect(before, after, record.document.seed)
-        old, new = statistics.fmean(before), statistics.fmean(after)
-        record.improved = is_better(effect, old, wanted.smallest_gain)
+        shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed)
+        effect, old, new, record.improved = shown.effect, shown.old, shown.new, shown.better
         told.effect = AngleEffect(
             pairs=len(told.pairs),
             baseline_deg=old,
