@@ -7,16 +7,32 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import importlib.util
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parent.parent
 STAMP = "build.json"
 """In the folder: the hash of the sources that it was built from."""
 # What shrinks lies packed beside itself, so that the server sends it so without packing anything at run time.
 PACKED = {".css", ".html", ".js", ".json", ".svg"}
 WORTH_PACKING_BYTES = 1000
+
+
+def bring(module: str, requirement: str) -> bool:
+    """Fetch a tool into our own environment where it is missing; False where that is somebody else's to do."""
+    if importlib.util.find_spec(module) is not None:
+        return True
+    if Path(sys.prefix) != ROOT / ".venv":
+        return False
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), requirement], check=True)
+    importlib.invalidate_caches()
+    return True
 
 
 def hash_of(root: Path, files: Iterable[Path]) -> str:

@@ -9,7 +9,6 @@ missing. Warnings (a link to nowhere, a page that no menu names) are errors.
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import re
 import shutil
@@ -19,7 +18,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from built_folder import hash_of, is_built_from, replace
+from built_folder import bring, hash_of, is_built_from, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -96,12 +95,8 @@ def build(*, force: bool = False) -> bool:
 
 
 def _require_generator() -> None:
-    if importlib.util.find_spec("zensical") is not None:
-        return
-    if Path(sys.prefix) != ROOT / ".venv":
+    if not bring("zensical", GENERATOR):
         raise HelpBuildError(f'the help is built with zensical: `pip install "{GENERATOR}"` in this environment')
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-    subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), GENERATOR], check=True)
 
 
 def make_reference(folder: Path) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import importlib.util
+import importlib
 import os
 import re
 import shutil
@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from built_folder import hash_of, is_built_from, replace
+from built_folder import bring, hash_of, is_built_from, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
@@ -177,12 +177,8 @@ def build(*, force: bool = False) -> bool:
 
 def _packer() -> Callable[[bytes], bytes]:
     """Return what packs a file, fetched into our own environment where it is missing. Raises WebBuildError."""
-    if importlib.util.find_spec("zopfli") is None:
-        if Path(sys.prefix) != ROOT / ".venv":
-            raise WebBuildError(f'the page is packed with zopfli: `pip install "{PACKER}"` in this environment')
-        pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-        subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), PACKER], check=True)
-        importlib.invalidate_caches()
+    if not bring("zopfli", PACKER):
+        raise WebBuildError(f'the page is packed with zopfli: `pip install "{PACKER}"` in this environment')
     compress: Callable[[bytes], bytes] = importlib.import_module("zopfli.gzip").compress
     return compress
 
