@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from app.clock import VirtualClock
-from tests.api.test_recordings import run, start
+from tests.api.test_recordings import run, start, with_gap
 
 LINE = re.compile(r'<polyline points="([^"]+)"[^>]*><title>([^<]+)</title>')
 TICK = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" text-anchor="end">([^<]+)</text>')
@@ -88,14 +88,7 @@ async def test_of_a_stretch_it_tells_that_stretch(client: httpx.AsyncClient, clo
 
 
 async def test_a_gap_stays_a_gap(client: httpx.AsyncClient, clock: VirtualClock) -> None:
-    recording = await start(client)
-    await run(clock, 0.5)
-    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": True}})
-    await run(clock, 1.0)
-    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": False}})
-    await client.post("devices/bench/connect")
-    await run(clock, 0.5)
-    await client.post(f"recordings/{recording}/stop")
+    recording = await with_gap(client, clock)
     page = await report(client, recording)
     parts = [points for channel, points in lines(page) if channel == "position.0"]
     assert len(parts) == 2, "one line before the gap, one after it"

@@ -40,6 +40,19 @@ async def run(clock: VirtualClock, seconds: float) -> None:
         await clock.advance(0.05)
 
 
+async def with_gap(client: httpx.AsyncClient, clock: VirtualClock) -> str:
+    """A recording of 2 s, in whose middle half the device does not answer."""
+    recording = await start(client)
+    await run(clock, 0.5)
+    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": True}})
+    await run(clock, 1.0)
+    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": False}})
+    await client.post("devices/bench/connect")
+    await run(clock, 0.5)
+    await client.post(f"recordings/{recording}/stop")
+    return recording
+
+
 async def detail(client: httpx.AsyncClient, recording: str) -> dict[str, object]:
     answer = await client.get(f"recordings/{recording}")
     assert answer.status_code == 200, answer.text
@@ -215,14 +228,7 @@ async def test_a_long_one_is_thinned_and_no_peak_hidden(client: httpx.AsyncClien
 
 
 async def test_a_device_that_fails_leaves_a_gap(client: httpx.AsyncClient, clock: VirtualClock) -> None:
-    recording = await start(client)
-    await run(clock, 0.5)
-    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": True}})
-    await run(clock, 1.0)
-    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": False}})
-    await client.post("devices/bench/connect")
-    await run(clock, 0.5)
-    await client.post(f"recordings/{recording}/stop")
+    recording = await with_gap(client, clock)
     found = await detail(client, recording)
     assert "gap" in [mark["kind"] for mark in found["marks"]]  # type: ignore[attr-defined]
     assert found["figures"]["position.0"]["missing"] >= 1  # type: ignore[index]
