@@ -36,7 +36,7 @@ HISTORY_ROWS_A_FRAME = 4096
 RATE_DEFAULT_HZ = 100.0
 BATCH_DEFAULT_HZ = 60.0
 HISTORY_S_MAX = 24 * 3600.0
-CHANNELS_MAX = 64
+CHANNELS_MAX = 128
 GONE = 4410
 """Close code: the device is not what it was, join again."""
 

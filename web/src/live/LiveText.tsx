@@ -7,23 +7,10 @@ interface Props extends Omit<ComponentPropsWithoutRef<"span">, "children"> {
 }
 
 const PERIOD_MS = 66; // faster, nobody reads digits; slower, they stutter
-const readers = new Set<() => void>();
-let end = () => {};
 
-/** Run `update` with all live texts of the page, in one loop. Returns the function that ends it. */
+/** Run `update` with all live texts of the page, after the plots of a frame. Returns the function that ends it. */
 export function everyTick(update: () => void): () => void {
-  readers.add(update);
-  if (readers.size === 1)
-    end = repeatFrames(
-      () => {
-        for (const read of readers) read();
-      },
-      () => PERIOD_MS,
-    );
-  return () => {
-    readers.delete(update);
-    if (readers.size === 0) end();
-  };
+  return repeatFrames(update, () => PERIOD_MS, "texts");
 }
 
 /**

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Schemas } from "../api/client";
-import { TelemetrySource, telemetryUrl } from "./TelemetrySource";
+import { telemetryUrl } from "./request";
+import { TelemetrySource } from "./TelemetrySource";
 
 /** The server's side of a socket, in the test's hands. */
 class FakeSocket {

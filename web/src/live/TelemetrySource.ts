@@ -1,14 +1,8 @@
 import type { Schemas } from "../api/client";
 import { decodeFrame } from "./frames";
-import { TraceBuffer } from "./TraceBuffer";
-
-export interface TelemetryRequest {
-  device: string;
-  channels: readonly string[];
-  rateHz: number;
-  /** what the page keeps, and asks back for after a reload [s] */
-  keepS: number;
-}
+import { bufferFor, type TelemetryRequest, telemetryUrl } from "./request";
+import { type OpenSocket, Successor } from "./Successor";
+import type { TraceBuffer } from "./TraceBuffer";
 
 export type LinkPhase = "connecting" | "live" | "gap" | "lost" | "refused";
 
@@ -43,16 +37,10 @@ type Of<Type extends Message["type"]> = Extract<Message, { type: Type }>;
 /** What is told at the moment it was noticed: times are the device's own, those of the samples. */
 type Told = "move" | "stopped" | "event";
 
-/** How a socket is made; tests bring their own. */
-export type OpenSocket = (url: string, protocol: string) => WebSocket;
-
 const PROTOCOL = "stepscope.telemetry.v1";
 const FIRST_RETRY_S = 0.25;
 const LAST_RETRY_S = 5;
-/** More would be 100 MB of columns in the page; a recording is the place for longer runs. */
-const MOST_ROWS = 150_000;
 const PROGRAM_MARKS = 200;
-
 function initialState(request: TelemetryRequest): LinkState {
   return {
     phase: "connecting",
@@ -73,25 +61,20 @@ function initialState(request: TelemetryRequest): LinkState {
   };
 }
 
-export function telemetryUrl(request: TelemetryRequest, origin: string): string {
-  const url = new URL(`/api/v1/devices/${encodeURIComponent(request.device)}/telemetry`, origin);
-  url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-  url.searchParams.set("channels", request.channels.join(","));
-  url.searchParams.set("rate_hz", String(request.rateHz));
-  url.searchParams.set("history_s", String(request.keepS));
-  return url.href;
-}
-
 /**
  * The samples of one device: a socket that comes back by itself, and the buffer that it fills. Made to live outside of
- * React: `subscribe` tells of the link's state (at most about once a second), `buffer.revision` of the samples.
+ * React: `subscribe` tells of the link's state (at most about once a second), `buffer.revision` of the samples. When it is
+ * asked for something else, the buffer is another one as soon as that comes, and goes on without a hole.
  */
 export class TelemetrySource {
-  readonly request: TelemetryRequest;
-  readonly buffer: TraceBuffer;
+  request: TelemetryRequest;
+  buffer: TraceBuffer;
   /** what the device's program did, the latest last; a new array where it is another */
   program: readonly Of<"program">[] = [];
   private socket: WebSocket | null = null;
+  private next: Successor | null = null;
+  /** texts that both sockets of a change tell, and only the first of them is to be heard */
+  private readonly heard = new Set<string>();
   private state: LinkState;
   private retryS = FIRST_RETRY_S;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -108,8 +91,7 @@ export class TelemetrySource {
     this.request = request;
     this.open = open;
     this.state = initialState(request);
-    const rows = Math.ceil(request.keepS * request.rateHz * 1.05) + 64;
-    this.buffer = new TraceBuffer(request.channels, Math.min(MOST_ROWS, rows));
+    this.buffer = bufferFor(request);
   }
 
   /** Connect, and stay so until `stop`. A second start does nothing. */
@@ -122,11 +104,24 @@ export class TelemetrySource {
   stop(): void {
     this.closed = true;
     clearTimeout(this.timer);
-    const socket = this.socket;
-    this.socket = null;
-    if (socket) {
-      socket.onclose = socket.onmessage = socket.onerror = null;
-      socket.close();
+    this.hangUp();
+    this.update(initialState(this.request));
+  }
+
+  /** Ask for something else from now on. While samples come they go on coming: the new socket takes over from the old. */
+  change(request: TelemetryRequest): void {
+    if (JSON.stringify(request) === JSON.stringify(this.request)) return;
+    const live = this.state.phase === "live" && !Number.isNaN(this.buffer.lastTime);
+    this.request = request;
+    this.next?.close();
+    this.next = null;
+    this.heard.clear();
+    if (this.closed) this.buffer = bufferFor(request);
+    else if (live) this.next = new Successor(request, this.dial(), (next) => this.takeOver(next));
+    else {
+      clearTimeout(this.timer);
+      this.hangUp();
+      this.connect();
     }
   }
 
@@ -148,16 +143,51 @@ export class TelemetrySource {
     for (const listener of this.listeners) listener();
   }
 
+  private dial(): WebSocket {
+    const socket = this.open(telemetryUrl(this.request, window.location.origin), PROTOCOL);
+    socket.binaryType = "arraybuffer";
+    return socket;
+  }
+
+  private hangUp(): void {
+    this.next?.close();
+    this.next = null;
+    this.heard.clear();
+    close(this.socket);
+    this.socket = null;
+  }
+
   private connect(): void {
     if (this.closed) return;
-    const socket = this.open(telemetryUrl(this.request, window.location.origin), PROTOCOL);
+    this.listen(this.dial());
+  }
+
+  private listen(socket: WebSocket): void {
     this.socket = socket;
-    socket.binaryType = "arraybuffer";
     socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => {
       if (typeof data === "string") this.onText(data);
       else this.onFrame(data);
     };
     socket.onclose = (event) => this.onClose(event);
+  }
+
+  /** The successor has come: where both have the same moment, the old socket ends and the new one goes on. */
+  private takeOver(next: Successor): void {
+    if (next !== this.next) return;
+    if (next.refusal) {
+      this.next = null;
+      close(this.socket);
+      this.onClose(next.refusal);
+      return;
+    }
+    const { start } = next;
+    if (!start || !next.reachedBy(this.buffer.lastTime)) return;
+    this.next = null;
+    close(this.socket);
+    this.buffer = next.joined(this.buffer);
+    this.listen(next.socket);
+    this.started(start);
+    for (const text of next.texts) this.onText(text);
   }
 
   private onFrame(data: ArrayBuffer): void {
@@ -168,27 +198,36 @@ export class TelemetrySource {
       this.update({ dropped: frame.dropped });
     }
     this.buffer.append(frame);
+    if (this.next) this.takeOver(this.next);
     if (this.state.phase !== "live") this.update({ phase: "live", reason: null });
+  }
+
+  private started(message: Of<"start">): void {
+    this.retryS = FIRST_RETRY_S;
+    this.update({
+      phase: "live",
+      reason: null,
+      retryInS: null,
+      dropped: 0,
+      requestedRateHz: message.requested_rate_hz,
+      rateHz: message.rate_hz,
+      chipTimed: message.chip_timed,
+      timeOriginUnixS: message.time_origin_unix_s,
+      units: Object.fromEntries(message.channels.map(({ name, unit }) => [name, unit])),
+    });
   }
 
   private onText(text: string): void {
     const message: Message = JSON.parse(text);
+    if (this.heard.delete(text)) return;
+    if (this.next && message.type !== "status" && message.type !== "gap") this.heard.add(text);
     switch (message.type) {
       case "start":
         // The history that follows is complete: what was kept before the break is part of it.
-        this.buffer.clear();
+        this.buffer = bufferFor(this.request);
         this.program = [];
-        this.retryS = FIRST_RETRY_S;
-        this.update({
-          phase: "live",
-          reason: null,
-          retryInS: null,
-          dropped: 0,
-          rateHz: message.rate_hz,
-          chipTimed: message.chip_timed,
-          timeOriginUnixS: message.time_origin_unix_s,
-          units: Object.fromEntries(message.channels.map(({ name, unit }) => [name, unit])),
-        });
+        this.heard.clear();
+        this.started(message);
         break;
       case "status":
         this.update({
@@ -201,6 +240,11 @@ export class TelemetrySource {
         });
         break;
       case "gap":
+        if (this.next) {
+          // nothing goes on without a hole now
+          this.hangUp();
+          this.connect();
+        }
         this.buffer.gap();
         this.update({ phase: "gap", reason: message.reason });
         break;
@@ -211,6 +255,8 @@ export class TelemetrySource {
         for (const listener of this.told.stopped) listener(message);
         break;
       case "program":
+        // with the past come those that are known already
+        if (this.program.some(({ time_s, text }) => time_s === message.time_s && text === message.text)) break;
         this.program = [...this.program, message].slice(-PROGRAM_MARKS);
         break;
       case "event":
@@ -221,6 +267,7 @@ export class TelemetrySource {
 
   private onClose(event: CloseEvent): void {
     if (this.closed) return;
+    this.hangUp();
     this.buffer.gap();
     const refused = event.code >= 4000 || event.code === 1008;
     const wait = this.retryS * (0.8 + 0.4 * Math.random()); // so that many pages do not come back in step
@@ -234,4 +281,10 @@ export class TelemetrySource {
     this.retryS = Math.min(LAST_RETRY_S, this.retryS * 2);
     this.timer = setTimeout(() => this.connect(), wait * 1000);
   }
+}
+
+function close(socket: WebSocket | null): void {
+  if (!socket) return;
+  socket.onclose = socket.onmessage = socket.onerror = null;
+  socket.close();
 }

@@ -5,7 +5,10 @@ beforeEach(
   () =>
     void vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "requestAnimationFrame", "cancelAnimationFrame"] }),
 );
-afterEach(() => void vi.useRealTimers());
+afterEach(() => {
+  vi.restoreAllMocks();
+  vi.useRealTimers();
+});
 
 describe("repeatFrames", () => {
   it("draws in every frame without a pause", () => {
@@ -55,5 +58,52 @@ describe("repeatFrames", () => {
     end = repeatFrames(draw, () => 0);
     vi.advanceTimersByTime(1000);
     expect(draw).toHaveBeenCalledTimes(1);
+  });
+
+  it("asks for one frame for all that draw, plots before texts", () => {
+    const asked = vi.spyOn(globalThis, "requestAnimationFrame");
+    const order: string[] = [];
+    const ends = (["texts", "plots", "texts", "plots"] as const).map((turn, index) =>
+      repeatFrames(
+        () => order.push(`${turn}${index}`),
+        () => 0,
+        turn,
+      ),
+    );
+    vi.advanceTimersByTime(16);
+    expect(order).toEqual(["plots1", "plots3", "texts0", "texts2"]);
+    asked.mockClear();
+    vi.advanceTimersByTime(16 * 10);
+    expect(asked).toHaveBeenCalledTimes(10);
+    for (const end of ends) end();
+    expect(vi.getTimerCount()).toBe(0);
+  });
+
+  it("rests between the frames of those that draw seldom, whenever they began", () => {
+    const asked = vi.spyOn(globalThis, "requestAnimationFrame");
+    const ends = [0, 1, 2, 3].map(() => {
+      vi.advanceTimersByTime(17);
+      return repeatFrames(vi.fn(), () => 100);
+    });
+    vi.advanceTimersByTime(200);
+    asked.mockClear();
+    vi.advanceTimersByTime(1000);
+    expect(asked.mock.calls.length).toBeLessThanOrEqual(11);
+    for (const end of ends) end();
+  });
+
+  it("goes on with the others where one fails", () => {
+    const failed = vi.fn();
+    const fails = () => {
+      throw new Error("no plot");
+    };
+    vi.stubGlobal("reportError", failed);
+    const draw = vi.fn();
+    const ends = [fails, draw].map((each) => repeatFrames(each, () => 0));
+    vi.advanceTimersByTime(16 * 3);
+    expect(draw).toHaveBeenCalledTimes(3);
+    expect(failed).toHaveBeenCalledTimes(3);
+    for (const end of ends) end();
+    vi.unstubAllGlobals();
   });
 });

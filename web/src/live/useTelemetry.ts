@@ -1,8 +1,11 @@
-import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
-import { type LinkState, type TelemetryRequest, TelemetrySource } from "./TelemetrySource";
+import { useEffect, useMemo, useSyncExternalStore } from "react";
+import { hub } from "./hub";
+import type { TelemetryRequest } from "./request";
+import type { LinkState, TelemetrySource } from "./TelemetrySource";
 import type { TraceBuffer } from "./TraceBuffer";
 
 export interface Telemetry {
+  /** of this rendering: another one takes its place when something else on the page wants more of the device */
   buffer: TraceBuffer;
   link: LinkState;
   source: TelemetrySource;
@@ -10,52 +13,28 @@ export interface Telemetry {
 
 /**
  * Samples of one device for as long as the component lives. Only the link's state renders; read the samples from
- * `buffer` in an animation frame, when its `revision` has changed.
+ * `buffer` in an animation frame, when its `revision` has changed. There may be more channels in it, more rows and older
+ * ones: it is the one buffer of the device, for all that reads it.
  */
 export function useTelemetry(device: string, channels: readonly string[], rateHz: number, keepS = 60): Telemetry {
   const key = channels.join(",");
-  const source = useMemo(
-    () => new TelemetrySource({ device, channels: key.split(","), rateHz, keepS }),
-    [device, key, rateHz, keepS],
-  );
-  useEffect(() => {
-    source.start();
-    return () => source.stop();
-  }, [source]);
+  const source = hub.sourceOf(device);
+  useEffect(() => hub.want({ device, channels: key.split(","), rateHz, keepS }), [device, key, rateHz, keepS]);
   const link = useSyncExternalStore(source.subscribe, source.link);
   return { buffer: source.buffer, link, source };
 }
 
-/** The same for several devices at once, in the order asked; sources whose request stays are kept running. */
+/** The same for several devices at once, in the order asked. */
 export function useTelemetries(requests: readonly TelemetryRequest[]): readonly TelemetrySource[] {
-  const [running] = useState(() => new Map<string, TelemetrySource>());
   const wanted = JSON.stringify(requests);
-  const sources = useMemo(
-    () =>
-      (JSON.parse(wanted) as TelemetryRequest[]).map((request) => {
-        const key = JSON.stringify(request);
-        const source = running.get(key) ?? new TelemetrySource(request);
-        running.set(key, source);
-        return source;
-      }),
-    [wanted, running],
-  );
   useEffect(() => {
-    for (const [key, source] of running) {
-      if (sources.includes(source)) source.start();
-      else {
-        source.stop();
-        running.delete(key);
-      }
-    }
-  }, [sources, running]);
-  useEffect(
-    () => () => {
-      for (const source of running.values()) source.stop();
-    },
-    [running],
-  );
-  return sources;
+    const ends = (JSON.parse(wanted) as TelemetryRequest[]).map((request) => hub.want(request));
+    return () => {
+      for (const end of ends) end();
+    };
+  }, [wanted]);
+  const devices = requests.map(({ device }) => device).join("\n");
+  return useMemo(() => (devices === "" ? [] : devices.split("\n").map((device) => hub.sourceOf(device))), [devices]);
 }
 
 /** The link states of several sources, as one value that changes when any does. */

@@ -1,6 +1,7 @@
 import { createContext, type PropsWithChildren, useContext, useMemo } from "react";
 import { type Device, useDevices } from "../../api/queries";
-import type { TelemetryRequest, TelemetrySource } from "../../live/TelemetrySource";
+import type { TelemetryRequest } from "../../live/request";
+import type { TelemetrySource } from "../../live/TelemetrySource";
 import { useTelemetries } from "../../live/useTelemetry";
 
 /** What the page shows of every axis, whether it is on the scope or not. */
@@ -21,7 +22,7 @@ function requestFor(device: Device): TelemetryRequest[] {
   return [{ device: device.id, channels, rateHz: Math.min(RATE_HZ, device.rate_max_hz), keepS: KEEP_S }];
 }
 
-/** The state of all axes of all connected devices, live: one slow socket a device. */
+/** The state of all axes of all connected devices, live: a slow wish of each device. */
 export function BenchLive({ children }: PropsWithChildren) {
   const devices = useDevices();
   const requests = useMemo(() => (devices.data ?? []).flatMap(requestFor), [devices.data]);
@@ -45,8 +46,10 @@ export function useLiveAxis(device: string, axis: number): LiveAxis {
   const sources = useContext(Sources);
   return useMemo(() => {
     const source = sources.find((candidate) => candidate.request.device === device);
-    const home = source?.request.channels.includes(`switch_home.${axis}`) ? "switch_home" : CHIP_HOME;
-    const nameOf = (quantity: AxisQuantity) => `${quantity === "switch_home" ? home : quantity}.${axis}`;
+    const nameOf = (quantity: AxisQuantity) =>
+      quantity === "switch_home" && !source?.request.channels.includes(`switch_home.${axis}`)
+        ? `${CHIP_HOME}.${axis}`
+        : `${quantity}.${axis}`;
     const read = (quantity: AxisQuantity) => source?.buffer.last(nameOf(quantity)) ?? Number.NaN;
     const at = (quantity: AxisQuantity, row: number) => source?.buffer.column(nameOf(quantity))?.[row] ?? Number.NaN;
     return { source, read, at, moving: () => Math.abs(read("velocity")) > 0 };

@@ -13,6 +13,15 @@ export interface CursorPair {
   b: number;
 }
 
+interface Frozen {
+  copy: TraceBuffer;
+  live: TraceBuffer;
+}
+
+function frozenOf({ buffer }: TelemetrySource): Frozen {
+  return { copy: buffer.frozen(), live: buffer };
+}
+
 /**
  * Which stretch of time the scope shows, and of which samples. Not React state: it changes in every frame. Times are
  * those of the main source's device [s].
@@ -25,7 +34,7 @@ export class ScopeView {
   private cursorPlaces: CursorPair = { a: 1 / 3, b: 2 / 3 };
   private cursorTimes: CursorPair | null = null;
   private window: [number, number] = [0, 1];
-  private frozen = new Map<TelemetrySource, TraceBuffer>();
+  private frozen = new Map<TelemetrySource, Frozen>();
   private triggeredAt: number | null = null;
   private armed = true;
   private smoothEnd = Number.NaN;
@@ -40,12 +49,17 @@ export class ScopeView {
 
   /** The samples to show of a source: the live ones, or those of the moment of the pause. */
   bufferOf(source: TelemetrySource): TraceBuffer {
-    return this.frozen.get(source) ?? source.buffer;
+    const frozen = this.frozen.get(source);
+    if (!frozen) return source.buffer;
+    if (frozen.live === source.buffer) return frozen.copy;
+    // what is wanted since then has its past in another buffer
+    this.frozen.set(source, frozenOf(source));
+    return this.bufferOf(source);
   }
 
   pause(sources: readonly TelemetrySource[], window?: readonly [number, number]): void {
     if (!this.paused) {
-      this.frozen = new Map(sources.map((source) => [source, source.buffer.frozen()]));
+      this.frozen = new Map(sources.map((source) => [source, frozenOf(source)]));
       this.cursorTimes = this.cursors();
       this.paused = true;
     }

@@ -2,7 +2,7 @@ import { can, type Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
-import type { TelemetryRequest } from "../../../live/TelemetrySource";
+import type { TelemetryRequest } from "../../../live/request";
 import type { PlotSeries } from "../../../plots/types";
 import { lane, moreRow, ROWS, type Row, type RowChannel, unitOf } from "./rows";
 import { type ExtraAxis, keepS, type ScopeSettings } from "./settings";

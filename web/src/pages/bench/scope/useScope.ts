@@ -57,8 +57,8 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   );
 
   // Another axis is another time: what was paused or caught belongs to the one before.
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the source is what the view looks at
-  useEffect(run, [run, source]);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the axis is what the view looks at
+  useEffect(run, [run, main.device, main.axis]);
 
   const moves = mainDevice?.axes.length !== 0;
   useEffect(() => {
