@@ -205,19 +205,24 @@ async def _compiled_by_a_child(name: str) -> None:
             await process.wait()
 
 
-async def _main(names: list[str]) -> None:
-    if names:
-        for name in names:
-            JOBS[name]()
-        return
-    preparation = Preparation()
+async def compile_all(tell: Callable[[str], None], jobs: Mapping[str, Callable[[], None]] = JOBS) -> None:
+    """Have all compiled, each job told as it is done: an image or an installation is left with nothing to compile."""
+    preparation = Preparation(jobs=jobs, plain=())
     await preparation.start()
-    for name in JOBS:
+    for name in jobs:
         await preparation.ready(name)
-        sys.stdout.write(f"compiled {name}\n")
-        sys.stdout.flush()
+        tell(f"compiled {name}")
     await preparation.close()
 
 
+def _tell(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
 if __name__ == "__main__":
-    asyncio.run(_main(sys.argv[1:]))
+    if sys.argv[1:]:
+        for job in sys.argv[1:]:
+            JOBS[job]()
+    else:
+        asyncio.run(compile_all(_tell))

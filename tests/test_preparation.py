@@ -193,6 +193,21 @@ async def test_what_cannot_be_compiled_keeps_nobody_waiting(
     await preparing.close()
 
 
+async def test_an_image_is_made_when_all_is_compiled_what_plain_python_could_serve_too(children: Children) -> None:
+    told: list[str] = []
+    jobs: dict[str, Callable[[], None]] = dict.fromkeys([*preparation.PLAIN, "ramps"], lambda: None)
+    compiling = asyncio.create_task(preparation.compile_all(told.append, jobs))
+    while not children.begun:
+        await asyncio.sleep(0.01)
+    await settled()
+    assert told == []
+    children.may_end.set()
+    async with asyncio.timeout(10):
+        await compiling
+    assert told == [f"compiled {name}" for name in jobs]
+    assert sorted(children.begun) == sorted(jobs)
+
+
 async def test_emulated_motors_of_all_families_move_before_anything_is_compiled(
     children: Children, tmp_path: Path
 ) -> None:
