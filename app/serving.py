@@ -107,12 +107,9 @@ def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str]
 
 def make_program(settings: Settings) -> FastAPI:
     """All there is behind the page, its modules imported now."""
-    from .api.app import build_routes
     from .main import create_app
 
-    app = create_app(settings)
-    build_routes(app)
-    return app
+    return create_app(settings)
 
 
 def keep_out_of_collections() -> None:

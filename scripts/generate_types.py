@@ -37,8 +37,8 @@ def schema_text() -> str:
 
 def free_calls_text() -> str:
     """Return the calls that may be made without the lease, "METHOD /path": the page asks before all others."""
-    from app.api.app import BASE
     from app.api.http.policies import CHANGING_METHODS, Policies
+    from app.api.router import BASE
     from app.main import create_app
     from app.settings import Settings
 

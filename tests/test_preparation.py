@@ -29,10 +29,12 @@ class Children:
 
     def __init__(self) -> None:
         self.begun: list[str] = []
+        self.have_begun = asyncio.Event()
         self.may_end = asyncio.Event()
 
     async def __call__(self, name: str) -> None:
         self.begun.append(name)
+        self.have_begun.set()
         await self.may_end.wait()
 
 
@@ -197,12 +199,11 @@ async def test_an_image_is_made_when_all_is_compiled_what_plain_python_could_ser
     told: list[str] = []
     jobs: dict[str, Callable[[], None]] = dict.fromkeys([*preparation.PLAIN, "ramps"], lambda: None)
     compiling = asyncio.create_task(preparation.compile_all(told.append, jobs))
-    while not children.begun:
-        await asyncio.sleep(0.01)
-    await settled()
-    assert told == []
-    children.may_end.set()
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(30):
+        await children.have_begun.wait()
+        await settled()
+        assert told == []
+        children.may_end.set()
         await compiling
     assert told == [f"compiled {name}" for name in jobs]
     assert sorted(children.begun) == sorted(jobs)

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import ConfigDict, Field, StringConstraints
 
 from ..conditions.judge import Kind
+from ..deferred import DeferredModel
 from ..form_hints import form, shown
 from ..registers.names import AnyModelName, PmulName, SixPointName, SRampName
 
@@ -27,13 +28,13 @@ Tmc5xxxName = SixPointName
 """Chips with a SixPoint ramp and the driver inside."""
 
 
-class Body(BaseModel):
+class Body(DeferredModel):
     """What comes in: an unknown key is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid")
 
 
-class Answer(BaseModel):
+class Answer(DeferredModel):
     """What goes out; also made from the drivers' own records, whose fields bear the same names."""
 
     # Defaults are sent too: clients may rely on every field being there.

@@ -15,6 +15,7 @@ from .. import __version__
 from ..api.http import openapi, problems
 from ..api.http.guard import Guard
 from ..api.http.problems import problems as responses
+from ..api.router import operation_id
 from ..emulators.core.family import Emulator, EmulatorFamily
 from ..emulators.line.faults import LinePatch, LineState
 from ..emulators.line.server import LineServer
@@ -128,7 +129,7 @@ def control_app(served: Served, emulators: APIRouter) -> FastAPI:
     app = FastAPI(
         title="stepscope emulator",
         version=__version__,
-        generate_unique_id_function=openapi.operation_id,
+        generate_unique_id_function=operation_id,
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,

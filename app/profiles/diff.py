@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from ..deferred import DeferredModel
 from ..devices.core.device import Device
 from ..registers.model import Space
 from .capture import CapturedConfiguration, axis_part, read_held
@@ -30,7 +31,7 @@ UNIT_MODE = (Space.AXIS, 255, 0)
 Kind = Literal["register", "parameter", "table", "mechanics", "limits", "clock"]
 
 
-class _Part(BaseModel):
+class _Part(DeferredModel):
     model_config = ConfigDict(from_attributes=True, json_schema_serialization_defaults_required=True)
 
 

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -23,6 +22,7 @@ from pydantic import (
     model_validator,
 )
 
+from ..deferred import DeferredModel
 from ..registers.catalog import MODELS
 from ..registers.names import ListedName
 from .errors import UnreadableProfile
@@ -61,7 +61,7 @@ AXES_MAX = 16
 """Of a document: twice as many as any module that is known."""
 
 
-class Part(BaseModel):
+class Part(DeferredModel):
     """What a document is made of: an unknown key is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)

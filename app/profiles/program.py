@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from ..calc.tmcl.assembler import assemble
 from ..calc.tmcl.disassembler import disassemble, spell
 from ..calc.tmcl.instructions import Command
+from ..deferred import DeferredModel
 from ..devices.core.capabilities import ProgramMemory
 from ..devices.core.device import Device
 from ..errors import BenchError, LinkError, WrongState
@@ -33,7 +34,7 @@ TOLD = 50
 """Differing commands that are told one by one."""
 
 
-class CommandDifference(BaseModel):
+class CommandDifference(DeferredModel):
     """A command that is not the same on both sides; empty where there is none."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=True)
@@ -43,7 +44,7 @@ class CommandDifference(BaseModel):
     right: str
 
 
-class ProgramDifference(BaseModel):
+class ProgramDifference(DeferredModel):
     """Two programs that are not the same."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=True)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
+
+from ..deferred import DeferredModel
 
 
-class Part(BaseModel):
+class Part(DeferredModel):
     """A part of a document or a record: an unknown key is an error."""
 
     model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)

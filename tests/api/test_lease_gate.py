@@ -10,9 +10,9 @@ import pytest
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
-from app.api.app import BASE
 from app.api.http.guard import SAFE_METHODS
 from app.api.http.policies import CHANGING_METHODS, Policies
+from app.api.router import BASE
 
 HOLDER = {"stepscope-session": "the-session-of-the-holder"}
 OTHER = {"stepscope-session": "the-session-of-somebody-else"}

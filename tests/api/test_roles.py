@@ -12,9 +12,9 @@ from fastapi.routing import iter_route_contexts
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.api.app import BASE
 from app.api.http.guard import SAFE_METHODS
 from app.api.http.policies import Policies
+from app.api.router import BASE
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings

@@ -12,7 +12,6 @@ from pathlib import Path
 import httpx
 import pytest
 
-from app.api.app import build_routes
 from app.clock import WallClock
 from app.emulators.build import build_emulator
 from app.emulators.server import serve_tcp
@@ -78,7 +77,6 @@ def test_open_sockets_do_not_hold_up_the_end(tmp_path: Path) -> None:
 
 async def test_no_request_waits_until_routes_are_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     app = create_app(Settings(data_dir=tmp_path, demo=False))
-    build_routes(app)
 
     def late(*_: object, **__: object) -> None:
         raise AssertionError("a route is built while a request waits")

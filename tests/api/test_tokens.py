@@ -16,8 +16,8 @@ from fastapi import FastAPI
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from app.api.app import BASE
 from app.api.http.access import GUESSES
+from app.api.router import BASE
 from app.clock import VirtualClock
 from app.errors import UnknownThing, UsageError, WrongState
 from app.main import bench_of, create_app

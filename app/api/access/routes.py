@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import Path, Request, Response
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..audit import wording
@@ -11,9 +11,10 @@ from ..http.identity import identity_of
 from ..http.problems import problems
 from ..http.sessions import cookie_name
 from ..policy import policy
+from ..router import subject_router
 from .schemas import AccessInfo, TokenAdd, TokenInfo, TokenMade
 
-router = APIRouter(tags=["access"])
+router = subject_router(tags=["access"])
 
 
 @router.get("/access")

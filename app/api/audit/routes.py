@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from fastapi.responses import StreamingResponse
 from pydantic import BeforeValidator
 
@@ -14,9 +14,10 @@ from ...errors import StoreUnavailable
 from ...store.audit_entries import Entry, EntryFilter
 from ..deps import CurrentBench
 from ..http.problems import problems
+from ..router import subject_router
 from .schemas import AuditEntry, AuditFilters, AuditPage, Outcome
 
-router = APIRouter(prefix="/audit", tags=["audit"])
+router = subject_router(prefix="/audit", tags=["audit"])
 
 
 def _moment(given: object) -> object:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...errors import UsageError
 from ..http.problems import problems
 from ..policy import Policy, policy_of_all
+from ..router import subject_router
 from ..tables import mslut as mslut_tables
 from ..tables.mslut_schemas import MslutDesign, MslutResult
 from ..tables.schemas import ChainDesign
@@ -43,7 +42,7 @@ from .tmc4361.serial_schemas import SerialEncoder, SerialEncoderResult
 from .tmc4361.sync_schemas import DriverSync, DriverSyncResult
 from .tmcdrivers.scale_current import ScaleCurrent, ScaleCurrentResult, scale_current
 
-router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
+router = subject_router(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 
 
 @router.post("/pmul-pdiv")

@@ -8,8 +8,6 @@ from dataclasses import asdict
 from functools import cache
 from typing import Any
 
-from fastapi import APIRouter
-
 from ...errors import StoreUnavailable, UnknownThing
 from ...registers.capabilities import TITLES
 from ...registers.catalog import MODELS, Model, find_model, listings, maps, why_not
@@ -19,6 +17,7 @@ from ...registers.tmcl.commands import COMMANDS
 from ...registers.wires import WIRES, Wire
 from ..deps import CurrentBench
 from ..http.problems import problems
+from ..router import subject_router
 from .schemas import (
     CapabilityTitle,
     CatalogEntry,
@@ -32,7 +31,7 @@ from .schemas import (
     WireRow,
 )
 
-router = APIRouter(prefix="/catalog", tags=["catalog"])
+router = subject_router(prefix="/catalog", tags=["catalog"])
 
 
 @router.get("")

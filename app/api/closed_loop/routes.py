@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import load_of, response_out
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import CalibrationStart, CalibrationState, DisturbanceStart, ResponseState, StepResponseStart
 
-router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["closed loop"])
+router = subject_router(prefix="/devices/{device}/axes/{axis}", tags=["closed loop"])
 
 LOOK = problems(UnknownThing)
 START = problems(UnknownThing, WrongState, UsageError, OutOfRange, SoftLimit)

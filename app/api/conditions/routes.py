@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
-from fastapi import APIRouter, WebSocket
+from fastapi import WebSocket
 from pydantic import ValidationError
 
 from ...clock import BackgroundClock
@@ -13,6 +13,7 @@ from ...conditions.service import AxisAssessment, ConditionService
 from ...devices.core.device import Device
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .pages import Pages
 from .schemas import (
@@ -29,7 +30,7 @@ from .views import standing_out
 ALIVE_S = 1.0
 """How long nothing is said at the most: whoever hears nothing for longer knows nothing any more."""
 
-router = APIRouter(tags=["conditions"])
+router = subject_router(tags=["conditions"])
 
 
 @router.websocket("/conditions")

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...errors import SoftLimit
 from ..abilities import CurrentTmcl
 from ..audit import wording
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import TmclCommand, TmclReply
 from .tmcl_text import command_of
 
-router = APIRouter(prefix="/devices/{device}", tags=["tmcl"])
+router = subject_router(prefix="/devices/{device}", tags=["tmcl"])
 
 
 @router.post("/tmcl", responses=problems(*DEVICE_PROBLEMS, SoftLimit))

@@ -6,7 +6,7 @@ from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, cast
 
-from fastapi import APIRouter, Depends
+from fastapi import Depends
 from pydantic import BaseModel, ValidationError
 
 from ...emulators.build import family_of
@@ -16,8 +16,9 @@ from ...errors import UnknownThing, UsageError, WrongState
 from ...links.emulator import EmulatorPort
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import findings, problems
+from ..router import subject_router
 
-router = APIRouter(prefix="/devices/{device}/emulator", tags=["emulator"])
+router = subject_router(prefix="/devices/{device}/emulator", tags=["emulator"])
 
 
 async def _emulator_port(device: CurrentDevice) -> EmulatorPort:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, HTTPException
+from fastapi import HTTPException
 
 from ...devices import manager
 from ...devices.core.config import DeviceConfig
@@ -12,11 +12,12 @@ from ..catalog.routes import loaded
 from ..deps import CurrentBench, CurrentDevice, DeviceId
 from ..http.problems import problem_of, problems
 from ..policy import policy
+from ..router import subject_router
 from ..schemas import DeviceInfo, LinkTest
 from .schemas import DeviceChange, DeviceCreate, DeviceTrial
 from .views import axis_settings, clock_of, device_info, link_of, require_suited, suited, with_memory
 
-router = APIRouter(prefix="/devices", tags=["devices"])
+router = subject_router(prefix="/devices", tags=["devices"])
 
 DEVICES_MAX = 64
 """Each device is watched and remembered all the time; a script that adds in a loop must not drown the others."""

@@ -6,12 +6,13 @@ from fastapi import APIRouter, Response
 
 from ... import __version__
 from ..deps import CurrentBench
+from ..router import operation_id, subject_router
 from ..schemas import Health
 from .details import health_of
 from .schemas import HealthDetails
 
-router = APIRouter(tags=["server"])
-metrics = APIRouter(tags=["server"])
+router = subject_router(tags=["server"])
+metrics = APIRouter(tags=["server"], generate_unique_id_function=operation_id)
 """What stands outside of the API's base, where Prometheus looks."""
 
 

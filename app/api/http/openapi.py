@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from fastapi.routing import APIRoute, iter_route_contexts
+from fastapi.routing import iter_route_contexts
 
 from ... import __version__
 from ...lease.errors import BenchNotTaken, BenchTaken
@@ -22,11 +22,6 @@ from .policies import Policies
 from .problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
 
 REF = "#/components/schemas/{model}"
-
-
-def operation_id(route: APIRoute) -> str:
-    """The function's name: what generated clients call the call."""
-    return route.name
 
 
 def customise(app: FastAPI, policies: Policies) -> None:

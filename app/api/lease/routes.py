@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Header
+from fastapi import Header
 
 from ...devices.core.actor import actor
 from ...errors import UnknownThing, WrongState
@@ -20,10 +20,11 @@ from ..deps import CurrentBench
 from ..http.actor import SESSION_HEADER
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKeep, LeaseTake
 
-router = APIRouter(prefix="/lease", tags=["lease"])
+router = subject_router(prefix="/lease", tags=["lease"])
 
 CALLS_END_WITHIN_S = 5.0
 """How long one who takes the bench waits for calls of others that have begun before [s]."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 
-from fastapi import APIRouter
 from serial.tools import list_ports
 
 from ...errors import UsageError, WrongState
@@ -12,10 +11,11 @@ from ...registers.catalog import MODELS
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from ..schemas import Port
 from .schemas import ProbeStart, ProbeState
 
-router = APIRouter(tags=["server"])
+router = subject_router(tags=["server"])
 
 
 def serial_ports() -> list[Port]:

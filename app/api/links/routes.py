@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from ...errors import UnknownThing
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import problems
+from ..router import subject_router
 from .schemas import FrameLog, LinkInfo
 from .views import frame_log, link_info
 
-router = APIRouter(prefix="/devices/{device}", tags=["links"])
+router = subject_router(prefix="/devices/{device}", tags=["links"])
 
 After = Annotated[int, Query(description="number of the first entry wanted: `next` of the answer before", ge=0)]
 Limit = Annotated[int, Query(description="at most so many, the newest ones", ge=1, le=2000)]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...devices.core.device import Device
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 from ...procedures.stall_search import StallWanted
@@ -11,6 +9,7 @@ from ...procedures.velocity_profile import judge
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import (
     ReferenceSearchStart,
     ReferenceSearchState,
@@ -22,7 +21,7 @@ from .schemas import (
     VelocityProfileSummary,
 )
 
-router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
+router = subject_router(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
 
 LOOK = problems(UnknownThing)
 START = problems(UnknownThing, WrongState, UsageError, OutOfRange, SoftLimit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from ...devices.core.results import AxisMove
 from ...errors import OutOfRange, SoftLimit, UnknownThing, WrongState
@@ -14,11 +14,12 @@ from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import axis_out, prediction_out, stops_out
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from ..schemas import AxisProblem
 from .event_schemas import AxisEvents
 from .schemas import AxisStateOut, KeepRotating, MotionEnd, Move, Moves, MoveStarted, Prediction, Rotate, Rotating
 
-router = APIRouter(prefix="/devices/{device}", tags=["axes"])
+router = subject_router(prefix="/devices/{device}", tags=["axes"])
 
 
 @router.get("/axes/{axis}", responses=problems(*DEVICE_PROBLEMS, shape=AxisProblem))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ..audit import wording
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import stop_result
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import Stop, StopReport, StopResult
 
-router = APIRouter(tags=["stop"])
+router = subject_router(tags=["stop"])
 
 
 @router.post("/stop")

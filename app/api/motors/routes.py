@@ -6,7 +6,7 @@ import asyncio
 from dataclasses import asdict
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from ...calc.motors.data_base import OWN, Motor, found, listed
 from ...errors import StoreUnavailable, UnknownThing, UsageError
@@ -14,9 +14,10 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import MotorFigures, MotorInfo, MotorList
 
-router = APIRouter(prefix="/motors", tags=["motors"])
+router = subject_router(prefix="/motors", tags=["motors"])
 
 PUBLIC_LIST = "github.com/andrewmcgr/klipper_tmc_autotune (a list of users, not checked against the makers' sheets)"
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from ...devices.core.device import Device
 from ...errors import SoftLimit, UnknownThing, UsageError, WrongState
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import ExtendedHistory, ExtendedPosition, ExtendedPositionChange, LatchedPosition
 from .views import extended_out, history_out, latched_out
 
-router = APIRouter(prefix="/devices/{device}/axes/{axis}/extended-position", tags=["extended position"])
+router = subject_router(prefix="/devices/{device}/axes/{axis}/extended-position", tags=["extended position"])
 
 
 @router.get("", responses=problems(UnknownThing))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 from fastapi.responses import Response
 
 from ...errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, WrongState
@@ -19,6 +19,7 @@ from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import (
     ApplyProgress,
@@ -36,7 +37,7 @@ from .schemas import (
 )
 from .views import applied, detail, dry_run, info, progress_of, taken_back
 
-router = APIRouter(tags=["profiles"])
+router = subject_router(tags=["profiles"])
 
 ProfileId = Annotated[int, Path(description="as in the list", ge=1, le=1 << 53)]
 FILE = "application/vnd.stepscope.profile+json"

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...profiles.scripts.errors import ScriptFailed
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from .routes import ProfileId
 from .script_schemas import ProfileScript, ScriptLanguage, ScriptOrder
 from .views import detail
 
-router = APIRouter(prefix="/profiles", tags=["profiles"])
+router = subject_router(prefix="/profiles", tags=["profiles"])
 
 
 @router.get(

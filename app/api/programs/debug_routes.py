@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...devices.core.capabilities import ProgramMemory
 from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import DebugBreakpoints, DebugStart, DebugState
 
-router = APIRouter(prefix="/devices/{device}/program/debug", tags=["programs"])
+router = subject_router(prefix="/devices/{device}/program/debug", tags=["programs"])
 
 
 @router.get("", responses=problems(*DEVICE_PROBLEMS))

@@ -7,7 +7,7 @@ import base64
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from ...calc.tmcl.assembler import Assembly
 from ...calc.tmcl.binary import from_binary, to_binary
@@ -20,6 +20,7 @@ from ..audit import wording
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import (
     AssembledProgram,
     ProgramBinary,
@@ -36,7 +37,7 @@ from .schemas import (
     StoredProgram,
 )
 
-router = APIRouter(prefix="/devices/{device}/program", tags=["programs"])
+router = subject_router(prefix="/devices/{device}/program", tags=["programs"])
 
 T = TypeVar("T")
 PROBLEMS_TOLD = 10

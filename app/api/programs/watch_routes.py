@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 from dataclasses import replace
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
 from ...clock import BackgroundClock
@@ -15,6 +15,7 @@ from ...errors import BenchError, UsageError
 from ..http.problems import problem_of
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import (
     SUBPROTOCOL,
@@ -32,7 +33,7 @@ from .watch import News, ProgramSample, ProgramWatch, Reader
 ALIVE_S = 1.0
 """How long nothing is said at the most: whoever hears nothing for longer knows nothing any more [s]."""
 
-router = APIRouter(tags=["programs"])
+router = subject_router(tags=["programs"])
 
 
 @router.websocket("/devices/{device}/program/watch")

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Annotated, Literal, TypeVar
 
-from fastapi import APIRouter, HTTPException, Path, Query
+from fastapi import HTTPException, Path, Query
 from fastapi.responses import Response, StreamingResponse
 
 from ...calc.signals.spectrum import Detrend, Window
@@ -18,6 +18,7 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from .compare import compare, spectrum_of
 from .report import report_of
 from .schemas import (
@@ -39,7 +40,7 @@ from .schemas import (
 )
 from .views import csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures
 
-router = APIRouter(prefix="/recordings", tags=["recordings"])
+router = subject_router(prefix="/recordings", tags=["recordings"])
 
 RecordingId = Annotated[str, Path(description="as in the list", max_length=60)]
 Since = Annotated[float | None, Query(description="since the zero [s]", allow_inf_nan=False)]

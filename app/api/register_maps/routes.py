@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...registers.maps.findings import UnreadableMap
@@ -13,10 +13,11 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import MapFinding, RegisterMapFile, RegisterMapInfo, RegisterMapList, RegisterMapText
 
-router = APIRouter(prefix="/register-maps", tags=["register maps"])
+router = subject_router(prefix="/register-maps", tags=["register maps"])
 
 MapName = Annotated[str, Path(description="small letters, digits and dashes; the model is called so", max_length=60)]
 

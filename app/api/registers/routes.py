@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 
 from ...devices.core.actor import actor
 from ...devices.core.results import WriteItem
@@ -18,6 +18,7 @@ from ..http.guard import require_own_page
 from ..http.identity import identity_of
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from ..schemas import (
     Exchange,
     ExchangeReply,
@@ -28,7 +29,7 @@ from ..schemas import (
     RegisterWritten,
 )
 
-router = APIRouter(prefix="/devices/{device}", tags=["registers"])
+router = subject_router(prefix="/devices/{device}", tags=["registers"])
 
 GroupQuery = Annotated[
     list[str] | None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from ...errors import SoftLimit, StoreUnavailable
 from ...profiles import start_up
@@ -13,11 +13,12 @@ from ..audit import wording
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from ..schemas import RegisterBatchResult
 from .schemas import AxisStartUp, DeviceStartUp, StartUpReport
 from .views import axis_wish_of, batch, report, wish_of
 
-router = APIRouter(prefix="/devices/{device}", tags=["axes"])
+router = subject_router(prefix="/devices/{device}", tags=["axes"])
 
 REFUSALS = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileTakenBack, ProfileLeft, StoreUnavailable)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, HTTPException, Path
+from fastapi import HTTPException, Path
 from fastapi.responses import Response
 
 from ...errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, UsageError, WrongState
@@ -19,10 +19,11 @@ from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from ..profiles.views import info as profile_info
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import StudyInfo, StudyKindInfo, StudyLeft, StudyList, StudyProfiles, StudyTake
 
-router = APIRouter(prefix="/studies", tags=["studies"])
+router = subject_router(prefix="/studies", tags=["studies"])
 
 StudyId = Annotated[str, Path(description="as in the list", max_length=60)]
 LOOK = problems(UnknownThing)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from ...devices.core.capabilities import DriverChainRam, MicrostepRam, MslutTable
 from ...errors import UsageError, WriteRefused
 from ..audit import wording
@@ -11,11 +9,12 @@ from ..deps import AxisQuery, CurrentDevice
 from ..devices.views import built_chain, chain_table
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from .mslut import has_mslut, held, registers_to_write
 from .mslut_schemas import MslutWrite
 from .schemas import AnyTable, AnyTableIn, ChainTable, DriverChain, MicrostepTable
 
-router = APIRouter(prefix="/devices/{device}", tags=["tables"])
+router = subject_router(prefix="/devices/{device}", tags=["tables"])
 
 
 @router.get("/microstep-table", responses=problems(*DEVICE_PROBLEMS))

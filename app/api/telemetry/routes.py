@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import WebSocket, WebSocketDisconnect
 
 from ...devices.core.results import ChipEvents, MotionEnd, ProgramEvent
 from ...errors import BenchError, OutOfRange, UsageError
@@ -15,6 +15,7 @@ from ...telemetry.reader import Event, MoveSeen, Status
 from ..http.problems import problem_of
 from ..http.sockets import accepted, until_one_ends
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import (
     SUBPROTOCOL,
@@ -30,7 +31,7 @@ from .schemas import (
     TelemetryText,
 )
 
-router = APIRouter(tags=["telemetry"])
+router = subject_router(tags=["telemetry"])
 
 HISTORY_ROWS_A_FRAME = 4096
 RATE_DEFAULT_HZ = 100.0

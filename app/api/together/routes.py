@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from ...devices.core.results import AxisMove
 from ...emulators.core.pins import NET_PATTERN
@@ -16,6 +16,7 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
+from ..router import subject_router
 from ..server_state import ServerState
 from .schemas import (
     AxisPath,
@@ -32,7 +33,7 @@ from .schemas import (
     Wiring,
 )
 
-router = APIRouter(tags=["together"])
+router = subject_router(tags=["together"])
 
 NetId = Annotated[str, Path(pattern=NET_PATTERN, description="small letters, digits and dashes")]
 

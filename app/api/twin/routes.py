@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from fastapi import APIRouter
-
 from ...devices.core.config import AxisSettings
 from ...errors import UnknownThing, WrongState
 from ...store.recordings.opened import thinned
@@ -18,11 +16,12 @@ from ..deps import CurrentBench
 from ..http.problems import problem_of, problems
 from ..policy import policy
 from ..recordings.views import zero_of
+from ..router import subject_router
 from ..server_state import ServerState
 from .proxy import VIEW
 from .schemas import TwinCursor, TwinLook, TwinShow, TwinState
 
-router = APIRouter(prefix="/twin", tags=["twin"])
+router = subject_router(prefix="/twin", tags=["twin"])
 
 ROWS_MAX = 4_000_000
 """So many of a recording's rows are kept for the view; of a longer one every second, or every third, and so on."""

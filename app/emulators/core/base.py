@@ -15,6 +15,7 @@ from typing import Generic, Protocol, TypedDict, TypeVar
 from pydantic import BaseModel, Field
 
 from ...clock import Clock, ScaledClock
+from ...deferred import DeferredModel
 from ...kernels import serves_plain
 from .ground_truth import GroundTruth
 from .noise import flip
@@ -35,7 +36,7 @@ class Times(TypedDict):
     time_skipped_s: float
 
 
-class EmulatedState(BaseModel):
+class EmulatedState(DeferredModel):
     """What GET .../emulator answers of every emulator."""
 
     model: str

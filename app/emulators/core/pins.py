@@ -7,7 +7,9 @@ from typing import Annotated, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from ...deferred import DeferredModel
 
 Cells = NDArray[np.int64]
 NET_PATTERN = r"^[a-z0-9][a-z0-9-]{0,31}$"
@@ -23,7 +25,7 @@ REFERENCES = ("REF1", "REF2", "REF3")
 """What a left switch of each axis is wired to otherwise."""
 
 
-class PinWire(BaseModel):
+class PinWire(DeferredModel):
     """A pin on a net: all pins of this server's emulators on a net of the same name are wired together."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from ...deferred import DeferredModel
 from ...errors import OutOfRange
 from ..core.ground_truth import GroundTruth
 from .options import FullSteps, MotorOptions
@@ -26,7 +27,7 @@ PLACES = ("left_at_fullsteps", "right_at_fullsteps", "home_from_fullsteps", "hom
 """Where the switches of a stage are: names in options, changes, states and in `Plant`."""
 
 
-class Closed(BaseModel):
+class Closed(DeferredModel):
     """A document that takes nothing that it does not name."""
 
     model_config = ConfigDict(extra="forbid")
@@ -35,7 +36,7 @@ class Closed(BaseModel):
 # --- what is told ---------------------------------------------------------------------------------
 
 
-class MotorState(BaseModel):
+class MotorState(DeferredModel):
     connected: bool
     temperature_c: float = Field(description="of the driver's bridges [deg C]")
     short_to_ground: Short = Field(description="the coil that is shorted to ground")
@@ -45,7 +46,7 @@ class MotorState(BaseModel):
     rated_current_a: float = Field(description="in both coils [A]")
 
 
-class StageState(BaseModel):
+class StageState(DeferredModel):
     """Where switches and carriage are [full steps of the rotor]."""
 
     left_at_fullsteps: float
@@ -55,7 +56,7 @@ class StageState(BaseModel):
     position_fullsteps: float = Field(description="where the carriage really is")
 
 
-class TruthState(BaseModel):
+class TruthState(DeferredModel):
     """How motor and shaft really are: what nobody tells who is asked over the wire."""
 
     rotor_rad: float = Field(description="shaft angle, not wrapped [rad]")
@@ -71,7 +72,7 @@ class TruthState(BaseModel):
     bridges: str = Field(description='"regulated", "open", "shorted", or "voltage" while PWM drives them')
 
 
-class ChipFaultsState(BaseModel):
+class ChipFaultsState(DeferredModel):
     """What is wrong between a chip and us at present."""
 
     silence: bool

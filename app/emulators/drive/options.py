@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
+from ...deferred import DeferredModel
 from ...form_hints import REST_ONLY, form
 from .kernel import TICK_CLOCKS
 
@@ -17,7 +18,7 @@ LineError = Annotated[float, Field(strict=True, ge=0, le=0.1)]
 FullSteps = Annotated[float, Field(strict=True, ge=-1e7, le=1e7, allow_inf_nan=False)]
 
 
-class _Closed(BaseModel):
+class _Closed(DeferredModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from ...deferred import DeferredModel
 
 Rate = Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)]
 Late = Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)]
 Switch = Annotated[bool, Field(strict=True)]
 
 
-class _Closed(BaseModel):
+class _Closed(DeferredModel):
     model_config = ConfigDict(extra="forbid")
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from ...deferred import DeferredModel
 from ...form_hints import REST_ONLY, form, rest_only, shown
 from ..core.base import EmulatedState
 from ..drive.documents import Closed, Flag, Seed, TimeScale
@@ -46,7 +47,7 @@ class ListedPatch(Closed):
     power_cycle: Flag = Field(default=False, description="off and on again; what was stored comes back")
 
 
-class ListedAxisState(BaseModel):
+class ListedAxisState(DeferredModel):
     position: float = Field(description="where the axis is, in its counts")
     velocity: float = Field(description="how fast it goes [counts/s]")
 

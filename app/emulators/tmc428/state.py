@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from ...deferred import DeferredModel
 from ...registers.names import PmulName
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, MotorState, TruthState
 from .options import ChipSelects, VActualWritable
 
 
-class SwitchState(BaseModel):
+class SwitchState(DeferredModel):
     active: bool
     forced: bool | None = Field(description="null while the switch follows the stage")
 
 
-class Switches(BaseModel):
+class Switches(DeferredModel):
     left: SwitchState
     right: SwitchState
     reference: SwitchState
 
 
-class StageState(BaseModel):
+class StageState(DeferredModel):
     """Where the switches stand [full steps]."""
 
     left_at_fullsteps: float
@@ -30,25 +31,25 @@ class StageState(BaseModel):
     ref_to_fullsteps: float
 
 
-class AxisState(BaseModel):
+class AxisState(DeferredModel):
     axis: int
     position_fullsteps: float = Field(description="where the carriage really is [full steps]")
     stage: StageState
     switches: Switches
 
 
-class Inputs(BaseModel):
+class Inputs(DeferredModel):
     gp_in: bool = Field(description="TMC4210: general purpose input")
 
 
-class ChainBit(BaseModel):
+class ChainBit(DeferredModel):
     """One bit of a driver's part of the datagram."""
 
     signal: str
     value: int
 
 
-class DriverLoadState(BaseModel):
+class DriverLoadState(DeferredModel):
     """What acts on the motor of one driver."""
 
     load_torque_nm: float = Field(description="constant, like a weight: a positive one pulls to negative positions")
@@ -57,7 +58,7 @@ class DriverLoadState(BaseModel):
     supply_v: float = Field(description="motor supply [V]")
 
 
-class DriverState(BaseModel):
+class DriverState(DeferredModel):
     """What one driver got with the last datagram, and the coils behind it."""
 
     driver: int
@@ -77,7 +78,7 @@ class DriverState(BaseModel):
     load: DriverLoadState | None = Field(default=None, description="what acts on that motor and its driver")
 
 
-class ChainState(BaseModel):
+class ChainState(DeferredModel):
     """The driver chain of a TMC428 or TMC429."""
 
     datagrams_sent: int
@@ -89,7 +90,7 @@ class ChainState(BaseModel):
     drivers: list[DriverState]
 
 
-class StepDirState(BaseModel):
+class StepDirState(DeferredModel):
     """The step/direction output of one motor."""
 
     enabled: bool

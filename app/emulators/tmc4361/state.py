@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from ...deferred import DeferredModel
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, StageState, TruthState
 from .feedback.state import EncoderOutputState, EncoderState, FeedbackMotor, PwmState
 
 
-class LevelState(BaseModel):
+class LevelState(DeferredModel):
     active: bool = Field(description="the pin is high: polarity and filters do not enter")
     forced: bool | None = Field(description="null while nobody forces it")
 
 
-class SwitchesState(BaseModel):
+class SwitchesState(DeferredModel):
     left: LevelState
     right: LevelState
     home: LevelState
 
 
-class PinsState(BaseModel):
+class PinsState(DeferredModel):
     """Pins besides those of the switches, as levels: true is high."""
 
     start: LevelState = Field(description="START as an input")
@@ -38,7 +39,7 @@ class PinsState(BaseModel):
     )
 
 
-class DcStepState(BaseModel):
+class DcStepState(DeferredModel):
     """dcStep, as it is seen at the pins MP1 (STEP_READY) and MP2 (enable)."""
 
     enabled: bool = Field(description="it works at this speed")
@@ -46,7 +47,7 @@ class DcStepState(BaseModel):
     waited_s: float = Field(description="how long the ramp has waited for the motor until now")
 
 
-class StepOutputState(BaseModel):
+class StepOutputState(DeferredModel):
     """The step output since power-on."""
 
     steps_sent: int = Field(description="step pulses that left the chip")
@@ -57,7 +58,7 @@ class StepOutputState(BaseModel):
     microsteps_256: int = Field(description="microsteps sent, in 1/256 full step")
 
 
-class RampState(BaseModel):
+class RampState(DeferredModel):
     """The ramp generator, finer than its registers."""
 
     kind: Literal["rest", "ramp", "to standstill", "stop", "freeze", "step input"]
@@ -70,14 +71,14 @@ class RampState(BaseModel):
     clocks_gated: bool
 
 
-class SpiOutputState(BaseModel):
+class SpiOutputState(DeferredModel):
     """What the SPI output sends for the currents of now. The phases of absolute values are at STPOUT and DIROUT."""
 
     form: str = Field(description="the kind of driver or DAC that spi_output_format names")
     datagrams: list[str] = Field(description="as bits, the first sent first: of two those of A and of B")
 
 
-class DriverBehindState(BaseModel):
+class DriverBehindState(DeferredModel):
     """A driver with registers of its own behind the chip, as it is now."""
 
     kind: Literal["tmc2130", "tmc2660"]

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from ...deferred import DeferredModel
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, MotorState, StageState, TruthState
 from .options import Tmc5xxxModel
 
 
-class SwitchState(BaseModel):
+class SwitchState(DeferredModel):
     active: bool = Field(description="the pin is high: polarity and swapping by SW_MODE do not enter")
     forced: bool | None = Field(description="null while the switch follows the stage")
 
 
-class SwitchesState(BaseModel):
+class SwitchesState(DeferredModel):
     left: SwitchState
     right: SwitchState
 
 
-class EncoderState(BaseModel):
+class EncoderState(DeferredModel):
     counts: int = Field(description="since the start, not wrapped: what no register tells")
     counts_per_turn: int
     connected: bool = Field(description="false while GCONF gives the encoder's pins to something else")
@@ -27,7 +28,7 @@ class EncoderState(BaseModel):
     slip_fullsteps: float = Field(description="how far it has slipped on the shaft in all")
 
 
-class PositionCompareState(BaseModel):
+class PositionCompareState(DeferredModel):
     """The comparison of XACTUAL with X_COMPARE."""
 
     x_compare: int
@@ -36,7 +37,7 @@ class PositionCompareState(BaseModel):
     passed: int = Field(description="how often XACTUAL has come upon X_COMPARE since power-on")
 
 
-class AxisState(BaseModel):
+class AxisState(DeferredModel):
     axis: int
     motor: MotorState
     load_torque_nm: float
@@ -48,7 +49,7 @@ class AxisState(BaseModel):
     truth: TruthState
 
 
-class UartState(BaseModel):
+class UartState(DeferredModel):
     """The single-wire interface."""
 
     node: int | None = Field(description="address now: NODECONF and the NEXTADDR pin; null: a TMC5062 has none")
@@ -56,7 +57,7 @@ class UartState(BaseModel):
     writes: int = Field(description="IFCNT: accepted writes, modulo 256")
 
 
-class PinsState(BaseModel):
+class PinsState(DeferredModel):
     """Levels: true is high."""
 
     drv_enn: bool

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from ...deferred import DeferredModel
 from ..core.base import EmulatedState
 from ..drive.documents import ChipFaultsState, MotorState, TruthState
 from .options import DriverModel
 
 
-class DriverUartState(BaseModel):
+class DriverUartState(DeferredModel):
     """The single-wire interface."""
 
     node: int = Field(description="address, by MS1 and MS2")
@@ -17,7 +18,7 @@ class DriverUartState(BaseModel):
     writes: int = Field(description="IFCNT: accepted writes, modulo 256")
 
 
-class DriverPinsState(BaseModel):
+class DriverPinsState(DeferredModel):
     """Levels: true is high."""
 
     enn: bool

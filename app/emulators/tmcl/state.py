@@ -4,26 +4,27 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from ...deferred import DeferredModel
 from ...registers.names import ModuleName
 from ..core.base import EmulatedState
 from ..drive.documents import MotorState, StageState, TruthState
 from ..wire_documents import WireFaultsState
 
 
-class SwitchState(BaseModel):
+class SwitchState(DeferredModel):
     active: bool = Field(description="pressed: polarity and swapping by axis parameters do not enter")
     forced: bool | None = Field(description="null while the switch follows the stage")
 
 
-class SwitchesState(BaseModel):
+class SwitchesState(DeferredModel):
     left: SwitchState
     right: SwitchState
     home: SwitchState
 
 
-class EncoderState(BaseModel):
+class EncoderState(DeferredModel):
     absolute: int = Field(description="place of the built-in encoder in its turn, 0..1023")
     counts: int = Field(description="built-in encoder, since the start")
     external_counts: int = Field(description="external encoder, since the start: four a line")
@@ -32,7 +33,7 @@ class EncoderState(BaseModel):
     eccentricity_deg: float = Field(description="once-a-turn error of the built-in encoder [deg of the shaft]")
 
 
-class InputsState(BaseModel):
+class InputsState(DeferredModel):
     in0: bool = Field(description="home switch")
     in1: bool
     in2: bool
@@ -45,7 +46,7 @@ class FaultsState(WireFaultsState):
     undervoltage: bool
 
 
-class ApplicationState(BaseModel):
+class ApplicationState(DeferredModel):
     """The program in the module, and the registers of its interpreter."""
 
     status: Literal["stopped", "runs", "steps"]
@@ -61,7 +62,7 @@ class ApplicationState(BaseModel):
     error: int = Field(description="status of the latest command of a program that was refused; 0 for none")
 
 
-class SearchState(BaseModel):
+class SearchState(DeferredModel):
     mode: int = Field(description="axis parameter 193")
     phase: str = Field(description="what the reference search does; empty while none runs")
 

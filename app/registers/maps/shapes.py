@@ -8,9 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, StringConstraints, ValidationInfo, field_validator
 from pydantic_core import PydanticKnownError
 
+from ...deferred import DeferredModel
 from ..spi_format import WORD_BITS_MAX
 
 FORMAT = 1
@@ -34,7 +35,7 @@ class Limits:
     word_bits: int
 
 
-class Shape(BaseModel):
+class Shape(DeferredModel):
     """A table of the file: only the keys that are known."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
@@ -47,7 +48,7 @@ class BitsShape(Shape):
     signed: bool = False
     unit: Annotated[str, StringConstraints(strict=True, max_length=20, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
     range: Annotated[list[Whole], Field(min_length=2, max_length=2)] | None = None
-    values: Annotated[dict[str, Line], Field(max_length=VALUES_MAX)] = {}
+    values: Annotated[dict[str, Line], Field(max_length=VALUES_MAX)] = Field(default_factory=dict)
     help: Text = ""
 
 
@@ -76,7 +77,7 @@ class RegisterShape(BitsShape):
     group: Line = ""
     volatile: bool = False
     read_clears: bool = False
-    field: Annotated[list[FieldShape], Field(max_length=WORD_BITS_MAX)] = []
+    field: Annotated[list[FieldShape], Field(max_length=WORD_BITS_MAX)] = Field(default_factory=list)
 
     @field_validator("address", "width")
     @classmethod

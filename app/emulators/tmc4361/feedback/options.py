@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
+from ....deferred import DeferredModel
 from ....form_hints import REST_ONLY, rest_only, shown
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
 from ...drive.options import FullSteps, LineError, StageSwitches
@@ -13,7 +14,7 @@ from ...drive.options import FullSteps, LineError, StageSwitches
 EncoderKind = Literal["abn", "ssi", "spi"]
 
 
-class _Closed(BaseModel):
+class _Closed(DeferredModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 

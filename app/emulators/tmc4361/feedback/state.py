@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from ....deferred import DeferredModel
 from ...drive.documents import MotorState, TruthState
 from ...drive.options import FullSteps
 from ...drive.plant import Short
@@ -17,7 +18,7 @@ class FeedbackMotor(MotorState):
     inertia_kgm2: float = Field(description="rotor and load")
 
 
-class EncoderState(BaseModel):
+class EncoderState(DeferredModel):
     kind: EncoderKind
     counts_per_turn: int
     counts: int = Field(description="since the start, not wrapped: what no register tells")
@@ -32,7 +33,7 @@ class EncoderState(BaseModel):
     status_bit_count: int
 
 
-class EncoderOutputState(BaseModel):
+class EncoderOutputState(DeferredModel):
     """The serial encoder output, as a listener gets it."""
 
     enabled: bool
@@ -41,7 +42,7 @@ class EncoderOutputState(BaseModel):
     repeated: bool = Field(description="it was the one before again: the monoflop time had not passed")
 
 
-class PwmState(BaseModel):
+class PwmState(DeferredModel):
     """STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set."""
 
     frequency_hz: float = Field(description="fCLK / PWM_FREQ")
@@ -49,7 +50,7 @@ class PwmState(BaseModel):
     duty_b: float
 
 
-class FeedbackState(BaseModel):
+class FeedbackState(DeferredModel):
     motor: FeedbackMotor
     load_torque_nm: float
     blocked: bool
@@ -62,7 +63,7 @@ class FeedbackState(BaseModel):
     truth: TruthState
 
 
-class _Patch(BaseModel):
+class _Patch(DeferredModel):
     model_config = ConfigDict(extra="forbid")
 
 
