@@ -2,6 +2,7 @@ import react from "@vitejs/plugin-react";
 import postcss from "postcss";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
+import { inter } from "./font.js";
 
 // All that is needed of Node here; its type package would bring its globals into the browser code.
 declare const process: { env: Record<string, string | undefined> };
@@ -87,7 +88,7 @@ function dealOutStyles(): Plugin {
 }
 
 export default defineConfig({
-  plugins: [react(), dealOutStyles()],
+  plugins: [react(), inter(), dealOutStyles()],
   build: {
     outDir: "dist",
     emptyOutDir: true,
@@ -101,5 +102,11 @@ export default defineConfig({
     fs: { allow: [".", "../tests/telemetry"] }, // the frame that the tests of both sides read
   },
   // One page for all files, as in a browser: a page and all modules anew for each file was nine tenths of the work.
-  test: { environment: "jsdom", isolate: false, pool: "threads", include: ["src/**/*.test.ts", "src/**/*.test.tsx"] },
+  test: {
+    environment: "jsdom",
+    isolate: false,
+    pool: "threads",
+    include: ["src/**/*.test.ts", "src/**/*.test.tsx"],
+    css: { include: [/tokens\.css/] },
+  },
 });

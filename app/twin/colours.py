@@ -11,14 +11,14 @@ Rgb = tuple[int, int, int]
 Scheme = Literal["light", "dark"]
 
 CHANNEL_SHADES: dict[str, tuple[str, str]] = {
-    "position": ("#0072b2", "#56b4e9"),
-    "encoder_position": ("#b4408a", "#ee8fc6"),
-    "load_angle": ("#6b4fbb", "#a08bf0"),
-    "current_a": ("#0072b2", "#56b4e9"),
-    "current_b": ("#b87400", "#e69f00"),
-    "switch_left": ("#0072b2", "#56b4e9"),
-    "switch_right": ("#00795a", "#1fc497"),
-    "switch_home": ("#b87400", "#e69f00"),
+    "position": ("#0068a8", "#56b4e9"),
+    "encoder_position": ("#6a0f5c", "#e65fb0"),
+    "load_angle": ("#4b2fa3", "#8f7bff"),
+    "current_a": ("#5c5200", "#f0e442"),
+    "current_b": ("#5c5200", "#f0e442"),
+    "switch_left": ("#0068a8", "#56b4e9"),
+    "switch_right": ("#008060", "#a6e36a"),
+    "switch_home": ("#4b2fa3", "#8f7bff"),
 }
 """(light, dark) of each channel that is drawn."""
 

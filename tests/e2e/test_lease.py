@@ -138,7 +138,7 @@ def test_a_jog_button_takes_the_free_bench_too(visit: Callable[..., Page], look:
 def test_the_bench_is_asked_for_and_handed_over(visit: Callable[..., Page], look: httpx.Client) -> None:
     ann, bob = visit("Ann"), visit("Bob")
     take(ann)
-    expect(control(bob)).to_have_text(re.compile(r"^Taken by Ann · \d+ s$"))
+    expect(control(bob)).to_have_text(re.compile(r"^Taken by Ann · \d+\ss$"))
     go_to(bob, 2000)
     expect(dialog(bob)).to_contain_text("Ann has the bench")
     dialog(bob).get_by_role("button", name="Ask Ann for it").click()

@@ -80,7 +80,7 @@ def test_a_program_from_its_first_letter_to_its_end(page: Page, api: httpx.Clien
 
     # the scope, opened afterwards, has the latest step at its device time
     page.get_by_role("link", name="scope", exact=True).click()
-    expect(page.get_by_test_id("program-mark")).to_have_text(re.compile(r"program: one command \(\d+\.\d{3} s\)"))
+    expect(page.get_by_test_id("program-mark")).to_have_text(re.compile(r"program: one command \(\d+\.\d{3}\ss\)"))
     page.go_back()
 
     # what was written is there after a reload

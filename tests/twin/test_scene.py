@@ -198,9 +198,12 @@ def test_turns_are_turns(degrees: float) -> None:
 
 
 def test_channels_have_the_colours_of_every_other_page() -> None:
-    palette = dict(re.findall(r"^  (\w+): (\[[^\]]+\]),", PALETTE.read_text(), re.MULTILINE))
-    for name, shades in CHANNEL_SHADES.items():
-        assert palette[name] == f'["{shades[0]}", "{shades[1]}"]', name
+    palette = PALETTE.read_text()
+    shades = re.findall(r'^  (\w+): \{ light: "(.+)", dark: "(.+)" \},', palette, re.MULTILINE)
+    of_kind = {kind: (light, dark) for kind, light, dark in shades}
+    kinds = dict(re.findall(r'^  (\w+): \{ kind: "(\w+)"', palette, re.MULTILINE))
+    for name, pair in CHANNEL_SHADES.items():
+        assert of_kind[kinds[name]] == pair, name
 
 
 def test_colours_mix() -> None:

@@ -10,6 +10,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { askAccess } from "./api/access";
 import { watchLease } from "./api/lease/bench";
+import { inter } from "./font";
 import { conditions } from "./live/conditions";
 import { RootBoundary } from "./shell/RootBoundary";
 import { Toasts } from "./shell/Toasts";
@@ -40,3 +41,4 @@ createRoot(root).render(
     </MantineProvider>
   </StrictMode>,
 );
+void inter();

@@ -1,7 +1,7 @@
 import { Text, TextInput, type TextInputProps } from "@mantine/core";
 import { useRef, useState } from "react";
 import { flushSync } from "react-dom";
-import { bound, decimalSum, exactText, parseNumber } from "./format";
+import { bound, decimalSum, exactText, parseNumber, rounded } from "./format";
 import { symbolOf } from "./units";
 
 export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChange" | "min" | "max" | "step"> {
@@ -27,7 +27,7 @@ export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChan
 const DIGITS_AT_REST = 12;
 
 function plain(value: number): string {
-  return Number.isSafeInteger(value) ? String(value) : exactText(Number(value.toPrecision(DIGITS_AT_REST)));
+  return Number.isSafeInteger(value) ? String(value) : exactText(rounded(value, DIGITS_AT_REST));
 }
 
 /**

@@ -4,23 +4,46 @@ const MINUS = "−";
 const THIN = "\u202f"; // narrow and unbreakable
 const NOTHING = "–";
 
-/** `decimals` fixed digits after the point, thin spaces between thousands, a real minus; a dash for what is missing. */
-export function fixed(value: number | null | undefined, decimals = 0): string {
+/**
+ * `decimals` fixed digits after the point, thin spaces between thousands and before the unit, a real minus; a dash for
+ * what is missing.
+ */
+export function fixed(value: number | null | undefined, decimals = 0, unit = ""): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NOTHING;
   const rounded = Math.abs(value).toFixed(decimals);
   const [whole = "0", fraction] = rounded.split(".");
   const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, THIN) : whole;
   const negative = value < 0 && Number(rounded) !== 0;
-  return `${negative ? MINUS : ""}${grouped}${fraction === undefined ? "" : `.${fraction}`}`;
+  return `${negative ? MINUS : ""}${grouped}${fraction === undefined ? "" : `.${fraction}`}${unitBehind(unit)}`;
+}
+
+function unitBehind(unit: string): string {
+  const symbol = symbolOf(unit);
+  return symbol === "" || symbol === "°" ? symbol : `${THIN}${symbol}`;
 }
 
 /** Whole numbers whole, others with `digits` significant digits and no exponent where it can be avoided. */
-export function compact(value: number | null | undefined, digits = 4): string {
+export function compact(value: number | null | undefined, digits = 4, unit = ""): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NOTHING;
-  if (Number.isInteger(value) && Math.abs(value) < 1e9) return fixed(value);
+  if (Number.isInteger(value) && Math.abs(value) < 1e9) return fixed(value, 0, unit);
   const size = Math.abs(value);
-  if (size >= 1e9 || size < 1e-4) return value.toExponential(digits - 1).replaceAll("-", MINUS);
-  return fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+  if (size >= 1e9 || size < 1e-4) return `${value.toExponential(digits - 1).replaceAll("-", MINUS)}${unitBehind(unit)}`;
+  return fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(size))), unit);
+}
+
+/** A share as a percentage: 0.125 is 13 %. */
+export function percent(share: number | null | undefined, decimals = 0): string {
+  return fixed(share === null || share === undefined ? null : share * 100, decimals, "%");
+}
+
+/** The number of so many significant digits that is nearest. */
+export function rounded(value: number, digits: number): number {
+  return Number(value.toPrecision(digits));
+}
+
+/** A number in the path of a drawing, or in another text that no person reads. */
+export function coordinate(value: number, decimals = 2): string {
+  return value.toFixed(decimals);
 }
 
 /** A bound of what may be entered: whole numbers with all their digits, others with as many as anybody types. */
@@ -33,10 +56,7 @@ export function bound(value: number | undefined): string {
 
 /** A number with its unit: never one without the other. */
 export function withUnit(value: number | null | undefined, unit: string, digits = 4): string {
-  const text = compact(value, digits);
-  const symbol = symbolOf(unit);
-  if (symbol === "") return text;
-  return symbol === "°" ? `${text}°` : `${text}${THIN}${symbol}`;
+  return compact(value, digits, unit);
 }
 
 /** Seconds as people read them: 12 µs, 3.40 ms, 1.25 s, 2:05 min. */
@@ -44,9 +64,9 @@ export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return NOTHING;
   const size = Math.abs(seconds);
   if (size === 0) return `0${THIN}s`;
-  if (size < 1e-3) return `${compact(seconds * 1e6, 3)}${THIN}µs`;
-  if (size < 1) return `${compact(seconds * 1e3, 3)}${THIN}ms`;
-  if (size < 60) return `${compact(seconds, 3)}${THIN}s`;
+  if (size < 1e-3) return compact(seconds * 1e6, 3, "µs");
+  if (size < 1) return compact(seconds * 1e3, 3, "ms");
+  if (size < 60) return compact(seconds, 3, "s");
   const whole = Math.round(size);
   return `${seconds < 0 ? MINUS : ""}${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}${THIN}min`;
 }
@@ -54,18 +74,18 @@ export function duration(seconds: number | null | undefined): string {
 /** B, kB, MB or GB. */
 export function sizeText(bytes: number | null): string {
   if (bytes === null) return NOTHING;
-  if (bytes >= 1e9) return `${fixed(bytes / 1e9, 1)} GB`;
-  if (bytes >= 1e6) return `${fixed(bytes / 1e6, 1)} MB`;
-  if (bytes < 1000) return `${fixed(bytes)} B`;
-  return `${fixed(bytes / 1e3, bytes < 1e4 ? 1 : 0)} kB`;
+  if (bytes >= 1e9) return fixed(bytes / 1e9, 1, "GB");
+  if (bytes >= 1e6) return fixed(bytes / 1e6, 1, "MB");
+  if (bytes < 1000) return fixed(bytes, 0, "B");
+  return fixed(bytes / 1e3, bytes < 1e4 ? 1 : 0, "kB");
 }
 
 /** Hz, kHz or MHz. */
 export function frequency(hz: number | null | undefined): string {
   if (hz === null || hz === undefined || !Number.isFinite(hz)) return NOTHING;
-  if (Math.abs(hz) >= 1e6) return `${compact(hz / 1e6)}${THIN}MHz`;
-  if (Math.abs(hz) >= 1e4) return `${compact(hz / 1e3)}${THIN}kHz`;
-  return `${compact(hz)}${THIN}Hz`;
+  if (Math.abs(hz) >= 1e6) return compact(hz / 1e6, 4, "MHz");
+  if (Math.abs(hz) >= 1e4) return compact(hz / 1e3, 4, "kHz");
+  return compact(hz, 4, "Hz");
 }
 
 /** 0x0012ab34 with as many digits as `bits` need. */
@@ -84,11 +104,15 @@ export function parseNumber(text: string): number | null {
 }
 
 /** As a field holds a number: all digits that count, none that are only the dust of binary sums. Never rounded. */
-export function exactText(value: number): string {
+export function exactText(value: number, unit = ""): string {
+  return `${digitsOf(value)}${unitBehind(unit)}`;
+}
+
+function digitsOf(value: number): string {
   if (Number.isSafeInteger(value)) return String(value);
   const dust = 4 * Number.EPSILON * Math.abs(value);
   for (let digits = 1; digits < 17; digits++) {
-    const short = Number(value.toPrecision(digits));
+    const short = rounded(value, digits);
     if (Math.abs(short - value) <= dust) return String(short);
   }
   return String(value);

@@ -1,5 +1,6 @@
 import { type CSSProperties, type Ref, useEffect, useId, useImperativeHandle, useRef } from "react";
 import uPlot from "uplot";
+import { inter } from "../font";
 import { compact } from "../lib/format";
 import { symbolOf } from "../lib/units";
 import { useScheme } from "../lib/useScheme";
@@ -199,7 +200,12 @@ export function Plot(props: PlotProps) {
         instance.setSize({ width: box.clientWidth, height: box.clientHeight });
     });
     observer.observe(box);
+    let there = true;
+    void inter().then(() => {
+      if (there) instance.redraw(false, true);
+    });
     return () => {
+      there = false;
       observer.disconnect();
       if (group !== undefined) groups.get(group)?.delete(instance);
       gutters.leave(instance);

@@ -1,4 +1,5 @@
 import type uPlot from "uplot";
+import { FAMILY } from "../font";
 import { TEXT_PX } from "./labels";
 import { lowerBound } from "./series";
 import type { Level, Mark, Overlay } from "./types";
@@ -96,7 +97,7 @@ function drawLevel(plot: uPlot, level: Level, ratio: number) {
   }
   if (!level.label) return;
   const text = beyond === "" ? level.label : `${level.label} ${beyond}`;
-  ctx.font = `600 ${TEXT_PX * ratio}px system-ui, sans-serif`;
+  ctx.font = `600 ${TEXT_PX * ratio}px ${FAMILY}`;
   const wide = ctx.measureText(text).width + 6 * ratio;
   const high = 16 * ratio;
   // above its line, but for the top of the plot
@@ -121,7 +122,7 @@ function drawMark(plot: uPlot, mark: Mark, ratio: number) {
   ctx.setLineDash(mark.fixed ? [2 * ratio, 4 * ratio] : []);
   ctx.stroke();
   if (!mark.label) return;
-  ctx.font = `600 ${TEXT_PX * ratio}px system-ui, sans-serif`;
+  ctx.font = `600 ${TEXT_PX * ratio}px ${FAMILY}`;
   const wide = ctx.measureText(mark.label).width + 6 * ratio;
   const right = px + wide > bbox.left + bbox.width;
   const left = right ? px - wide : px;

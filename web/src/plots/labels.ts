@@ -1,9 +1,10 @@
+import { FAMILY } from "../font";
 import { fixed } from "../lib/format";
 import { decimalsOf } from "./ranges";
 
 /** What an axis is written in. Its labels are measured in it too. */
 export const TEXT_PX = 12;
-export const FONT = `${TEXT_PX}px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif`;
+export const FONT = `${TEXT_PX}px ${FAMILY}`;
 
 /** Longer plain numbers than "−2 000 000" give way to a prefix, where that is shorter. */
 const PLAIN_LETTERS = 10;

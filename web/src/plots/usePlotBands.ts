@@ -1,5 +1,6 @@
 import { type RefObject, useEffect, useRef } from "react";
 import type uPlot from "uplot";
+import { FAMILY } from "../font";
 import { TEXT_PX } from "./labels";
 import type { PlotHandle } from "./types";
 
@@ -27,7 +28,7 @@ function draw(plot: uPlot, bands: readonly Band[]) {
     ctx.fillStyle = band.color;
     ctx.fillRect(left, bbox.top, right - left, bbox.height);
     if (!band.label) continue;
-    ctx.font = `${TEXT_PX * ratio}px system-ui, sans-serif`;
+    ctx.font = `${TEXT_PX * ratio}px ${FAMILY}`;
     // a name that does not fit is left out: the list of phases has it
     if (ctx.measureText(band.label).width + 8 * ratio > right - left) continue;
     ctx.fillStyle = band.labelColor ?? band.color;

@@ -39,7 +39,7 @@ export function ConditionDetail({ standing, read }: Props) {
               <tr key={what}>
                 <th scope="row">{what}</th>
                 <td className="mono anywhere">{value}</td>
-                <td className="num">{seen_s === null ? "" : `at ${fixed(seen_s, 2)} s`}</td>
+                <td className="num">{seen_s === null ? "" : `at ${fixed(seen_s, 2, "s")}`}</td>
               </tr>
             ))}
           </tbody>

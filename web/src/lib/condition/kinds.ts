@@ -13,6 +13,7 @@ import {
 } from "@tabler/icons-react";
 import type { ComponentType } from "react";
 import type { Condition, Kind } from "../../live/conditions";
+import { fixed } from "../format";
 
 interface Look {
   word: string;
@@ -45,7 +46,7 @@ export const sentence = (text: string): string => (text === "" ? "" : text[0]?.t
 /** For how long it has been so: by the device's own clock, `nowS` being the newest reading's time. */
 export function sinceWords({ since_s: since }: Condition, nowS: number | undefined): string {
   if (since === null) return "";
-  if (nowS === undefined || nowS < since) return `since t = ${since.toFixed(1)} s`;
+  if (nowS === undefined || nowS < since) return `since t = ${fixed(since, 1, "s")}`;
   const s = Math.floor(nowS - since);
   if (s < 60) return `for ${s} s`;
   return s < 3600

@@ -98,7 +98,7 @@ export function DesignPlots<P extends string>(props: Props<P>) {
         label: LABELS[kind],
         height: phone ? (accelerates && torque ? TORQUE_ON_PHONE_PX : onPhone) : height,
         data: [result.time_s, by(VALUES[kind](result)), ...(accelerates && torque ? torque.columns : [])],
-        color: colorOf(kind === "jerk" ? "residual" : kind, scheme),
+        color: colorOf(kind, scheme),
         stepped: kind === "jerk",
         symmetric: accelerates || kind === "jerk",
         ghosts: ghosts.flatMap(({ line, timeS, values: { [kind]: values } }): Overlay[] => {

@@ -66,7 +66,7 @@ export function LiveMotion({ device, axis, way, endS, factors, plots, drawing, o
     if (key === drawn.current || !(until > start)) return;
     drawn.current = key;
     const ink = scheme === "light" ? "#111827" : "#f3f4f6";
-    const warm = scheme === "light" ? "#b87400" : "#e69f00";
+    const warm = scheme === "light" ? "#a86400" : "#e69f00";
     const traces = kinds.flatMap((kind) =>
       [kind, `predicted_${kind}`].map((quantity) => ({ channel: `${quantity}.${axis}`, divisor: factors[kind] ?? 1 })),
     );

@@ -95,7 +95,7 @@ function SpeedTorque(props: {
       return {
         x: kept.map(([speed]) => speed / perVelocity),
         y: kept.map(([, , row]) => Math.abs(torque.required_nm[row] ?? 0)),
-        color: rising ? (scheme === "light" ? "#b87400" : "#ffc14d") : scheme === "light" ? "#0072b2" : "#56b4e9",
+        color: rising ? (scheme === "light" ? "#a86400" : "#ffc14d") : scheme === "light" ? "#0068a8" : "#56b4e9",
         dots: 2,
       };
     };

@@ -49,7 +49,7 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
   return (
     <Card
       title="Registers"
-      note={<span>clock {compact(props.clockHz / 1e6)} MHz</span>}
+      note={<span>clock {compact(props.clockHz / 1e6, 4, "MHz")}</span>}
       actions={
         <Group gap={6}>
           <Menu position="bottom-end" width={330}>

@@ -74,7 +74,7 @@ export function SendPanel(props: Props) {
     if (rotation !== null) {
       const started = await motion.rotate(at, rotation);
       return {
-        text: `Rotates at ${fixed(started.velocity_pps)} pps until it is stopped.`,
+        text: `Rotates at ${fixed(started.velocity_pps, 0, "pps")} until it is stopped.`,
         warnings: started.warnings,
       };
     }

@@ -73,5 +73,5 @@ function Bar({ name, title, seconds, most, saved, own = false }: BarProps) {
 function savedText(savedS: number, rivalS: number): string {
   const part = Math.abs(share(savedS, rivalS)) * 100;
   if (part < 0.05) return "as fast";
-  return `${time(Math.abs(savedS))} (${fixed(part, 1)} %) ${savedS > 0 ? "saved" : "longer"}`;
+  return `${time(Math.abs(savedS))} (${fixed(part, 1, "%")}) ${savedS > 0 ? "saved" : "longer"}`;
 }

@@ -1,5 +1,5 @@
 import type { ReactNode } from "react";
-import { compact, fixed, withUnit } from "../format";
+import { compact, fixed, rounded, withUnit } from "../format";
 import { NumberField } from "../NumberField";
 import type { Reach } from "./HandleLayer";
 import classes from "./ramp.module.css";
@@ -32,9 +32,9 @@ export function ValueRow(props: Props) {
   const { name, meaning, value, per, unit, reach, onChange, register, chip, ignored = false } = props;
   const { hints = [], cautions = [] } = props;
   // what is not seen in so many digits is no rounding to speak of
-  const digits = (each: number) => Number((each / per).toPrecision(DIGITS));
-  const rounded = register !== null && digits(register.value) !== digits(value);
-  const equals: ReactNode = rounded && (
+  const digits = (each: number) => rounded(each / per, DIGITS);
+  const inexact = register !== null && digits(register.value) !== digits(value);
+  const equals: ReactNode = inexact && (
     <span
       className={`num ${classes.rounded} caution text-12`}
       title={`the register stands for ${withUnit(register.value / per, unit, 9)}`}

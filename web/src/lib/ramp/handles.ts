@@ -1,3 +1,4 @@
+import { rounded } from "../format";
 import type { Kind } from "./answer";
 import type { Stretch } from "./phases";
 
@@ -94,7 +95,7 @@ export function dragged(from: number, sign: 1 | -1, upPx: number, perPx: number,
 export function tidy(value: number, perPx: number, step: number): number {
   const power = 10 ** Math.floor(Math.log10(Math.max(perPx, 1e-9)));
   const round = Math.max(power, step);
-  return Number((Math.round(value / round) * round).toPrecision(12));
+  return rounded(Math.round(value / round) * round, 12);
 }
 
 /** Keys: arrows a hundredth, with Shift or Page keys a tenth; Home the least, End the most. null: not ours. */
@@ -111,7 +112,7 @@ export function stepped(
     const change = Math.max(start * Math.abs(share), step) * Math.sign(share);
     // a value that has gone down to nothing comes back from nothing
     const next = value > 0 ? value + change : share > 0 ? start : 0;
-    return Math.min(most, Math.max(least, Number(next.toPrecision(4)) < step ? least : Number(next.toPrecision(4))));
+    return Math.min(most, Math.max(least, rounded(next, 4) < step ? least : rounded(next, 4)));
   };
   const share = shift ? 0.1 : 0.01;
   switch (key) {

@@ -1,5 +1,6 @@
 import type { Schemas } from "../../api/client";
 import type { Mark } from "../../plots/types";
+import { percent } from "../format";
 import type { Answer } from "./answer";
 
 /** A motor as data sheets give it: mH and g·cm², which POST /calc/ramp takes in H and kg·m². */
@@ -69,8 +70,8 @@ export function motorBody(
 
 /** What is left of the torque in words: "38 % left", or by how much it is too little. */
 export function marginText(margin: number): string {
-  const percent = Math.abs(margin) * 100;
-  const shown = percent >= 1000 ? "more than 10 times" : `${percent.toFixed(0)} %`;
+  const size = Math.abs(margin);
+  const shown = size >= 10 ? "more than 10 times" : percent(size);
   return margin >= 0 ? `${shown} of the torque left` : `${shown} too little torque`;
 }
 

@@ -7,11 +7,11 @@ export type Scheme = "light" | "dark";
 export type Hues = Readonly<Record<string, readonly [light: string, dark: string]>>;
 
 /** A phase that speeds up, one that goes on at one speed, one that brakes; the light shades are of softer ones. */
-export const WARM = ["#b87400", "#ffc14d"] as const;
+export const WARM = ["#a86400", "#ffc14d"] as const;
 export const WARM_SOFT = ["#e69f00", "#e69f00"] as const;
 export const PLAIN = ["#8a8f98", "#8a8f98"] as const;
-export const COOL = ["#0072b2", "#3a9be0"] as const;
-export const COOL_SOFT = ["#6b4fbb", "#a08bf0"] as const;
+export const COOL = ["#0068a8", "#3a9be0"] as const;
+export const COOL_SOFT = ["#4b2fa3", "#8f7bff"] as const;
 
 export function hueOf(phase: string, hues: Hues, scheme: Scheme): string {
   return (hues[phase] ?? PLAIN)[scheme === "light" ? 0 : 1];

@@ -62,8 +62,8 @@ describe("the motor", () => {
     expect(motorBody({ ...MOTOR, shown: false }, axis)).toBeNull();
   });
   it("has its margin in words", () => {
-    expect(marginText(0.384)).toBe("38 % of the torque left");
-    expect(marginText(-0.2)).toBe("20 % too little torque");
+    expect(marginText(0.384)).toBe("38\u202f% of the torque left");
+    expect(marginText(-0.2)).toBe("20\u202f% too little torque");
   });
 });
 

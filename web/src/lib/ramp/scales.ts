@@ -1,4 +1,4 @@
-import { duration, fixed } from "../format";
+import { duration, fixed, rounded } from "../format";
 import { type AxisScale, factorOf, type Motion } from "../units";
 
 /** In what a ramp is read and typed: one unit of way, and by it those of velocity, acceleration and jerk. */
@@ -58,7 +58,7 @@ export function factor(motion: Motion, units: Units, scale: AxisScale): number {
 
 /** A time as people read it, without the dust of sums: 100 ms and not 100.0 ms. */
 export function time(seconds: number): string {
-  return duration(Number(seconds.toPrecision(9)));
+  return duration(rounded(seconds, 9));
 }
 
 /** Tick labels of large numbers: 2.5 M instead of 2 500 000, all ticks of an axis alike. */
@@ -70,7 +70,7 @@ export function engineering(values: readonly (number | null)[]): string[] {
   return values.map((value) => {
     if (value === null) return "";
     if (value === 0) return "0";
-    const scaled = Number((value / unit).toPrecision(6));
+    const scaled = rounded(value / unit, 6);
     const decimals = (String(scaled).split(".")[1] ?? "").length;
     return `${fixed(scaled, decimals)}${thin}${symbol}`;
   });

@@ -1,3 +1,4 @@
+import { rounded } from "../format";
 import { type Bits, toSigned } from "./bits";
 
 /** One physical unit of a chip quantity that is proportional to it. */
@@ -68,5 +69,5 @@ function plainUnit(unit: string): string {
 }
 
 function short(value: number): string {
-  return Number(value.toPrecision(4)).toString();
+  return String(rounded(value, 4));
 }

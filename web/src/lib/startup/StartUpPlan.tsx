@@ -115,7 +115,7 @@ function said(report: Report): string {
   if (report.writes.length === 0) return "It is set up already: nothing to write.";
   if (report.state === "dry run")
     return "Nothing is written yet. All of it is written, each read back that can be, or everything stays as it was. No motor moves.";
-  return `Done${report.took_s == null ? "" : ` in ${compact(report.took_s, 2)} s`}: the axis can move now.`;
+  return `Done${report.took_s == null ? "" : ` in ${compact(report.took_s, 2, "s")}`}: the axis can move now.`;
 }
 
 interface ChangesProps {

@@ -74,7 +74,7 @@ describe("words", () => {
     const now = new Date(2026, 10, 21, 0, 5);
     expect(dayText(new Date(2026, 10, 21, 0, 1).toISOString(), now)).toBe("Today");
     expect(dayText(new Date(2026, 10, 20, 23, 59).toISOString(), now)).toBe("Yesterday");
-    expect(dayText(new Date(2026, 10, 2, 12).toISOString(), now)).toBe("Monday 2 November");
-    expect(dayText(new Date(2025, 10, 2, 12).toISOString(), now)).toBe("Sunday 2 November 2025");
+    expect(dayText(new Date(2026, 10, 2, 12).toISOString(), now)).toBe("Monday 2026-11-02");
+    expect(dayText(new Date(2025, 10, 2, 12).toISOString(), now)).toBe("Sunday 2025-11-02");
   });
 });

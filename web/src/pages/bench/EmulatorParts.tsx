@@ -61,7 +61,7 @@ export function EmulatorTime({ state, send }: TimeProps) {
         mb="lg"
       />
       <Text size="xs" c="dimmed">
-        Chip time <span className="num">{fixed(chipTimeS, 1)} s</span>, {scale} times real time
+        Chip time <span className="num">{fixed(chipTimeS, 1, "s")}</span>, {scale} times real time
       </Text>
     </>
   );
@@ -82,7 +82,7 @@ export function LoadSlider({ value, most, send }: LoadProps) {
       <Group justify="space-between" gap={4}>
         <Text size="xs">Load torque, pulls to the left</Text>
         <Text size="xs" className="num">
-          {fixed(shown * 1000)} mN·m
+          {fixed(shown * 1000, 0, "mN·m")}
         </Text>
       </Group>
       <Slider
@@ -93,7 +93,7 @@ export function LoadSlider({ value, most, send }: LoadProps) {
         max={most}
         step={0.005}
         value={shown}
-        label={(torque) => `${fixed(torque * 1000)} mN·m`}
+        label={(torque) => fixed(torque * 1000, 0, "mN·m")}
         marks={[{ value: 0 }]}
         onChange={(torque) => {
           hold(torque);

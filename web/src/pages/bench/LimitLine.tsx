@@ -1,7 +1,7 @@
 import { Text } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import type { Device } from "../../api/queries";
-import { withUnit } from "../../lib/format";
+import { coordinate, withUnit } from "../../lib/format";
 import { fromSteps, ratesOf, scaleOf } from "../../lib/units";
 import { everyTick } from "../../live/LiveText";
 import classes from "./limits.module.css";
@@ -34,12 +34,12 @@ export function LimitLine({ device, axis, live, unit }: Props) {
         const share = placeIn(live.read("position"), from, to);
         if (marker.current) {
           marker.current.hidden = Number.isNaN(share);
-          marker.current.style.left = `${(share * 100).toFixed(2)}%`;
+          marker.current.style.left = `${coordinate(share * 100)}%`;
           marker.current.dataset.near = String(Math.abs(share - 0.5) * 2 > NEAR);
         }
         const used = Math.abs(live.read("velocity")) / (speed ?? Number.NaN);
         if (fill.current) {
-          fill.current.style.width = `${(Math.min(1, Number.isNaN(used) ? 0 : used) * 100).toFixed(1)}%`;
+          fill.current.style.width = `${coordinate(Math.min(1, Number.isNaN(used) ? 0 : used) * 100, 1)}%`;
           fill.current.dataset.near = String(used > NEAR);
         }
       }),

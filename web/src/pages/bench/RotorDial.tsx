@@ -1,4 +1,4 @@
-import { fixed } from "../../lib/format";
+import { coordinate, fixed } from "../../lib/format";
 import classes from "./bench.module.css";
 
 /** How an emulated motor really is: what no command of its device tells. */
@@ -16,7 +16,7 @@ const SLIP_DEG = 90;
 
 function point(degrees: number, radius: number): string {
   const angle = (degrees * Math.PI) / 180;
-  return `${(64 + radius * Math.sin(angle)).toFixed(1)} ${(64 - radius * Math.cos(angle)).toFixed(1)}`;
+  return `${coordinate(64 + radius * Math.sin(angle), 1)} ${coordinate(64 - radius * Math.cos(angle), 1)}`;
 }
 
 /** One electrical turn, four full steps: the field points up, and the rotor is as far off as the load pulls it. */
@@ -49,7 +49,7 @@ export function RotorDial({ truth }: { truth: Truth }) {
           </text>
         ))}
         <path d="M64 64V18" stroke="var(--lamp)" strokeWidth={3} />
-        <g transform={`rotate(${(-behind).toFixed(2)} 64 64)`}>
+        <g transform={`rotate(${coordinate(-behind)} 64 64)`}>
           <path d="M60 64L64 24L68 64L64 88Z" className={`${classes.dialRotor} fill-accent`} data-slip={slips} />
         </g>
         <circle cx={64} cy={64} r={4} fill="var(--well)" stroke="var(--line)" />
@@ -62,13 +62,13 @@ export function RotorDial({ truth }: { truth: Truth }) {
           {fixed(truth.lost_fullsteps)} steps
         </dd>
         <dt>coil A</dt>
-        <dd className="num">{fixed(truth.current_a_a, 2)} A</dd>
+        <dd className="num">{fixed(truth.current_a_a, 2, "A")}</dd>
         <dt>coil B</dt>
-        <dd className="num">{fixed(truth.current_b_a, 2)} A</dd>
+        <dd className="num">{fixed(truth.current_b_a, 2, "A")}</dd>
         <dt>torque</dt>
-        <dd className="num">{fixed(truth.torque_nm * 1000)} mN·m</dd>
+        <dd className="num">{fixed(truth.torque_nm * 1000, 0, "mN·m")}</dd>
         <dt>speed</dt>
-        <dd className="num">{fixed((truth.speed_rad_s * 60) / (2 * Math.PI))} rpm</dd>
+        <dd className="num">{fixed((truth.speed_rad_s * 60) / (2 * Math.PI), 0, "rpm")}</dd>
         <dt>bridges</dt>
         <dd>{truth.bridges}</dd>
       </dl>

@@ -3,7 +3,7 @@ import { useElementSize } from "@mantine/hooks";
 import { useEffect, useId, useRef } from "react";
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { fixed } from "../../lib/format";
+import { coordinate, fixed } from "../../lib/format";
 import { later } from "../../lib/later";
 import { scaleOf, toSteps } from "../../lib/units";
 import { everyTick } from "../../live/LiveText";
@@ -66,14 +66,14 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
 
   const stage = useStage(device, axis, live, emulator, (share, offset) => {
     const x = START_X + Math.max(-0.01, Math.min(1.01, share)) * travel;
-    carriage.current?.setAttribute("transform", `translate(${x.toFixed(2)} 0)`);
+    carriage.current?.setAttribute("transform", `translate(${coordinate(x)} 0)`);
     // What is known in counts of the motor lies where the counter's zero is now.
     if (!Number.isNaN(offset) && span.current > 0)
-      counted.current?.setAttribute("transform", `translate(${((offset / span.current) * travel).toFixed(2)} 0)`);
+      counted.current?.setAttribute("transform", `translate(${coordinate((offset / span.current) * travel)} 0)`);
     // The spindle turns: its thread runs along by one pitch a turn, exaggerated so that slow motion is seen too.
     const turns = (share * span.current) / axis.full_steps_per_rev;
-    spindle.current?.setAttribute("patternTransform", `translate(${((turns * 40) % PITCH).toFixed(2)} 0) skewX(-24)`);
-    shaft.current?.setAttribute("transform", `rotate(${((turns * 360) % 360).toFixed(1)} 34 ${rail})`);
+    spindle.current?.setAttribute("patternTransform", `translate(${coordinate((turns * 40) % PITCH)} 0) skewX(-24)`);
+    shaft.current?.setAttribute("transform", `rotate(${coordinate((turns * 360) % 360, 1)} 34 ${rail})`);
   });
   const seen = useSearchEdges(live, scale.microstepsPerFullStep ?? 256, search);
   span.current = stage ? stage.to - stage.from : 0;

@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import { coordinate } from "../../lib/format";
 
 export type Frame = Schemas["FrameEntry"];
 export type Show = "all" | "commands" | "samples";
@@ -73,7 +74,7 @@ export function asText(frames: readonly Frame[]): string {
         frame.priority.padEnd(7),
         `> ${spaced(frame.tx)}`,
         `< ${spaced(frame.rx) || "nothing"}`,
-        `${frame.took_ms.toFixed(2)} ms`,
+        `${coordinate(frame.took_ms)} ms`,
         frame.text,
         frame.error ?? "",
       ]

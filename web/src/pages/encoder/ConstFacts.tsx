@@ -1,4 +1,4 @@
-import { fixed, hex } from "../../lib/format";
+import { fixed, hex, rounded } from "../../lib/format";
 import { type EncConst, encConstValue, type Form, fractionText } from "./encConst";
 
 interface Props {
@@ -19,7 +19,7 @@ export function ConstFacts({ inChip, heldDecimal, decimal, counts, microstepsPer
     <dl className="facts pairs m-0 mt-8 text-12" data-testid="enc-const">
       <dt title="ENC_CONST">in the chip</dt>
       <dd className="num breaks" data-testid="enc-const-chip">
-        {inChip === null ? "–" : `${hex(inChip, 32)} = ${Number(encConstValue(inChip, heldDecimal).toPrecision(9))}`}
+        {inChip === null ? "–" : `${hex(inChip, 32)} = ${rounded(encConstValue(inChip, heldDecimal), 9)}`}
       </dd>
       {found && (
         <>

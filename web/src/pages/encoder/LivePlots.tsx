@@ -1,6 +1,6 @@
 import { SegmentedControl, Switch } from "@mantine/core";
 import { useState } from "react";
-import { colorOf } from "../../lib/palette";
+import { colorOf, lineOf } from "../../lib/palette";
 import type { Settings } from "../../lib/rows/settings";
 import { useScheme } from "../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
@@ -43,13 +43,13 @@ export function LivePlots(props: Props) {
     { label: "actual", color: colorOf("position", scheme), unit: "microsteps" },
     ...shown.map((which) => ({
       label: encoderName(which, choices).toLowerCase(),
-      color: colorOf(ENCODERS[which].position, scheme),
+      ...lineOf(ENCODERS[which].position, scheme),
       unit: "microsteps",
     })),
   ];
   const deviationSeries = shown.map((which) => ({
     label: choices.length > 1 ? `${ENCODERS[which].label.toLowerCase()} deviation` : "deviation",
-    color: colorOf(ENCODERS[which].deviation, scheme),
+    ...lineOf(ENCODERS[which].deviation, scheme),
     unit: "microsteps",
   }));
   const limits = shown.flatMap((which) => {

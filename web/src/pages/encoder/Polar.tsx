@@ -1,5 +1,5 @@
 import { useRef } from "react";
-import { fixed } from "../../lib/format";
+import { coordinate, fixed } from "../../lib/format";
 import { useFrame } from "../../live/useFrame";
 import type { AngleMap, Direction } from "./angleMap";
 import classes from "./encoder.module.css";
@@ -51,7 +51,7 @@ export function Polar({ curves, direction, shaft, summary }: Props) {
     const share = shaft();
     if (!needle.current) return;
     needle.current.style.visibility = Number.isNaN(share) ? "hidden" : "visible";
-    if (!Number.isNaN(share)) needle.current.setAttribute("transform", `rotate(${(share * 360).toFixed(1)} 180 180)`);
+    if (!Number.isNaN(share)) needle.current.setAttribute("transform", `rotate(${coordinate(share * 360, 1)} 180 180)`);
   });
 
   const [x0, y0] = pointAt(RING, 0, 0, 1);

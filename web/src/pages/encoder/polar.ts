@@ -1,3 +1,4 @@
+import { coordinate } from "../../lib/format";
 import type { BinStats } from "./bins";
 
 /** A round number (1, 2 or 5 times a power of ten) not below `value`. */
@@ -50,7 +51,7 @@ export function meanPath(bins: BinStats, ring: Ring, reach: number): string {
       continue;
     }
     const [x, y] = pointAt(ring, (bin + 0.5) / bins.size, bins.mean[bin] as number, reach);
-    path += `${pen ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`;
+    path += `${pen ? "L" : "M"}${coordinate(x, 1)} ${coordinate(y, 1)}`;
     pen = true;
   }
   return path === "" || holes ? path : `${path}Z`;
@@ -62,7 +63,7 @@ export function bandPath(bins: BinStats, ring: Ring, reach: number): string {
     const at = ((bin % bins.size) + bins.size) % bins.size;
     const value = (bins.mean[at] as number) + sign * (bins.spread(at) || 0);
     const [x, y] = pointAt(ring, (bin + 0.5) / bins.size, value, reach);
-    return `${x.toFixed(1)} ${y.toFixed(1)}`;
+    return `${coordinate(x, 1)} ${coordinate(y, 1)}`;
   };
   const pieces: string[] = [];
   let run: number[] = [];

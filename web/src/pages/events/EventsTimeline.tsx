@@ -154,7 +154,7 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
     lanes.forEach((lane, row) => {
       const middle = row * LANE_PX + LANE_PX / 2;
       const fault = isFault(lane.name);
-      pen.fillStyle = fault ? (dark ? "#ff6b6b" : "#d02828") : dark ? "#56b4e9" : "#0072b2";
+      pen.fillStyle = fault ? (dark ? "#ff6b6b" : "#d02828") : dark ? "#56b4e9" : "#0068a8";
       lane.times.forEach((time, index) => {
         if (time < from || time > to) return;
         const x = left + ((time - from) / (to - from)) * width;
@@ -205,7 +205,7 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
     if (!next) return;
     const { left, width } = frame(node);
     setUnder({ lane: next.lane, index: next.index, x: left + ((next.time - from) / (to - from)) * width });
-    setSpoken(`${lanes[next.lane]?.name} at ${fixed(next.time, 3)} s`);
+    setSpoken(`${lanes[next.lane]?.name} at ${fixed(next.time, 3, "s")}`);
   };
 
   const lane = under === null ? undefined : lanes[under.lane];
@@ -234,7 +234,7 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
             data-right={under.x > 300}
             data-testid="event-tip"
           >
-            <b>{lane.name}</b> <span className="num">{fixed(time, 4)} s</span>
+            <b>{lane.name}</b> <span className="num">{fixed(time, 4, "s")}</span>
             {before !== undefined && <span className="ml-4 dim">{duration(time - before)} after the last</span>}
             <div>{bits.find((bit) => bit.name === lane.name)?.help}</div>
           </div>

@@ -2,6 +2,7 @@ import { Autocomplete, Button, Group, Text } from "@mantine/core";
 import { keepPreviousData, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api } from "../../api/client";
+import { compact } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import classes from "./firstRun.module.css";
@@ -126,8 +127,8 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
       {known && (
         <Text size="sm" className="dim">
           {[
-            known.resistance_ohm !== null && `${known.resistance_ohm} Ω`,
-            known.inductance_h !== null && `${(known.inductance_h * 1000).toPrecision(3)} mH`,
+            known.resistance_ohm !== null && compact(known.resistance_ohm, 3, "Ω"),
+            known.inductance_h !== null && compact(known.inductance_h * 1000, 3, "mH"),
             known.holding_torque_nm !== null && `${known.holding_torque_nm} N m`,
           ]
             .filter(Boolean)

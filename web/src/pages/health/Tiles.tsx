@@ -58,7 +58,7 @@ function Bar({ name, value, percent, more }: { name: string; value: string; perc
         value={percent ?? 0}
         color={COLOURS[tone]}
         size={8}
-        aria-label={`${name}: ${percent === null ? "not known" : `${fixed(percent)} % used${WORDS[tone]}`}`}
+        aria-label={`${name}: ${percent === null ? "not known" : `${fixed(percent, 0, "%")} used${WORDS[tone]}`}`}
       />
     </Tile>
   );
@@ -70,12 +70,12 @@ const HEIGHT = 40;
 function LagTile({ loop }: { loop: Health["event_loop"] }) {
   const values = loop.lag_ms_by_second;
   const top = topOf(values);
-  const p99 = `${fixed(loop.lag_p99_ms, 1)} ms`;
+  const p99 = fixed(loop.lag_p99_ms, 1, "ms");
   return (
     <Tile
       name="Event loop late by"
-      value={`${fixed(loop.lag_ms, 1)} ms`}
-      more={`99 of 100 in the last minute: ${p99} at most · top of the line: ${fixed(top)} ms`}
+      value={fixed(loop.lag_ms, 1, "ms")}
+      more={`99 of 100 in the last minute: ${p99} at most · top of the line: ${fixed(top, 0, "ms")}`}
     >
       <svg
         className={classes.spark}

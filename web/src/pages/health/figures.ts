@@ -1,3 +1,4 @@
+import { coordinate } from "../../lib/format";
 /** The share of what there is that is used, 0 to 100; null where nobody knows. */
 export function usedPercent(used: number | null, total: number | null): number | null {
   return used === null || total === null || total <= 0 ? null : Math.min(100, (used / total) * 100);
@@ -30,7 +31,7 @@ export function sparklines(values: readonly (number | null)[], top: number, widt
     }
     const x = values.length < 2 ? 0 : (index / (values.length - 1)) * width;
     const y = height - (Math.min(value, top) / top) * height;
-    open.push(`${x.toFixed(1)},${y.toFixed(1)}`);
+    open.push(`${coordinate(x, 1)},${coordinate(y, 1)}`);
   });
   return lines.map((line) => (line.length === 1 ? `${line[0]} ${line[0]}` : line.join(" ")));
 }

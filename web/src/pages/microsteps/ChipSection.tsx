@@ -86,5 +86,5 @@ export function ChipSection<T>({ device, motor, what, needs, note, onRead, wante
 /** " while the motor ran at 1 200 pps", or nothing at rest. */
 export function whileRunning(motor: Motor): string {
   const live = motor.live.data;
-  return live?.moving ? ` while the motor ran at ${fixed(live.velocity_pps)} pps` : "";
+  return live?.moving ? ` while the motor ran at ${fixed(live.velocity_pps, 0, "pps")}` : "";
 }

@@ -1,5 +1,6 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
+import { fixed } from "../../lib/format";
 import classes from "./Microsteps.module.css";
 import { clamp, ENTRIES, TOP, withEntry, withStroke } from "./table";
 
@@ -156,7 +157,7 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
           </span>
         )}
         <span className="dim">
-          sine <span className="num">{(ideal[active] ?? 0).toFixed(1)}</span>
+          sine <span className="num">{fixed(ideal[active] ?? 0, 1)}</span>
         </span>
       </p>
     </div>

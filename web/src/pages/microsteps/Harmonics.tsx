@@ -36,7 +36,7 @@ export function Harmonics({ numbers, design, before, stale, height }: Props) {
           bars={bars}
           height={height}
           scale={{ low: 0.01, high: 100, ticks: [0.01, 0.1, 1, 10, 100], log: true }}
-          format={(value) => (value === null ? "–" : `${fixed(value, decimalsOf(value))} %`)}
+          format={(value) => (value === null ? "–" : fixed(value, decimalsOf(value), "%"))}
           marked={worst}
           every={1}
         />

@@ -4,7 +4,7 @@ import { type FigureRow, FiguresTable } from "./FiguresTable";
 
 type Figures = Schemas["MicrostepMetrics"];
 
-const percent = (share: number | null) => (share === null ? "–" : `${fixed(share * 100, 2)} %`);
+const percent = (share: number | null) => (share === null ? "–" : fixed(share * 100, 2, "%"));
 const degrees = (angle: number | null) => (angle === null ? "–" : `${fixed(angle, 2)}°`);
 const ratio = (value: number | null) => (value === null ? "–" : `${fixed(value, 2)} ×`);
 

@@ -20,7 +20,7 @@ export function MotorRow({ motor }: { motor: Motor }) {
         </div>
         <div>
           <dt>velocity</dt>
-          <dd className="num">{state ? `${fixed(state.velocity_pps)} pps` : "–"}</dd>
+          <dd className="num">{state ? fixed(state.velocity_pps, 0, "pps") : "–"}</dd>
         </div>
         <div>
           <dt>motor</dt>

@@ -1,6 +1,6 @@
 import { useMemo } from "react";
 import type { Schemas } from "../../api/client";
-import { colorOf } from "../../lib/palette";
+import { colorOf, lineOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 
@@ -33,8 +33,7 @@ export function Waves({ rows, before }: Props) {
     };
     return [index, lane("fd_b", 0), lane("fd_a", 1), lane("ph_b", 2), lane("ph_a", 3)] as const;
   }, [rows, index]);
-  const a = colorOf("phase_a", scheme);
-  const b = colorOf("phase_b", scheme);
+  const color = colorOf("phase_a", scheme);
   const grey = colorOf("target_position", scheme);
   const last = rows.length;
   return (
@@ -45,8 +44,8 @@ export function Waves({ rows, before }: Props) {
         series={[
           { label: "before A", color: grey, stepped: true },
           { label: "before B", color: grey, stepped: true, dash: [4, 3] },
-          { label: "Phase A (sine)", color: a, stepped: true, width: 1.5 },
-          { label: "Phase B (cosine)", color: b, stepped: true, width: 1.5 },
+          { label: "Phase A (sine)", color, stepped: true, width: 1.5 },
+          { label: "Phase B (cosine)", ...lineOf("phase_b", scheme), stepped: true, width: 1.5 },
         ]}
         data={currents}
         height={210}
@@ -58,10 +57,10 @@ export function Waves({ rows, before }: Props) {
       <Plot
         label="Phase and fast-decay bits over a full period"
         series={[
-          { label: "FD_B", color: b, stepped: true, dash: [3, 2], width: 1.5 },
-          { label: "FD_A", color: a, stepped: true, dash: [3, 2], width: 1.5 },
-          { label: "PH_B", color: b, stepped: true, width: 1.5 },
-          { label: "PH_A", color: a, stepped: true, width: 1.5 },
+          { label: "FD_B", color, stepped: true, dash: [3, 2], width: 1.5 },
+          { label: "FD_A", color, stepped: true, dash: [3, 2], width: 1.5 },
+          { label: "PH_B", color, stepped: true, width: 1.5 },
+          { label: "PH_A", color, stepped: true, width: 1.5 },
         ]}
         data={bits}
         legend={false}

@@ -88,7 +88,7 @@ describe("HeldRun", () => {
     keepFails = true;
     await vi.advanceTimersByTimeAsync(400);
     expect(run.state).toMatchObject({ phase: "ended", unheardS: 60 });
-    expect(endText(run.state)).toContain("nothing of this tab for 60.0 s");
+    expect(endText(run.state)).toContain("nothing of this tab for 60.0\u202fs");
     expect(sent.at(-1)).toBe("keep"); // nothing is sent behind it
   });
 

@@ -1,6 +1,7 @@
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "wouter";
 import { Card } from "../../lib/Card";
+import { fixed } from "../../lib/format";
 import { placeName } from "./lines";
 import css from "./program.module.css";
 import type { WatchState } from "./WatchSource";
@@ -49,7 +50,7 @@ export function TracePanel({ watch, labels }: { watch: WatchState; labels: Reado
           <ol className={`${css.scrolled} list text-13`} aria-label="Run log, latest first" tabIndex={0}>
             {[...log].reverse().map(({ id, timeS, text }) => (
               <li key={id} className="row gap-8">
-                <span className="num dim">{timeS.toFixed(3)} s</span>
+                <span className="num dim">{fixed(timeS, 3, "s")}</span>
                 <span>{text}</span>
               </li>
             ))}

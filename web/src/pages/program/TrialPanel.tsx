@@ -2,6 +2,7 @@ import { Button, NumberInput, Text } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../api/client";
+import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { colorOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
@@ -87,7 +88,7 @@ function Result({ outcome, labels }: { outcome: Outcome; labels: Readonly<Record
   return (
     <>
       <Text size="sm" role="status" data-testid="trial">
-        {`${ENDED[outcome.ended]} After ${seconds.toFixed(2)} s it is at ${placeName(labels, outcome.counter)}, the motor at ${outcome.position.at(-1) ?? 0}; accumulator ${outcome.accumulator}, X ${outcome.x}, flags ${outcome.flags.join(", ") || "none"}; variables ${variables || "all 0"}${outcome.error ? `; a command was refused, status ${outcome.error}` : ""}.`}
+        {`${ENDED[outcome.ended]} After ${fixed(seconds, 2, "s")} it is at ${placeName(labels, outcome.counter)}, the motor at ${outcome.position.at(-1) ?? 0}; accumulator ${outcome.accumulator}, X ${outcome.x}, flags ${outcome.flags.join(", ") || "none"}; variables ${variables || "all 0"}${outcome.error ? `; a command was refused, status ${outcome.error}` : ""}.`}
       </Text>
       <Plot
         label="Trial on the emulator"

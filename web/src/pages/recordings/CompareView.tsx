@@ -261,7 +261,7 @@ function Differences({ comparison }: { comparison: Comparison }) {
                 </th>
                 <td className="dim">{names.get(recording)}</td>
                 <td className="num right">{compact(figures.peak, 5)}</td>
-                <td className="num right">{figures.peak_at_s === null ? "–" : `${fixed(figures.peak_at_s, 3)} s`}</td>
+                <td className="num right">{figures.peak_at_s === null ? "–" : fixed(figures.peak_at_s, 3, "s")}</td>
                 <td className="num right">{compact(figures.mean, 5)}</td>
                 <td className="num right">{compact(figures.rms, 5)}</td>
                 <td className="num right">{fixed(figures.samples)}</td>

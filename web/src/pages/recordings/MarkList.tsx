@@ -58,7 +58,7 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
                   className={`${classes.mark} lit grid baseline gap-8 text-13 anywhere w-full`}
                   onClick={() => onGo([at - half, at + half])}
                 >
-                  <span className="num">{fixed(at, 3)} s</span>
+                  <span className="num">{fixed(at, 3, "s")}</span>
                   <span
                     className="swatch swatch-square"
                     style={{ background: colorOfMark(mark, scheme) }}

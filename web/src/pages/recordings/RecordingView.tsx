@@ -190,7 +190,7 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
   if (replay?.state === "running")
     return (
       <span className="inline gap-8 text-12 tabular" role="status">
-        Replaying {fixed(replay.done_s, 1)} of {fixed(replay.duration_s, 1)} s
+        Replaying {fixed(replay.done_s, 1)} of {fixed(replay.duration_s, 1, "s")}
         <Progress
           value={(100 * replay.done_s) / Math.max(replay.duration_s, 1e-9)}
           size={6}
@@ -252,7 +252,7 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
       note={
         figures.data && (
           <span className="num">
-            {fixed(figures.data.from_s, 3)} to {fixed(figures.data.to_s, 3)} s
+            {fixed(figures.data.from_s, 3)} to {fixed(figures.data.to_s, 3, "s")}
           </span>
         )
       }

@@ -1,4 +1,4 @@
-import { colorOf, type Quantity } from "../../lib/palette";
+import { colorOf } from "../../lib/palette";
 import { symbolOf } from "../../lib/units";
 import type { PlotSeries } from "../../plots/types";
 
@@ -45,14 +45,9 @@ export function labelOf({ quantity, axis }: Channel, several: boolean): string {
   return several ? `${words} ${axis}` : words;
 }
 
-/** The colour of a quantity; grey for one that has none of its own. */
+/** The colour of a quantity. */
 export function colorOfQuantity(quantity: string, scheme: "light" | "dark"): string {
-  const known = quantity === "following_error" ? "residual" : quantity;
-  try {
-    return colorOf(known as Quantity, scheme);
-  } catch {
-    return "#8a8f98";
-  }
+  return colorOf(quantity === "following_error" ? "residual" : quantity, scheme);
 }
 
 export function severalAxes(channels: readonly Channel[]): boolean {

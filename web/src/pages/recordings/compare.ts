@@ -8,12 +8,12 @@ interface Look {
 
 /** Okabe and Ito's colours, with dashes for who cannot tell them apart. The first is that of the recording itself. */
 const SIDES: readonly (readonly [light: string, dark: string, dash: number[]])[] = [
-  ["#0072b2", "#56b4e9", []],
+  ["#0068a8", "#56b4e9", []],
   ["#b85c00", "#f0a03c", [7, 4]],
-  ["#00795a", "#1fc497", [2, 3]],
-  ["#b4408a", "#ee8fc6", [10, 3, 2, 3]],
-  ["#6b4fbb", "#a08bf0", [4, 2, 1, 2]],
-  ["#6f6a00", "#d6cf3f", [14, 4]],
+  ["#008060", "#a6e36a", [2, 3]],
+  ["#6a0f5c", "#e65fb0", [10, 3, 2, 3]],
+  ["#4b2fa3", "#8f7bff", [4, 2, 1, 2]],
+  ["#5c5200", "#f0e442", [14, 4]],
   ["#5b6470", "#aab2bd", [1, 4]],
   ["#8c5a3c", "#cf9a78", [6, 2]],
 ];

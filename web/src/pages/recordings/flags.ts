@@ -12,7 +12,7 @@ const APART = 0.11;
 
 const COLORS: Record<string, readonly [light: string, dark: string]> = {
   trigger: ["#1c6dd0", "#4d94e8"],
-  note: ["#6b4fbb", "#8b74e0"],
+  note: ["#4b2fa3", "#8b74e0"],
   program: ["#0b7285", "#2a8fa3"],
   gap: ["#8a5700", "#a87414"],
   fault: ["#c92a2a", "#d64545"],

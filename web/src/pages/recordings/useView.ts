@@ -1,5 +1,6 @@
 import { useCallback, useMemo } from "react";
 import { putIntoAddress, useAddress } from "../../lib/address";
+import { coordinate } from "../../lib/format";
 import type { Window } from "./ZoomData";
 
 /** `t` of the address: the stretch that is shown, in seconds, as "3.2~4.9"; null: all of it. */
@@ -11,7 +12,7 @@ export function windowOf(text: string): Window | null {
 
 /** To the microsecond, which is finer than any sample. */
 export function textOf(window: Window | null): string {
-  return window === null ? "" : window.map((time) => String(Number(time.toFixed(6)))).join("~");
+  return window === null ? "" : window.map((time) => String(Number(coordinate(time, 6)))).join("~");
 }
 
 /** What of a recording is shown: the stretch, of which Back brings the one before, and which channels are not. */

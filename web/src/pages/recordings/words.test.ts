@@ -34,7 +34,7 @@ describe("the list", () => {
   });
 
   it("says sizes and times as people do", () => {
-    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual(["640 B", "64 kB", "46.4 MB", "2.5 GB"]);
+    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual(["640\u202fB", "64\u202fkB", "46.4\u202fMB", "2.5\u202fGB"]);
     expect(whenText(null)).toBe("–");
   });
 });

@@ -1,5 +1,5 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react";
-import { fixed } from "../../lib/format";
+import { coordinate, fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
 import { everyTick } from "../../live/LiveText";
@@ -112,7 +112,7 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
     else if (event.key === "End") onStage(180);
     else if (step !== undefined) {
       const size = event.shiftKey && Math.abs(step) === 1 ? 10 * step : event.altKey ? step / 10 : step;
-      onStage(Number(((((from + size) % 360) + 360) % 360).toFixed(3)));
+      onStage(Number(coordinate((((from + size) % 360) + 360) % 360, 3)));
     } else return;
     event.preventDefault();
   }
@@ -243,7 +243,7 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
 function turn(hand: SVGGElement | null, angle: number) {
   if (!hand) return;
   hand.style.visibility = Number.isNaN(angle) ? "hidden" : "visible";
-  if (!Number.isNaN(angle)) hand.setAttribute("transform", `rotate(${angle.toFixed(2)})`);
+  if (!Number.isNaN(angle)) hand.setAttribute("transform", `rotate(${coordinate(angle)})`);
 }
 
 function write(node: SVGTextElement | null, text: string) {

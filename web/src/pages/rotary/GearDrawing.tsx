@@ -1,4 +1,5 @@
 import { useRef } from "react";
+import { coordinate } from "../../lib/format";
 import { useFrame } from "../../live/useFrame";
 import { pair } from "./gears";
 import classes from "./rotary.module.css";
@@ -19,10 +20,10 @@ export function GearDrawing({ motorTeeth, drivenTeeth, angle }: Props) {
   useFrame(() => {
     const shaft = angle();
     if (Number.isNaN(shaft)) return;
-    driven.current?.setAttribute("transform", `translate(${drawn.driven.x}) rotate(${shaft.toFixed(2)})`);
+    driven.current?.setAttribute("transform", `translate(${drawn.driven.x}) rotate(${coordinate(shaft)})`);
     // meshed: it turns the other way, and a gap of one faces a tooth of the other
     const mesh = 90 + (drivenTeeth / motorTeeth) * (90 - shaft) + 180 - 180 / drawn.motor.teeth;
-    motor.current?.setAttribute("transform", `translate(${drawn.motor.x}) rotate(${(mesh % 360).toFixed(2)})`);
+    motor.current?.setAttribute("transform", `translate(${drawn.motor.x}) rotate(${coordinate(mesh % 360)})`);
   });
   return (
     <svg

@@ -114,7 +114,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
           <dd className="num">
             {way === null || outside || pps === null || pps <= 0
               ? "–"
-              : `${longTime(Number(abs(way)) / pps)} at ${compact(Math.round(pps))} pps`}
+              : `${longTime(Number(abs(way)) / pps)} at ${compact(Math.round(pps), 4, "pps")}`}
           </dd>
         </div>
       </dl>

@@ -1,7 +1,7 @@
 import { Button, Progress, Text, VisuallyHidden } from "@mantine/core";
 import { IconPlayerStop } from "@tabler/icons-react";
 import { Card } from "../../lib/Card";
-import { compact } from "../../lib/format";
+import { compact, percent } from "../../lib/format";
 import { grouped } from "./exact";
 import { longTime, type PiecesView, type Segment } from "./pieces";
 import classes from "./rotary.module.css";
@@ -88,7 +88,7 @@ export function PiecesBar({
             </div>
             <div>
               <dt>whole way</dt>
-              <dd className="num">{(view.progress * 100).toFixed(view.progress < 0.1 ? 2 : 1)} %</dd>
+              <dd className="num">{percent(view.progress, view.progress < 0.1 ? 2 : 1)}</dd>
             </div>
             <div>
               <dt>to go</dt>

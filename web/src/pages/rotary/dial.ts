@@ -1,3 +1,4 @@
+import { coordinate, fixed } from "../../lib/format";
 /** Geometry of the dial: 0 degrees is up, positive angles go clockwise, around (0, 0). */
 export const FACE = 176;
 export const RIM = 162;
@@ -13,7 +14,7 @@ export function at(angleDeg: number, radius: number): readonly [x: number, y: nu
 
 const point = (angleDeg: number, radius: number) =>
   at(angleDeg, radius)
-    .map((value) => value.toFixed(2))
+    .map((value) => coordinate(value))
     .join(" ");
 
 /** An arc from one angle by `sweepDeg`, either way; beyond a turn it is the whole ring. Empty where there is no way. */
@@ -52,10 +53,10 @@ export function wayText(degrees: number): string {
   const { turns, rest } = wayParts(degrees);
   const sign = degrees < 0 ? "−" : "+";
   const size = Math.abs(rest);
-  const part = `${size.toFixed(size < 10 ? 2 : 1)}°`;
+  const part = fixed(size, size < 10 ? 2 : 1, "deg");
   if (turns === 0) return `${sign}${part}`;
   const whole = Math.abs(turns);
-  return `${sign}${whole.toLocaleString("en").replaceAll(",", "\u202f")} ${whole === 1 ? "turn" : "turns"} ${part}`;
+  return `${sign}${fixed(whole)} ${whole === 1 ? "turn" : "turns"} ${part}`;
 }
 
 /** The smaller way from one angle to another, -180..180 [deg]. */

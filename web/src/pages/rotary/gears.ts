@@ -1,3 +1,5 @@
+import { coordinate } from "../../lib/format";
+
 /** More teeth than this are drawn as a rim. */
 const MOST_TEETH = 64;
 /** Fewer than this look like no gear: then both get a multiple, the ratio stays. */
@@ -15,7 +17,7 @@ export function outline(teeth: number, pitch: number, depth: number): string {
   if (teeth > MOST_TEETH) return `M${-pitch} 0A${pitch} ${pitch} 0 1 1 ${pitch} 0A${pitch} ${pitch} 0 1 1 ${-pitch} 0Z`;
   const step = (2 * Math.PI) / teeth;
   const corner = (angle: number, radius: number) =>
-    `${(radius * Math.sin(angle)).toFixed(2)} ${(-radius * Math.cos(angle)).toFixed(2)}`;
+    `${coordinate(radius * Math.sin(angle))} ${coordinate(-radius * Math.cos(angle))}`;
   const parts: string[] = [];
   for (let tooth = 0; tooth < teeth; tooth++) {
     const middle = tooth * step;

@@ -1,5 +1,6 @@
 import { Group, SimpleGrid, Stack, Text, Title } from "@mantine/core";
 import { useRef, useState } from "react";
+import { fixed } from "../../lib/format";
 import { colorOf, type Quantity } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
 import { TraceBuffer } from "../../live/TraceBuffer";
@@ -68,11 +69,11 @@ export default function PlotSpeedPage() {
       </Title>
       <Group gap="lg" data-testid="plot-speed" data-figures={JSON.stringify(figures)}>
         <Text size="sm">
-          {PLOTS} plots, {QUANTITIES.length} series, {POINTS.toLocaleString("en")} points each
+          {PLOTS} plots, {QUANTITIES.length} series, {fixed(POINTS)} points each
         </Text>
         <Text size="sm" ff="monospace">
           {figures
-            ? `${figures.fps.toFixed(1)} frames/s, script ${figures.scriptMs.toFixed(1)} ms a frame`
+            ? `${fixed(figures.fps, 1)} frames/s, script ${fixed(figures.scriptMs, 1, "ms")} a frame`
             : "measuring"}
         </Text>
       </Group>

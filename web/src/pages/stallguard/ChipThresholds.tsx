@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../lib/Card";
-import { fixed } from "../../lib/format";
+import { fixed, rounded } from "../../lib/format";
 import type { Settings } from "../../lib/rows/settings";
 import type { ChipRows } from "../../lib/rows/useChipRows";
 import { placeOf } from "./chip";
@@ -41,7 +41,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
         min={0}
         max={SPEED_MAX}
         step={1000}
-        show={(value) => String(Number(value.toPrecision(5)))}
+        show={(value) => String(rounded(value, 5))}
         note={raw === 0 ? never : raw === null ? "" : `register ${fixed(raw)}${written ? ", as last written" : ""}`}
       />
     );

@@ -25,8 +25,8 @@ interface Props {
 }
 
 const INKS = {
-  [AP.stealthBelow]: { light: "#00795a", dark: "#0f8f6c" },
-  [AP.coolOn]: { light: "#0072b2", dark: "#2d86c4" },
+  [AP.stealthBelow]: { light: "#008060", dark: "#0f8f6c" },
+  [AP.coolOn]: { light: "#0068a8", dark: "#2d86c4" },
   [AP.coolOff]: { light: "#4f5b69", dark: "#6b7480" },
   [AP.stopOnStall]: { light: "#d02828", dark: "#d92d2d" },
 } as const;

@@ -63,7 +63,7 @@ export function Thresholds({ parameters, disabled }: Props) {
         min={0}
         max={255}
         step={8}
-        note={`${compact(runCurrentA(current), 3)} A rms`}
+        note={`${compact(runCurrentA(current), 3, "A")} rms`}
       />
       {of(AP.unitMode) === 0 && (
         <Text size="xs" role="status" mt={4}>

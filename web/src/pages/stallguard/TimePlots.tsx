@@ -13,7 +13,7 @@ import { AP } from "./names";
 import { LOAD_MAX, lowerLoad, upperLoad } from "./thresholds";
 
 const SPANS_S = [5, 10, 20, 60, 120] as const;
-const COOL = { light: "#0072b2", dark: "#2d86c4" };
+const COOL = { light: "#0068a8", dark: "#2d86c4" };
 
 interface Props {
   source: TelemetrySource;
@@ -73,7 +73,7 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
                   share: {
                     side: "right" as const,
                     range: [0, 110] as const,
-                    ticks: (values: number[]) => values.map((value) => `${fixed(value)} %`),
+                    ticks: (values: number[]) => values.map((value) => fixed(value, 0, "%")),
                   },
                 }
               : {}),

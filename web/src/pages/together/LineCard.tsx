@@ -234,7 +234,7 @@ function Plan({ plan, path, names }: PlanProps) {
                     </Text>
                   ))}
                 </Table.Td>
-                <Table.Td className="right">{fixed(axis.velocity_pps)} pps</Table.Td>
+                <Table.Td className="right">{fixed(axis.velocity_pps, 0, "pps")}</Table.Td>
                 <Table.Td className="right">{duration(axis.duration_s)}</Table.Td>
                 <Table.Td className="right">{compact(axis.off_line, 2)} µsteps</Table.Td>
                 {path !== undefined && (

@@ -109,9 +109,9 @@ function WhatHappens({ plan }: { plan: Plan }) {
       )}
       {plan.position_from !== null && plan.position_to !== null && (
         <Text size="sm" mt={4}>
-          Between {plan.position_from} and {plan.position_to} µsteps, up to {compact(plan.velocity_max_pps)} pps and{" "}
-          {compact(plan.acceleration_max_pps2)} pps²; {plan.moves_max} moves, {compact(plan.way_fullsteps)} full steps
-          and {duration(plan.time_s)} at most.
+          Between {plan.position_from} and {plan.position_to} µsteps, up to {compact(plan.velocity_max_pps, 4, "pps")}{" "}
+          and {compact(plan.acceleration_max_pps2)} pps²; {plan.moves_max} moves, {compact(plan.way_fullsteps)} full
+          steps and {duration(plan.time_s)} at most.
         </Text>
       )}
       {plan.registers.length > 0 && (

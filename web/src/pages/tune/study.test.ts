@@ -207,7 +207,7 @@ describe("a study on the page", () => {
   });
 
   it("tells rates with their bounds, and draws what each threshold would do", () => {
-    expect(rateText({ wrong: 0, runs: 299, most: 0.00997 })).toBe("0 of 299: below 1.00 %");
+    expect(rateText({ wrong: 0, runs: 299, most: 0.00997 })).toBe("0 of 299: below 1.00\u202f%");
     expect(rateText(null)).toBe("");
     const roc = [
       { level: -90, false: 0, missed: 0.5 },
@@ -296,7 +296,7 @@ describe("a study on the page", () => {
     if (!plot || !weak || !other || !strong) throw new Error("three dots");
     expect(plot.resonance).toBeCloseTo(strong.y);
     expect(colourOf(strong)).toBe("#fee838");
-    expect(saidOf(strong)).toBe("order 4 at 0.500 turns/s, 100 Hz: 16°");
+    expect(saidOf(strong)).toBe("order 4 at 0.500 turns/s, 100\u202fHz: 16°");
     expect(walked(plot.dots, null, "ArrowUp")).toBe(strong);
     expect(walked(plot.dots, strong, "ArrowDown")).toBe(weak);
     expect(walked(plot.dots, weak, "ArrowRight")).toBe(weak);

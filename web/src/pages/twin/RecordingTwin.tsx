@@ -84,7 +84,7 @@ function Scrubbed({ recording }: { recording: string }) {
           {hasWebGl() && <TwinFrame state={state} label="3D view of the recording, at the cursor of its plot" />}
           <div>
             <Text size="sm" className="num">
-              at {fixed(state.recording_time_s, 3)} s
+              at {fixed(state.recording_time_s, 3, "s")}
             </Text>
             <TwinNumbers state={state} />
           </div>

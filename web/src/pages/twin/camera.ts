@@ -1,3 +1,5 @@
+import { coordinate } from "../../lib/format";
+
 type Vector = readonly [number, number, number];
 
 /** Where the server's own camera is, which suits pictures half as wide again as high (app/twin/child.py). */
@@ -12,7 +14,7 @@ export function viewOf(path: string, scheme: "light" | "dark", aspect: number): 
   if (aspect > 0 && aspect < SUITS) {
     const away = SUITS / aspect;
     const camera = CAMERA.map((at, axis) => (LOOK_AT[axis] ?? 0) + (at - (LOOK_AT[axis] ?? 0)) * away);
-    query.push(`initialCameraPosition=${camera.map((at) => at.toFixed(2)).join(",")}`);
+    query.push(`initialCameraPosition=${camera.map((at) => coordinate(at)).join(",")}`);
     query.push(`initialCameraLookAt=${LOOK_AT.join(",")}`);
   }
   return query.length === 0 ? path : `${path}?${query.join("&")}`;

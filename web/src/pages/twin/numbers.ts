@@ -42,7 +42,7 @@ export function numbersOf(state: TwinState): NumberRow[] {
   }
   const degrees = (value: number) => `${fixed(value, 1)}°`;
   const at = (value: number) => `${fixed(value, state.place_unit === "mm" ? 3 : 2)}${unit}`;
-  const share = (value: number) => `${fixed(100 * value)} %`;
+  const share = (value: number) => fixed(100 * value, 0, "%");
 
   return [
     row(`${place}, by the counter`, look?.place_commanded, at, "position counter", "position", "position"),
@@ -56,7 +56,7 @@ export function numbersOf(state: TwinState): NumberRow[] {
       "encoder_position",
       "encoder_position",
     ),
-    row("speed", look?.velocity_pps, (pps) => `${compact(pps, 5)} pps`, "ramp generator", "velocity", "velocity"),
+    row("speed", look?.velocity_pps, (pps) => compact(pps, 5, "pps"), "ramp generator", "velocity", "velocity"),
     row("field", look?.field_deg, degrees, look?.field_from ? FIELD_FROM[look.field_from] : "", null, "position"),
     row(
       "load angle",

@@ -1,10 +1,11 @@
 import type { Lease, OnVanish } from "../../api/lease/LeaseClient";
+import { fixed } from "../../lib/format";
 
 /** "12 s", "3 min", "2 h": how long a session has had the bench, or will have it. */
 export function lasting(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "";
   const whole = Math.max(0, Math.round(seconds));
-  if (whole < 60) return `${whole} s`;
+  if (whole < 60) return fixed(whole, 0, "s");
   return whole < 3600 ? `${Math.floor(whole / 60)} min` : `${Math.floor(whole / 3600)} h`;
 }
 

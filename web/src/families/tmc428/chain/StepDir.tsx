@@ -246,7 +246,7 @@ export function StepDir({ device }: { device: Device }) {
         {send.isError && <ProblemAlert error={send.error} doing="Sending the settings" onClose={send.reset} />}
         {send.data?.failed && <ProblemAlert error={send.data.failed} doing="Sending the settings" />}
       </Card>
-      <Card title="Pulse timing" note={`16 · (1 + STPDIV) clocks at ${fixed(device.clock_hz / 1e6, 1)} MHz`}>
+      <Card title="Pulse timing" note={`16 · (1 + STPDIV) clocks at ${fixed(device.clock_hz / 1e6, 1, "MHz")}`}>
         <Timing settings={settings} clockHz={device.clock_hz} rate={rate} />
         <dl className={`${classes.rates} stacked grid gap-8 m-0 mt-8`}>
           <div>

@@ -70,7 +70,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
       note={
         result ? (
           <span className={stale ? "stale" : undefined}>
-            heat in the coils {fixed(result.heat * 100)} % of full scale's, at rest after{" "}
+            heat in the coils {fixed(result.heat * 100, 0, "%")} of full scale's, at rest after{" "}
             {duration(result.rest_delay_s)}
           </span>
         ) : (
@@ -113,7 +113,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
         <div className={stale ? "stale" : undefined} aria-busy={stale}>
           <Plot
             label="Coil current over the ramp"
-            summary={SCALES.map(({ field, title }) => `${title} ${fixed(eighthsOf(codes[field]) * 12.5, 1)} %`).join(
+            summary={SCALES.map(({ field, title }) => `${title} ${fixed(eighthsOf(codes[field]) * 12.5, 1, "%")}`).join(
               ", ",
             )}
             series={[{ label: "coil current", unit, color, width: 2, fill: `${color}2a` }]}
@@ -130,7 +130,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
           {duration(result.time_s.is_aleat ?? 0)}
           {result.braking_below === null || codes.is_agtat === codes.is_aleat
             ? ""
-            : ` · ${fixed(result.braking_below * 100)} % of braking at is_aleat: between two steps of v_target nothing accelerates`}
+            : ` · ${fixed(result.braking_below * 100, 0, "%")} of braking at is_aleat: between two steps of v_target nothing accelerates`}
         </Text>
       )}
       <WarningList texts={result?.warnings ?? []} />
@@ -153,7 +153,7 @@ interface ScaleProps {
 /** One scale, in eighths: an arrow key is one of them. */
 function Scale({ field, title, note, code, staged, fullScaleA, usrs, onChange }: ScaleProps) {
   const eighths = eighthsOf(code);
-  const current = fullScaleA === null ? "" : `${fixed((fullScaleA * eighths) / 8, 3)} A, `;
+  const current = fullScaleA === null ? "" : `${fixed((fullScaleA * eighths) / 8, 3, "A")}, `;
   return (
     <NumberField
       label={`${title} · ${field}`}
@@ -166,7 +166,7 @@ function Scale({ field, title, note, code, staged, fullScaleA, usrs, onChange }:
       description={
         staged
           ? "not applied"
-          : `${fixed(eighths * 12.5, 1)} %, ${current}${fixed(effectiveMicrosteps(usrs, code), 1)} µsteps`
+          : `${fixed(eighths * 12.5, 1, "%")}, ${current}${fixed(effectiveMicrosteps(usrs, code), 1)} µsteps`
       }
       inputWrapperOrder={["label", "input", "description", "error"]}
       onChange={(value) => onChange(codeOf(value))}

@@ -111,7 +111,7 @@ export function CandidateChart({ model, candidates, chosen, recommended, onChoos
           <g key={q}>
             <line className="grid-line" x1={LEFT} x2={LEFT + inner} y1={y(q)} y2={y(q)} />
             <text className="tick" x={LEFT - 6} y={y(q)} textAnchor="end" dominantBaseline="central">
-              {q.toFixed(2)}
+              {fixed(q, 2)}
             </text>
           </g>
         ))}

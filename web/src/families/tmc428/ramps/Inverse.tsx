@@ -32,7 +32,7 @@ type Answer = Schemas["RampInverseResult"];
 function Part({ share }: { share: number }) {
   const percent = share * 100;
   const good = Math.abs(percent) < 1;
-  return <span className={`num ${good ? "hint" : "m-0 caution text-12"}`}>{`${fixed(percent, 2)} %`}</span>;
+  return <span className={`num ${good ? "hint" : "m-0 caution text-12"}`}>{fixed(percent, 2, "%")}</span>;
 }
 
 function Field(props: {

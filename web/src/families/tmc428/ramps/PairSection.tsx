@@ -62,7 +62,7 @@ export function PairSection(props: Props) {
           step={0.1}
           value={percent}
           onChange={(value) => onReduction(Math.abs(value - sheet * 100) < 0.05 ? null : value / 100)}
-          marks={[{ value: sheet * 100, label: `data sheet ${fixed(sheet * 100)} %` }]}
+          marks={[{ value: sheet * 100, label: `data sheet ${fixed(sheet * 100, 0, "%")}` }]}
           thumbLabel="Reduction of p in percent"
           className={classes.markedSlider ?? ""}
         />

@@ -92,7 +92,7 @@ export function Parameters(props: Props) {
   return (
     <Card
       title="Registers"
-      note={<span>clock {compact(scale.clockHz / 1e6)} MHz</span>}
+      note={<span>clock {compact(scale.clockHz / 1e6, 4, "MHz")}</span>}
       actions={
         <Group gap={6}>
           <UnitChoice

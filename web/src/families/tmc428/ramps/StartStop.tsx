@@ -95,7 +95,7 @@ export function StartStop({ own, ramp, scale, unit, vMin, onVMin }: Props) {
                 <th scope="row">v_min is</th>
                 <td className="num">
                   {speed(result.v_min_pps)}
-                  {result.share === null ? "" : `, ${fixed(100 * result.share)} % of that`}
+                  {result.share === null ? "" : `, ${fixed(100 * result.share, 0, "%")} of that`}
                 </td>
               </tr>
               <tr>

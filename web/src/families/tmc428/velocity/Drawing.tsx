@@ -61,7 +61,7 @@ export function Drawing({ knots, onChange }: Props) {
       viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
       className="block w-full"
       role="group"
-      aria-label={`Velocity over ${compact(endS / 1.05)} s, ${knots.length} knots`}
+      aria-label={`Velocity over ${compact(endS / 1.05, 4, "s")}, ${knots.length} knots`}
       onPointerMove={drag}
       onPointerUp={release}
       onPointerCancel={release}
@@ -86,7 +86,7 @@ export function Drawing({ knots, onChange }: Props) {
           role="slider"
           aria-label={`Knot ${index + 1}`}
           aria-valuenow={Math.round(pps)}
-          aria-valuetext={`${compact(pps)} pps at ${compact(timeS)} s`}
+          aria-valuetext={`${compact(pps, 4, "pps")} at ${compact(timeS, 4, "s")}`}
           style={{ cursor: "grab", pointerEvents: "auto" }}
           onPointerDown={(event) => {
             event.preventDefault();

@@ -176,9 +176,10 @@ function Play({ summary, error, state, disabled, running, start, stop }: PlayPro
         {start.error !== null && <ProblemAlert error={start.error} doing="Playing" />}
         {summary && (
           <Text size="sm">
-            {fixed(summary.points)} points in {compact(summary.duration_s)} s, up to {compact(summary.peak_pps)} pps and{" "}
-            {compact(summary.acceleration_pps2)} pps². From {fixed(summary.lowest)} to {fixed(summary.highest)}, ends at{" "}
-            {fixed(summary.end)} µsteps. The chip's step is {compact(summary.step_pps)} pps.
+            {fixed(summary.points)} points in {compact(summary.duration_s, 4, "s")}, up to{" "}
+            {compact(summary.peak_pps, 4, "pps")} and {compact(summary.acceleration_pps2)} pps². From{" "}
+            {fixed(summary.lowest)} to {fixed(summary.highest)}, ends at {fixed(summary.end)} µsteps. The chip's step is{" "}
+            {compact(summary.step_pps, 4, "pps")}.
           </Text>
         )}
         <Text size="xs" c="dimmed">
@@ -248,7 +249,11 @@ function Lateness({ device, axis, running, sent }: { device: Device; axis: numbe
   return (
     <Card
       title="Lateness of each point"
-      note={sorted.length > 0 ? `half within ${compact(at(50))} ms, 99 % within ${compact(at(99))} ms` : undefined}
+      note={
+        sorted.length > 0
+          ? `half within ${compact(at(50), 4, "ms")}, 99 % within ${compact(at(99), 4, "ms")}`
+          : undefined
+      }
       actions={
         <SegmentedControl
           aria-label="Lateness as"

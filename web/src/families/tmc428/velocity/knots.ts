@@ -1,3 +1,4 @@
+import { rounded } from "../../../lib/format";
 /** A velocity over time as knots, the lines between them straight. */
 export interface Knot {
   timeS: number;
@@ -8,7 +9,7 @@ export const KNOTS_DRAWN_MAX = 60;
 
 /** Knots as lines of "time, velocity". */
 export const textOf = (knots: readonly Knot[]): string =>
-  knots.map(({ timeS, pps }) => `${Number(timeS.toPrecision(9))}, ${Number(pps.toPrecision(9))}`).join("\n");
+  knots.map(({ timeS, pps }) => `${rounded(timeS, 9)}, ${rounded(pps, 9)}`).join("\n");
 
 /** Two columns, time in seconds and velocity in pps, by comma, semicolon or tab; a head line and # are passed over. */
 export function parsed(text: string): { knots: Knot[] } | { problem: string } {

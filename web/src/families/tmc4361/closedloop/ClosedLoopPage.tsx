@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { IconTargetArrow } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
-import { fixed } from "../../../lib/format";
+import { fixed, rounded } from "../../../lib/format";
 import { NoDevice, Waiting } from "../../../lib/NoDevice";
 import { Page } from "../../../lib/Page";
 import { colorOf, type Quantity } from "../../../lib/palette";
@@ -185,7 +185,7 @@ function settingsOf(chip: ChipRows): string {
   if (mode === 1)
     return [
       said("β", chip.held("CL_ANGLES", "CL_BETA")),
-      said("P", chip.held("CL_DELTA_P"), (value) => String(Number((value / 65_536).toPrecision(3)))),
+      said("P", chip.held("CL_DELTA_P"), (value) => String(rounded(value / 65_536, 3))),
       said("tol", chip.held("CL_TOLERANCE")),
     ]
       .filter(Boolean)

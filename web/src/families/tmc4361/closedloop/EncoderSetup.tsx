@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
-import { fixed } from "../../../lib/format";
+import { fixed, rounded } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
@@ -39,7 +39,7 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
           field="ENC_IN_RES"
           disabled={disabled}
           {...(incremental && !manual
-            ? { physical: (value: number) => (value === 0 ? "none" : `${Number((value / 4).toPrecision(6))} lines`) }
+            ? { physical: (value: number) => (value === 0 ? "none" : `${rounded(value / 4, 6)} lines`) }
             : {})}
         />
         {incremental ? (

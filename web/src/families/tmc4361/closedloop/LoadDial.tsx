@@ -1,5 +1,5 @@
 import { useEffect, useRef } from "react";
-import { fixed } from "../../../lib/format";
+import { coordinate, fixed } from "../../../lib/format";
 import { everyTick, LiveText } from "../../../live/LiveText";
 import { degrees, onCircle, sector, zoneOf } from "./angle";
 import classes from "./closedloop.module.css";
@@ -33,7 +33,7 @@ export function LoadDial({ read, beta, gamma, regulated, emf }: Props) {
     () =>
       everyTick(() => {
         const angle = latest.current.read();
-        hand.current?.setAttribute("transform", `rotate(${Number.isNaN(angle) ? 0 : angle.toFixed(1)})`);
+        hand.current?.setAttribute("transform", `rotate(${Number.isNaN(angle) ? 0 : coordinate(angle, 1)})`);
         if (figure.current) figure.current.dataset.zone = zoneOf(angle, latest.current.betaDeg);
       }),
     [],

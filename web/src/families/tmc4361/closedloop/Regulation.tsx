@@ -1,7 +1,7 @@
 import { Button, SegmentedControl, Tabs, Text } from "@mantine/core";
 import { useAddressChoice } from "../../../lib/address";
 import { Card } from "../../../lib/Card";
-import { duration, fixed } from "../../../lib/format";
+import { duration, fixed, rounded } from "../../../lib/format";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
 import { degrees } from "./angle";
@@ -40,8 +40,8 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
   const shown = tab || (pid ? "pid" : "loop");
   const angle = (value: number) => `${fixed(degrees(value), 1)}°`;
   const time = (clocks: number) => `${duration(clocks / clockHz)} a step`;
-  const scale = (value: number) => `${fixed(((value + 1) / 256) * 100, 1)} %`;
-  const per256 = (value: number) => `${Number((value / 256).toPrecision(4))}`;
+  const scale = (value: number) => fixed(((value + 1) / 256) * 100, 1, "%");
+  const per256 = (value: number) => String(rounded(value / 256, 4));
   const field = (
     register: string,
     name?: string,
@@ -86,7 +86,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
         <Tabs.Panel value="loop" pt={8}>
           <div className="halves start gap-8">
             {field("CL_ANGLES", "CL_BETA", { physical: angle })}
-            {field("CL_DELTA_P", undefined, { physical: (value) => `gain ${Number((value / 65_536).toPrecision(4))}` })}
+            {field("CL_DELTA_P", undefined, { physical: (value) => `gain ${rounded(value / 65_536, 4)}` })}
             {field("CL_TOLERANCE", undefined, { physical: () => "gain 1 inside" })}
             {field("CL_TR_TOLERANCE")}
             {field("CL_ANGLES", "CL_GAMMA", { physical: angle })}

@@ -10,8 +10,8 @@ import { columnOf, farOnes, originOf, type Run, reachOf, type View, wayOf } from
 
 /** Curves of before, from the newer to the older: paler, and told apart by their dashes. */
 const GHOSTS: readonly { light: string; dark: string; dash: number[] }[] = [
-  { light: "#b87400", dark: "#e69f00", dash: [7, 3] },
-  { light: "#6f6a00", dark: "#d6cf3f", dash: [3, 3] },
+  { light: "#a86400", dark: "#e69f00", dash: [7, 3] },
+  { light: "#5c5200", dark: "#f0e442", dash: [3, 3] },
   { light: "#6b7480", dark: "#9aa3ad", dash: [10, 4, 2, 4] },
   { light: "#8a93a0", dark: "#7a828c", dash: [2, 4] },
   { light: "#a3abb5", dark: "#69717b", dash: [1, 3] },

@@ -301,7 +301,7 @@ const FIGURES: readonly Figure[] = [
     label: "Overshoot",
     of: (score) => score.overshoot,
     text: (score) =>
-      `${fixed(score.overshoot, 1)}${score.overshoot_ratio === null ? "" : ` (${fixed(100 * score.overshoot_ratio, 2)} %)`}`,
+      `${fixed(score.overshoot, 1)}${score.overshoot_ratio === null ? "" : ` (${fixed(100 * score.overshoot_ratio, 2, "%")})`}`,
   },
   {
     label: "Settling",

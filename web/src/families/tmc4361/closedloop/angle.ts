@@ -1,3 +1,4 @@
+import { coordinate } from "../../../lib/format";
 /** Microsteps of the sine table: a turn of the field. */
 export const ELECTRICAL_TURN = 1024;
 
@@ -18,7 +19,7 @@ export function sector(fromDeg: number, toDeg: number, inner: number, outer: num
   const large = span > 180 ? 1 : 0;
   const at = (angle: number, radius: number) => {
     const { x, y } = onCircle(angle, radius);
-    return `${x.toFixed(2)} ${y.toFixed(2)}`;
+    return `${coordinate(x)} ${coordinate(y)}`;
   };
   const end = fromDeg + span;
   return (

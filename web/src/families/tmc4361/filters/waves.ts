@@ -1,4 +1,5 @@
 import type { Schemas } from "../../../api/client";
+import { coordinate, exactText, rounded } from "../../../lib/format";
 
 export type Bounds = Schemas["FilterBounds"];
 export type Filtered = Schemas["InputFilterResult"];
@@ -123,17 +124,16 @@ export function wavePath(
   y: (level: number) => number,
 ): string {
   const first = levels[0] ?? 0;
-  let path = `M${x(0).toFixed(2)} ${y(first)}`;
-  for (const edge of edgesOf(levels)) path += `H${x(edge).toFixed(2)}V${y(levels[edge] ?? 0)}`;
-  return `${path}H${x(levels.length).toFixed(2)}`;
+  let path = `M${coordinate(x(0))} ${y(first)}`;
+  for (const edge of edgesOf(levels)) path += `H${coordinate(x(edge))}V${y(levels[edge] ?? 0)}`;
+  return `${path}H${coordinate(x(levels.length))}`;
 }
 
 /** Nanoseconds as a data sheet writes them: 62.5 ns, 1.5 µs, 0.512 ms. */
 export function timeText(seconds: number): string {
   const ns = seconds * 1e9;
-  if (ns < 1e3) return `${Number(ns.toPrecision(4))}\u202fns`;
-  if (ns < 1e6) return `${Number((ns / 1e3).toPrecision(4))}\u202fµs`;
-  return `${Number((ns / 1e6).toPrecision(4))}\u202fms`;
+  const [value, unit] = ns < 1e3 ? [ns, "ns"] : ns < 1e6 ? [ns / 1e3, "µs"] : [ns / 1e6, "ms"];
+  return exactText(rounded(value, 4), unit);
 }
 
 /** Ticks of a time axis: at most so many, at round times [s]. */

@@ -153,8 +153,8 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             </tbody>
           </table>
           <Text className="hint">
-            The coils get {fixed(result.mean_square * 100, 0)} % of full scale's heat in motion, and{" "}
-            {fixed(result.rest_square * 100, 0)} % at rest.
+            The coils get {fixed(result.mean_square * 100, 0, "%")} of full scale's heat in motion, and{" "}
+            {fixed(result.rest_square * 100, 0, "%")} at rest.
           </Text>
           <WarningLines texts={result.findings} />
         </div>

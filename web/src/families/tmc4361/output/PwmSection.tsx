@@ -4,7 +4,7 @@ import { Card } from "../../../lib/Card";
 import { compact, fixed, frequency } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { colorOf } from "../../../lib/palette";
+import { colorOf, lineOf } from "../../../lib/palette";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
 import { useCalc } from "../../../lib/useCalc";
@@ -50,7 +50,7 @@ export function PwmSection({ chip, clockHz, disabled }: Props) {
       <div className="halves start gap-8">
         {field("PWM_FREQ", undefined, (clocks) => (clocks ? frequency(clockHz / clocks) : "no PWM"))}
         {field("PWM_VMAX")}
-        {field("CURRENT_CONF", "pwm_ampl", (value) => `${fixed(((value + 1) / 2 ** 17) * 100, 1)} % at rest`)}
+        {field("CURRENT_CONF", "pwm_ampl", (value) => `${fixed(((value + 1) / 2 ** 17) * 100, 1, "%")} at rest`)}
         {field("MSOFFSET", undefined, (value) => `${fixed((value / 1024) * 360, 1)}° electrical`)}
       </div>
       <div className="lines-16 my-8 end">
@@ -62,10 +62,10 @@ export function PwmSection({ chip, clockHz, disabled }: Props) {
         <div className="fades" data-stale={stale} data-testid="pwm-duty">
           <Plot
             label="Duty over the electrical turn"
-            summary={`Duty 50 % plus or minus ${fixed(result.amplitude_there * 100, 1)} %`}
+            summary={`Duty 50 % plus or minus ${fixed(result.amplitude_there * 100, 1, "%")}`}
             series={[
               { label: "PWM A (STPOUT)", unit: "%", color: colorOf("phase_a", scheme), width: 2 },
-              { label: "PWM B (DIROUT)", unit: "%", color: colorOf("phase_b", scheme), width: 2 },
+              { label: "PWM B (DIROUT)", unit: "%", ...lineOf("phase_b", scheme), width: 2 },
             ]}
             data={[result.place, percent(result.duty_a), percent(result.duty_b)]}
             x={{ label: "place in the microstep table" }}

@@ -12,7 +12,7 @@ interface Props {
 
 /** Which scale applies when, and how fast one becomes the other. All of it is staged. */
 export function ScaleFields({ chip, clockHz, disabled }: Props) {
-  const scale = (value: number) => `${fixed(((value + 1) / 256) * 100, 1)} %`;
+  const scale = (value: number) => fixed(((value + 1) / 256) * 100, 1, "%");
   const step = (clocks: number) => (clocks === 0 ? "at once" : `${duration(clocks / clockHz)} a step`);
   const time = (clocks: number) => duration(clocks / clockHz);
   const flag = (field: string, label: string) => (

@@ -325,7 +325,7 @@ function Facts({ result }: { result: SerialAnswer }) {
     ["The clock rests for", duration(result.pause_s)],
     ["One count", `${compact(result.angle_deg)} °`],
     ["Turns told apart", compact(result.turns, 10)],
-    ["Fastest", result.speed_rpm === null ? "no limit by the encoder" : `${compact(result.speed_rpm)} rpm`],
+    ["Fastest", result.speed_rpm === null ? "no limit by the encoder" : compact(result.speed_rpm, 4, "rpm")],
   ];
   return (
     <>

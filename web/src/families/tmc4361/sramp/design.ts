@@ -1,3 +1,4 @@
+import { rounded } from "../../../lib/format";
 import type { Kind } from "../../../lib/ramp/answer";
 import type { Mode } from "../../../lib/ramp/DesignPlots";
 import type { Preset } from "../../../lib/ramp/RampRegisters";
@@ -100,12 +101,12 @@ export function lockOf(design: Design): Lock {
 
 /** The bow with which a slope just touches AMAX and B12 takes no time: the fastest slopes of DS-TMC4361 8.2. */
 export function touchingBow(design: Pick<Design, "vmax" | "amax">): number {
-  return rounded(design.amax ** 2 / design.vmax);
+  return leading(design.amax ** 2 / design.vmax);
 }
 
 /** Three leading digits, as a person would choose them. */
-export function rounded(value: number): number {
-  return value > 0 && Number.isFinite(value) ? Number(value.toPrecision(3)) : 0;
+export function leading(value: number): number {
+  return value > 0 && Number.isFinite(value) ? rounded(value, 3) : 0;
 }
 
 /** Nearly eight turns a second of a 200-step motor at 256 microsteps, within four tenths of a second. */
@@ -136,12 +137,12 @@ export const OPTIONS: Options = {
 export function showingDistance({ vmax, amax, dmax, bow1, bow4 }: Design): number {
   const slope = (limit: number, bow: number) => vmax / limit + Math.min(limit, Math.sqrt(vmax * bow)) / bow;
   const steps = 0.75 * vmax * (slope(amax, bow1) + slope(dmax, bow4));
-  return Math.min(2 ** 30, Math.max(100, Number(steps.toPrecision(2))));
+  return Math.min(2 ** 30, Math.max(100, rounded(steps, 2)));
 }
 
 function bows(design: Design, factors: readonly [number, number, number, number]): Design {
   const bow = touchingBow(design);
-  const [bow1, bow2, bow3, bow4] = factors.map((factor) => rounded(bow * factor)) as [number, number, number, number];
+  const [bow1, bow2, bow3, bow4] = factors.map((factor) => leading(bow * factor)) as [number, number, number, number];
   return { ...design, bow1, bow2, bow3, bow4, vstart: 0, vstop: 0, astart: 0, dfinal: 0 };
 }
 
@@ -170,7 +171,7 @@ export const PRESETS: readonly Preset<Design>[] = [
   {
     name: "Soft landing",
     text: "quick away, gentle into the target",
-    of: (design) => bows({ ...design, dmax: rounded(design.amax / 2) }, [4, 4, 2, 0.2]),
+    of: (design) => bows({ ...design, dmax: leading(design.amax / 2) }, [4, 4, 2, 0.2]),
   },
   {
     name: "Nearly a trapezoid",

@@ -329,7 +329,7 @@ function Preview({ result, stale }: { result: SequenceAnswer; stale: boolean }) 
                 <td className="num">{fixed(move.target)}</td>
                 <td className="num">{duration(move.start_s)}</td>
                 <td className="num">{move.reached ? duration(move.end_s) : "sent elsewhere"}</td>
-                <td className="num">{compact(move.vmax_pps)} pps</td>
+                <td className="num">{compact(move.vmax_pps, 4, "pps")}</td>
               </tr>
             ))}
           </tbody>

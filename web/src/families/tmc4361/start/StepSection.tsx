@@ -3,7 +3,7 @@ import { useState } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
-import { compact, fixed } from "../../../lib/format";
+import { compact, fixed, rounded } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { ChipField } from "../../../lib/rows/ChipField";
@@ -49,7 +49,7 @@ export function StepSection({ chip, device, clockHz, disabled, microsteps, fullS
         <ChipField
           chip={chip}
           register="GEAR_RATIO"
-          physical={(word) => `${Number((word / GEAR_ONE).toPrecision(9))} steps a step`}
+          physical={(word) => `${rounded(word / GEAR_ONE, 9)} steps a step`}
           disabled={disabled}
         />
         <NumberField

@@ -206,14 +206,18 @@ function DcStepFacts({ result }: { result: Schemas["DcStepResult"] }) {
           <Row
             name="From"
             value={
-              step === null ? "never" : `${compact(result.full_steps_per_s)} full steps/s, ${compact(result.rpm)} rpm`
+              step === null
+                ? "never"
+                : `${compact(result.full_steps_per_s)} full steps/s, ${compact(result.rpm, 4, "rpm")}`
             }
           />
           <Row name="A full step there takes" value={duration(step)} />
           <Row
             name="Slowed down at most to"
             value={
-              least === null || slow === null ? "no limit" : `${compact(least)} full steps/s, ${compact(slow)} rpm`
+              least === null || slow === null
+                ? "no limit"
+                : `${compact(least)} full steps/s, ${compact(slow, 4, "rpm")}`
             }
           />
           <Row name="Ready for on times below" value={duration(result.on_time_s)} />
@@ -246,7 +250,7 @@ function Waits({ device }: { device: Device }) {
         ? "MP2: not enabled at this speed."
         : state.step_ready
           ? "MP2: enabled. MP1: the motor follows."
-          : `MP2: enabled. MP1: the ramp has waited for ${fixed(state.waited_s * 1e3, 1)} ms.`}
+          : `MP2: enabled. MP1: the ramp has waited for ${fixed(state.waited_s * 1e3, 1, "ms")}.`}
     </Text>
   );
 }

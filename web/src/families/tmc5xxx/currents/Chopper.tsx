@@ -48,7 +48,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
   return (
     <Card
       title="Chopper to begin with"
-      note={runRmsA === null ? undefined : `for ${fixed(runRmsA, 2)} A rms`}
+      note={runRmsA === null ? undefined : `for ${fixed(runRmsA, 2, "A")} rms`}
       actions={
         <Button
           size="compact-xs"

@@ -253,7 +253,8 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
           </div>
           {answer.hold && (
             <Text className="hint">
-              IHOLD {answer.hold.scale}: {fixed(answer.hold.rms_a, 3)} A rms at rest, {percent(answer.hold.error)} off.
+              IHOLD {answer.hold.scale}: {fixed(answer.hold.rms_a, 3, "A")} rms at rest, {percent(answer.hold.error)}{" "}
+              off.
             </Text>
           )}
           <WarningLines texts={answer.warnings.filter((warning) => !result?.warnings.includes(warning))} />
@@ -264,5 +265,5 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
 }
 
 function percent(error: number | null): string {
-  return error === null ? "–" : `${fixed(error * 100, 2)} %`;
+  return error === null ? "–" : fixed(error * 100, 2, "%");
 }

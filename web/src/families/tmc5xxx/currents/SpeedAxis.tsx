@@ -1,6 +1,6 @@
 import { useElementSize, useMergedRef } from "@mantine/hooks";
 import { type CSSProperties, type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react";
-import { compact } from "../../../lib/format";
+import { compact, coordinate } from "../../../lib/format";
 import { everyTick } from "../../../live/LiveText";
 import { widest } from "../../../plots/labels";
 import classes from "./currents.module.css";
@@ -125,7 +125,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
             className={classes.limit}
             data-side={before ? "before" : "after"}
             style={{ left: percent(shareOf(pps, axis)), ...raised(name) } as CSSProperties}
-            title={`${name} at ${compact(rpmOf(pps, scale), 3)} rpm`}
+            title={`${name} at ${compact(rpmOf(pps, scale), 3, "rpm")}`}
           >
             <span className={`${classes.limitName} caution text-12 nowrap`}>{name}</span>
           </span>
@@ -146,7 +146,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
               aria-valuemin={Math.round(axis.least)}
               aria-valuemax={Math.round(axis.most)}
               aria-valuenow={Math.round(threshold.pps)}
-              aria-valuetext={`${compact(Math.round(threshold.pps))} pps, ${compact(rpmOf(threshold.pps, scale), 3)} rpm`}
+              aria-valuetext={`${compact(Math.round(threshold.pps), 4, "pps")}, ${compact(rpmOf(threshold.pps, scale), 3, "rpm")}`}
               aria-disabled={disabled}
               onKeyDown={(event) => key(threshold, event)}
               onPointerDown={(event) => {
@@ -186,7 +186,7 @@ function Lane({ label, zones, axis, scale }: { label: string; zones: Zone[]; axi
             left: percent(shareOf(zone.from, axis)),
             width: percent(shareOf(zone.to, axis) - shareOf(zone.from, axis)),
           }}
-          title={`${zone.name}: ${compact(rpmOf(zone.from, scale), 3)} to ${compact(rpmOf(zone.to, scale), 3)} rpm`}
+          title={`${zone.name}: ${compact(rpmOf(zone.from, scale), 3)} to ${compact(rpmOf(zone.to, scale), 3, "rpm")}`}
         >
           <span>{zone.name}</span>
         </li>
@@ -209,4 +209,4 @@ const ZONE_LOOKS: Record<Zone["kind"], string> = {
   off: "dim",
 };
 
-const percent = (share: number) => `${(100 * share).toFixed(3)}%`;
+const percent = (share: number) => `${coordinate(100 * share, 3)}%`;

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
-import { compact, exactText } from "../../../lib/format";
+import { compact, exactText, rounded } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ChipField } from "../../../lib/rows/ChipField";
 import { type Registers, THRESHOLDS, thresholdKind } from "./chip";
@@ -85,13 +85,13 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
                 unit="rpm"
                 aria-label={`${register} in rpm`}
                 value={pps === null ? null : rpmOf(pps, scale)}
-                show={(rpm) => exactText(Number(rpm.toPrecision(5)))}
+                show={(rpm) => exactText(rounded(rpm, 5))}
                 placeholder="off"
                 min={0}
                 max={1e6}
                 step={10}
                 disabled={disabled}
-                description={pps === null ? "0: never" : pps === 0 ? "0: always" : `${compact(Math.round(pps))} pps`}
+                description={pps === null ? "0: never" : pps === 0 ? "0: always" : compact(Math.round(pps), 4, "pps")}
                 inputWrapperOrder={["label", "input", "description", "error"]}
                 onChange={(rpm) => move(register, (rpm * scale.microsteps * scale.fullStepsPerTurn) / 60)}
                 data-testid={`rpm-${register}`}

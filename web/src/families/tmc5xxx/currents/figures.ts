@@ -35,7 +35,7 @@ export function figureLines(figures: readonly Figure[]): FigureLine[] {
 
 function figureText({ value, unit }: Figure): string {
   if (unit === "Hz") return frequency(value);
-  if (unit === "pps") return `${compact(Math.round(value))} pps`;
+  if (unit === "pps") return compact(Math.round(value), 4, "pps");
   if (unit === "clocks") return `TSTEP ${compact(value)}`;
   return withUnit(value, unit, 3);
 }

@@ -1,3 +1,4 @@
+import { rounded } from "../../../lib/format";
 import type { Kind } from "../../../lib/ramp/answer";
 import type { Mode } from "../../../lib/ramp/DesignPlots";
 import type { Preset } from "../../../lib/ramp/RampRegisters";
@@ -103,12 +104,12 @@ function slope(start: number, knee: number, end: number, first: number, second: 
 export function showingDistance({ vstart, a1, v1, amax, vmax, dmax, d1, vstop }: Design): number {
   const way = slope(vstart, v1, vmax, a1, amax) + slope(vstop, v1, vmax, d1, dmax);
   const steps = Number.isFinite(way) && way > 0 ? 1.5 * way : vmax;
-  return Math.min(2 ** 30, Math.max(100, Number(steps.toPrecision(2))));
+  return Math.min(2 ** 30, Math.max(100, rounded(steps, 2)));
 }
 
 /** Three leading digits, as a person would choose them. */
-function rounded(value: number): number {
-  return value > 0 && Number.isFinite(value) ? Number(value.toPrecision(3)) : 0;
+function leading(value: number): number {
+  return value > 0 && Number.isFinite(value) ? rounded(value, 3) : 0;
 }
 
 /** Shapes for the velocity and acceleration that are set; each keeps VMAX and AMAX. */
@@ -132,7 +133,7 @@ export const PRESETS: readonly Preset<Design>[] = [
     name: "Over the resonance",
     text: "starts and stops at a tenth of VMAX, above the speeds at which it rings",
     of: (design) => {
-      const speed = rounded(design.vmax / 10);
+      const speed = leading(design.vmax / 10);
       return { ...steps(design, 0.5, 1.5), vstart: speed, vstop: speed };
     },
   },
@@ -141,18 +142,18 @@ export const PRESETS: readonly Preset<Design>[] = [
     text: "quick away, half as hard braking, a fifth of that at the end",
     of: (design) => ({
       ...steps(design, 0.3, 1.5),
-      dmax: rounded(design.amax / 2),
-      d1: rounded(design.amax / 10),
+      dmax: leading(design.amax / 2),
+      d1: leading(design.amax / 10),
     }),
   },
 ];
 
 function steps(design: Design, knee: number, factor: number): Design {
-  const rate = rounded(design.amax * factor);
+  const rate = leading(design.amax * factor);
   return {
     ...design,
     vstart: 0,
-    v1: rounded(design.vmax * knee),
+    v1: leading(design.vmax * knee),
     a1: rate,
     d1: rate,
     dmax: design.amax,

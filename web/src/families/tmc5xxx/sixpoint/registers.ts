@@ -1,3 +1,4 @@
+import { rounded } from "../../../lib/format";
 import { type Design, PARAMETERS, type Parameter } from "./design";
 
 /**
@@ -52,7 +53,7 @@ export function typedOf(parameter: Parameter, raw: number, clockHz: number): num
   const unit = unitOf(parameter, clockHz);
   const most = REGISTERS[parameter].most * unit;
   for (let digits = 3; digits < 15; digits++) {
-    const short = Number((raw * unit).toPrecision(digits));
+    const short = rounded(raw * unit, digits);
     if (short <= most && rawOf(parameter, short, clockHz) === raw) return short;
   }
   return raw * unit;

@@ -101,7 +101,7 @@ function OfDriver({ device, axis }: { device: Device; axis: Device["axes"][numbe
           </div>
           <Text className="hint" mt={8} mih="3em">
             {found.result &&
-              `Full scale is ${fixed(found.result.full_scale_rms_a, 3)} A rms; a sense resistor gets ${fixed(
+              `Full scale is ${fixed(found.result.full_scale_rms_a, 3, "A")} rms; a sense resistor gets ${fixed(
                 found.result.sense_power_w * 1000,
               )} mW at most.`}
           </Text>
@@ -161,7 +161,7 @@ function Wanted({ chip, asked }: { chip: ChipRows; asked: Asked }) {
         step={0.05}
         onChange={setWanted}
         inputWrapperOrder={ORDER}
-        description={best ? `CS ${best.scale}, vsense ${best.vsense}: ${fixed(best.rms_a, 3)} A` : "\u00a0"}
+        description={best ? `CS ${best.scale}, vsense ${best.vsense}: ${fixed(best.rms_a, 3, "A")}` : "\u00a0"}
       />
       <Button
         disabled={!chip.known || best === undefined || found.stale || held}

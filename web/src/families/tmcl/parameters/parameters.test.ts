@@ -88,11 +88,11 @@ describe("what a parameter's number means", () => {
   });
 
   it("tells the current that the driver's 32 steps come to", () => {
-    expect(meaningOf(current, 255, context)).toBe("4.20\u202fA peak · 100 %");
+    expect(meaningOf(current, 255, context)).toBe("4.20\u202fA peak · 100\u202f%");
     // 128 is step 16 of 0..31: 17 of 32 steps
-    expect(meaningOf(current, 128, context)).toBe("2.23\u202fA peak · 50.2 %");
+    expect(meaningOf(current, 128, context)).toBe("2.23\u202fA peak · 50.2\u202f%");
     expect(meaningOf(current, 255, { ...context, globalScaler: 128 })).toMatch(/2\.10\u202fA peak/);
-    expect(meaningOf(current, 255, { ...context, globalScaler: null })).toBe("100 %");
+    expect(meaningOf(current, 255, { ...context, globalScaler: null })).toBe("100\u202f%");
   });
 });
 

@@ -95,7 +95,7 @@ export const FULL_SCALE_A = 4.2;
 
 /** A current of AP 6 or 7: share of the full scale, and the peak of the coil current. The driver makes 32 steps of it. */
 export function currentText(value: number, globalScaler: number | null): string {
-  const share = `${compact((100 * value) / 255, 3)} %`;
+  const share = compact((100 * value) / 255, 3, "%");
   if (globalScaler === null) return share;
   const scaler = globalScaler === 0 ? 1 : globalScaler / 256;
   const amperes = (FULL_SCALE_A * scaler * (Math.floor(value / 8) + 1)) / 32;
@@ -114,7 +114,7 @@ export interface Context {
 /** A parameter's number as what it means; empty where the number says it all. */
 export function meaningOf(row: RegisterRow, value: number, context: Context): string {
   if (row.unit === "1/255") return currentText(value, context.globalScaler);
-  if (row.unit === "1/256") return value === 0 ? "full scale" : `${compact((100 * value) / 256, 3)} %`;
+  if (row.unit === "1/256") return value === 0 ? "full scale" : compact((100 * value) / 256, 3, "%");
   if (TIMES[row.unit] !== undefined) return duration(value * (TIMES[row.unit] ?? 0));
   return scalesOf(row, context.scale, context.mode, context.clockHz)
     .map((scale) => withUnit(value * scale.perChip, scale.unit, 4))

@@ -2,7 +2,7 @@ import { Button, Group } from "@mantine/core";
 import { IconArrowLeft, IconArrowRight, IconPlayerStop, IconRotate, IconRotateClockwise } from "@tabler/icons-react";
 import { useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
-import { exactText } from "../../../lib/format";
+import { exactText, rounded } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, ratesOf, toSteps } from "../../../lib/units";
 import { useLocalKept } from "../../../lib/useKept";
@@ -35,10 +35,10 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
         classNames={{ root: classes.inline, input: "num" }}
         label="Speed"
         value={fromSteps(speed, rate, scale, "velocity")}
-        show={(value) => exactText(Number(value.toPrecision(5)))}
+        show={(value) => exactText(rounded(value, 5))}
         unit={rate}
         min={0}
-        step={Number(fromSteps(topSpeedPps / 20, rate, scale, "velocity").toPrecision(2))}
+        step={rounded(fromSteps(topSpeedPps / 20, rate, scale, "velocity"), 2)}
         disabled={disabled}
         onChange={(value) => setChosen(toSteps(value, rate, scale, "velocity"))}
         onWrong={setWrong}

@@ -98,13 +98,13 @@ export function CursorReadout({ scope }: { scope: Scope }) {
   return (
     <div className={`${classes.cursorReadout} under-plot lines-8 baseline text-12`} data-testid="cursor-readout">
       <span style={{ color: scope.markColors.a, fontWeight: 700 }}>A</span>
-      <LiveText read={() => `${fixed(scope.view.cursors().a, 4)} s`} />
+      <LiveText read={() => fixed(scope.view.cursors().a, 4, "s")} />
       <span style={{ color: scope.markColors.b, fontWeight: 700 }}>B</span>
-      <LiveText read={() => `${fixed(scope.view.cursors().b, 4)} s`} />
+      <LiveText read={() => fixed(scope.view.cursors().b, 4, "s")} />
       <span>Δt</span>
-      <LiveText read={() => `${fixed(distance() * 1000, 2)} ms`} />
+      <LiveText read={() => fixed(distance() * 1000, 2, "ms")} />
       <span>1/Δt</span>
-      <LiveText read={() => `${compact(1 / Math.abs(distance()), 4)} Hz`} />
+      <LiveText read={() => compact(1 / Math.abs(distance()), 4, "Hz")} />
     </div>
   );
 }

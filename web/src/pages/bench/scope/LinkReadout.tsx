@@ -32,7 +32,7 @@ function figuresOf(link: LinkState): Figure[] {
     {
       name: "Hz",
       shown: [<b key="value">{fixed(link.achievedRateHz, 1)}</b>, " Hz"],
-      means: `Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`,
+      means: `Achieved, of ${fixed(link.rateHz, 0, "Hz")} granted and ${fixed(link.requestedRateHz, 0, "Hz")} asked for`,
       warn: slow,
     },
     {

@@ -1,6 +1,6 @@
 import { can, type Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
-import { colorOf } from "../../../lib/palette";
+import { colorOf, lineOf } from "../../../lib/palette";
 import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
 import type { TelemetryRequest } from "../../../live/request";
 import type { PlotSeries } from "../../../plots/types";
@@ -100,16 +100,20 @@ export function buildRows(
         const label = index === 0 ? channel.label : `${found.name}`;
         const key = index === 0 ? channel.quantity : `${ref.device}/${name}`;
         const shown = !settings.hidden.includes(key);
-        const dash = index === 0 ? undefined : DASHES[(index - 1) % DASHES.length];
+        // of two of a kind in a row one is dashed, no other: dashes cost frames
+        const color = colorOf(channel.quantity, scheme);
+        const alone = row.channels.every((other) => other === channel || colorOf(other.quantity, scheme) !== color);
+        const own = alone ? undefined : lineOf(channel.quantity, scheme).dash;
+        const dash = index === 0 ? own : DASHES[(index - 1) % DASHES.length];
         const series = seriesOf(channel, label, {
-          color: colorOf(channel.quantity, scheme),
+          color,
           scheme,
           dash,
           stepped: place !== null,
         });
         if (!shown) series.hidden = true;
         if (place) {
-          series.fill = `${colorOf(channel.quantity, scheme)}50`;
+          series.fill = `${color}50`;
           series.fillTo = place.low;
         }
         return [

@@ -1,5 +1,6 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { can, type Device } from "../../../api/queries";
+import { fixed } from "../../../lib/format";
 import { useScheme } from "../../../lib/useScheme";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
@@ -216,7 +217,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     /** the latest thing that the program did, as its mark says it */
     programNow: (): string => {
       const latest = source?.program.at(-1);
-      return latest ? `${latest.text} (${latest.time_s.toFixed(3)} s)` : "";
+      return latest ? `${latest.text} (${fixed(latest.time_s, 3, "s")})` : "";
     },
     hover: () => hover.current,
     setHover: (time: number | null) => {

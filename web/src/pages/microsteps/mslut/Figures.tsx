@@ -4,7 +4,7 @@ import { type FigureRow, FiguresTable } from "../FiguresTable";
 
 export type Figures = Schemas["MslutFigures"];
 
-const percent = (share: number | null) => (share === null ? "–" : `${fixed(share * 100, 2)} %`);
+const percent = (share: number | null) => (share === null ? "–" : fixed(share * 100, 2, "%"));
 const degrees = (angle: number | null, microsteps: number | null) =>
   angle === null ? "–" : `${fixed(angle, 3)}°, ${fixed(microsteps, 2)} µstep`;
 const order = (which: number) => (figures: Figures) => figures.angle_orders?.find((part) => part.order === which);

@@ -1,3 +1,4 @@
+import { coordinate } from "../../../lib/format";
 import { currentAt, POSITIONS } from "./wave";
 
 interface Wave {
@@ -27,7 +28,7 @@ function path(wave: Wave): string {
   let sum = 0;
   for (let position = 0; position < POSITIONS; position++) sum += vector(wave, position)[0];
   const points = Array.from({ length: POSITIONS }, (_, position) => place(wave, sum / POSITIONS, position));
-  return `${points.map(([x, y], at) => `${at === 0 ? "M" : "L"}${x.toFixed(1)},${y.toFixed(1)}`).join("")}Z`;
+  return `${points.map(([x, y], at) => `${at === 0 ? "M" : "L"}${coordinate(x, 1)},${coordinate(y, 1)}`).join("")}Z`;
 }
 
 interface Props {

@@ -1,7 +1,7 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../../api/client";
-import { fixed } from "../../../lib/format";
+import { coordinate, fixed } from "../../../lib/format";
 import { useFrame } from "../../../live/useFrame";
 import classes from "./Mslut.module.css";
 import type { Seen } from "./seen";
@@ -55,7 +55,7 @@ const IDEAL: Wave = { values: SINE, mirror: -1 };
 
 function stairs(points: readonly number[], x: (place: number) => number, y: (value: number) => number): string {
   return points
-    .map((value, place) => `${place === 0 ? "M" : "L"}${x(place).toFixed(1)},${y(value).toFixed(1)}`)
+    .map((value, place) => `${place === 0 ? "M" : "L"}${coordinate(x(place), 1)},${coordinate(y(value), 1)}`)
     .join("");
 }
 
@@ -106,7 +106,7 @@ export function WaveEditor(props: Props) {
     const path =
       places.length < 5
         ? ""
-        : places.map(([place, value]) => `M${x(place).toFixed(1)},${y(value).toFixed(1)}h0`).join("");
+        : places.map(([place, value]) => `M${coordinate(x(place), 1)},${coordinate(y(value), 1)}h0`).join("");
     dots.current.setAttribute("d", path);
   });
   const strip = useMemo(() => {

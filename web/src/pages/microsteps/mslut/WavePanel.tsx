@@ -1,7 +1,7 @@
 import { Button, Menu, SegmentedControl, Slider, Switch } from "@mantine/core";
 import { IconChevronDown } from "@tabler/icons-react";
 import type { ReactNode } from "react";
-import { decimalSum, exactText } from "../../../lib/format";
+import { coordinate, decimalSum, exactText, rounded } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "./Mslut.module.css";
 import { exponentFor, type Formula, type Grid, type Part, PRESETS, rippleOf } from "./wave";
@@ -42,7 +42,7 @@ function Track(props: LineProps) {
         value={Math.min(reach[1], Math.max(reach[0], value))}
         {...(start === undefined ? {} : { startPointValue: start })}
         thumbLabel={title}
-        onChange={(next) => onChange(Number(next.toPrecision(6)))}
+        onChange={(next) => onChange(rounded(next, 6))}
         onChangeEnd={onSettle}
       />
       <NumberField
@@ -121,7 +121,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
         <NumberField
           aria-label="Linearity correction in thousandths"
           unit="‰"
-          value={Number(((formula.exponent - 1) * 1000).toFixed(9))}
+          value={Number(coordinate((formula.exponent - 1) * 1000, 9))}
           min={-800}
           max={4000}
           step={5}
@@ -133,7 +133,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           aria-label="Torque ripple that it cancels"
           unit="%"
           value={rippleOf(formula.exponent) * 100}
-          show={(percent) => exactText(Number(percent.toPrecision(5)))}
+          show={(percent) => exactText(rounded(percent, 5))}
           min={-25}
           max={130}
           step={0.5}

@@ -49,7 +49,7 @@ function Found({ found }: { found: ChopperFound }) {
                 <Table.Td className="num">{one.blank}</Table.Td>
                 <Table.Td className="num">{one.hysteresis}</Table.Td>
                 <Table.Td className="num">{compact(one.ripple_fullsteps, 3)} full steps</Table.Td>
-                <Table.Td className="num">{compact(one.chopper_hz / 1e3, 3)} kHz</Table.Td>
+                <Table.Td className="num">{compact(one.chopper_hz / 1e3, 3, "kHz")}</Table.Td>
               </Table.Tr>
             ))}
           </Table.Tbody>

@@ -13,14 +13,14 @@ export function Results({ study }: { study: Study }) {
 
 function Found({ found }: { found: Loop }) {
   const scheme = useScheme();
-  const color = colorOf("phase_a", scheme);
+  const color = colorOf("position", scheme);
   const other = colorOf("target_position", scheme);
   const margins =
     `phase margin ${compact(found.phase_margin_deg, 3)}°, gain margin ${compact(found.gain_margin, 3)}, ` +
-    `bandwidth ${compact(found.bandwidth_hz, 3)} Hz`;
+    `bandwidth ${compact(found.bandwidth_hz, 3, "Hz")}`;
   const overshoot =
-    `overshoot ${compact(100 * found.expected_overshoot, 3)} % expected` +
-    (found.overshoot ? `, ${compact(100 * found.overshoot.value, 3)} % measured` : "");
+    `overshoot ${compact(100 * found.expected_overshoot, 3, "%")} expected` +
+    (found.overshoot ? `, ${compact(100 * found.overshoot.value, 3, "%")} measured` : "");
   const nichols = nicholsOf(found);
   return (
     <>

@@ -17,21 +17,21 @@ export function Evidence({ study, evidence }: Props) {
   const scheme = useScheme();
   const { low, high } = evidence.interval_s;
   const differences = study.pairs.map(({ winner_s: winner, baseline_s: baseline }) => (winner - baseline) * 1e3);
-  const summary = `${compact(evidence.difference_s * 1e3)} ms on average, 95 %: ${compact(low * 1e3)} to ${compact(high * 1e3)} ms`;
+  const summary = `${compact(evidence.difference_s * 1e3, 4, "ms")} on average, 95 %: ${compact(low * 1e3)} to ${compact(high * 1e3, 4, "ms")}`;
   return (
     <Card title="How sure" note={evidence.significant ? "better" : "not shown to be better"}>
       <Tiles
         label="The best setting against the one before"
         figures={[
-          ["time of a move", `${compact(evidence.share * 100, 3)} %`],
-          ["before", `${compact(evidence.baseline_s, 3)} s`],
-          ["best", `${compact(evidence.winner_s, 3)} s`],
+          ["time of a move", compact(evidence.share * 100, 3, "%")],
+          ["before", compact(evidence.baseline_s, 3, "s")],
+          ["best", compact(evidence.winner_s, 3, "s")],
           ["runs that lost steps", `${evidence.lost_runs} of ${evidence.runs}`],
         ]}
       />
       <Text size="sm">
         {summary}; p {compact(evidence.p, 2)} of {evidence.pairs} pairs. Steps lost in {evidence.lost_runs} of{" "}
-        {evidence.runs} runs: a rate below {compact(evidence.loss_rate_max * 100, 2)} %, at 95 %.
+        {evidence.runs} runs: a rate below {compact(evidence.loss_rate_max * 100, 2, "%")}, at 95 %.
       </Text>
       <Plot
         label="Difference of each pair"

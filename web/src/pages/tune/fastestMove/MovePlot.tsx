@@ -21,7 +21,7 @@ export function MovePlot({ study }: { study: Study }) {
   const summary =
     before === null
       ? ""
-      : `${compact(before, 3)} s before${best === null ? "" : `, ${compact(best, 3)} s with the best setting`}`;
+      : `${compact(before, 3, "s")} before${best === null ? "" : `, ${compact(best, 3, "s")} with the best setting`}`;
   return (
     <Card title="The move" note={summary}>
       <Plot

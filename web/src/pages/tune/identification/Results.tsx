@@ -18,8 +18,8 @@ export function Results({ study }: { study: Study }) {
         summary={summary}
         height={220}
         series={[
-          { label: "measured", unit: "°", color: colorOf("target_position", scheme) },
-          { label: "fitted", unit: "°", color: colorOf("phase_a", scheme) },
+          { label: "measured", unit: "°", color: colorOf("position", scheme) },
+          { label: "fitted", unit: "°", color: colorOf("predicted_position", scheme) },
         ]}
         x={{ label: "time", unit: "s" }}
         scales={{ y: { label: "rotor, electrical", unit: "°" } }}

@@ -17,7 +17,7 @@ function Found({ found }: { found: LeastCurrentFound }) {
   const scheme = useScheme();
   const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
   const { saving } = found;
-  const cooler = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3)} % less heat`;
+  const cooler = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3, "%")} less heat`;
   const note = found.limited_by_supply ? "limited by the supply voltage" : cooler;
   return (
     <Card title="Current" note={note}>
@@ -48,8 +48,8 @@ function Found({ found }: { found: LeastCurrentFound }) {
               // biome-ignore lint/suspicious/noArrayIndexKey: a scale may be tried again, and the list only grows
               <Table.Tr key={index}>
                 <Table.Th scope="row">{one.scale + 1}/32</Table.Th>
-                <Table.Td className="num">{compact(100 * one.share, 3)} %</Table.Td>
-                <Table.Td className="num">{compact(100 * one.speed_times, 3)} %</Table.Td>
+                <Table.Td className="num">{compact(100 * one.share, 3, "%")}</Table.Td>
+                <Table.Td className="num">{compact(100 * one.speed_times, 3, "%")}</Table.Td>
                 <Table.Td className="num">{one.cycles}</Table.Td>
                 <Table.Td>{one.held ? "held" : "steps lost"}</Table.Td>
               </Table.Tr>
@@ -59,9 +59,10 @@ function Found({ found }: { found: LeastCurrentFound }) {
       </Table.ScrollContainer>
       {saving && (
         <Text size="sm">
-          Heat of the coils while it moves, calculated: {compact(saving.before_w, 3)} W before,{" "}
-          {compact(saving.after_w, 3)} W after; {compact(saving.saved_w, 3)} W less ({compact(saving.interval_w.low, 3)}{" "}
-          to {compact(saving.interval_w.high, 3)} W with the winding at 20 to 80 °C).
+          Heat of the coils while it moves, calculated: {compact(saving.before_w, 3, "W")} before,{" "}
+          {compact(saving.after_w, 3, "W")} after; {compact(saving.saved_w, 3, "W")} less (
+          {compact(saving.interval_w.low, 3)} to {compact(saving.interval_w.high, 3, "W")} with the winding at 20 to 80
+          °C).
         </Text>
       )}
     </Card>

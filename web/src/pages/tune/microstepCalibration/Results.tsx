@@ -16,7 +16,7 @@ export function Results({ study }: { study: Study }) {
 function Found({ found }: { found: Microsteps }) {
   const scheme = useScheme();
   const before = colorOf("target_position", scheme);
-  const after = colorOf("phase_a", scheme);
+  const after = colorOf("position", scheme);
   const perDegree = found.microsteps_per_deg;
   const { before: was, after: now, effect } = found;
   const summary =

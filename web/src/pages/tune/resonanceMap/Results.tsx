@@ -16,7 +16,7 @@ function Found({ found }: { found: ResonanceFound }) {
   const plot = campbellOf(found);
   if (plot === null) return null;
   const hz = found.resonance_hz;
-  const summary = hz === null ? `${found.points.length} speeds` : `resonance ${compact(hz.value, 4)} Hz`;
+  const summary = hz === null ? `${found.points.length} speeds` : `resonance ${compact(hz.value, 4, "Hz")}`;
   return (
     <>
       <Card title="Ripple over speed and order" note={summary}>

@@ -91,7 +91,7 @@ export function colourOf({ level }: Pick<Dot, "level">): string {
 
 /** A dot in words. */
 export function saidOf({ order, speed, frequency, amplitude }: Dot): string {
-  return `order ${order} at ${compact(speed, 3)} turns/s, ${compact(frequency, 3)} Hz: ${compact(amplitude, 3)}°`;
+  return `order ${order} at ${compact(speed, 3)} turns/s, ${compact(frequency, 3, "Hz")}: ${compact(amplitude, 3)}°`;
 }
 
 const STEPS: Readonly<Record<string, readonly [column: number, row: number]>> = {
