@@ -34,7 +34,12 @@ describe("the list", () => {
   });
 
   it("says sizes and times as people do", () => {
-    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual(["640\u202fB", "64\u202fkB", "46.4\u202fMB", "2.5\u202fGB"]);
+    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual([
+      "640\u202fB",
+      "64\u202fkB",
+      "46.4\u202fMB",
+      "2.5\u202fGB",
+    ]);
     expect(whenText(null)).toBe("–");
   });
 });
