@@ -346,6 +346,46 @@ class CalmChopper(Part):
         return self
 
 
+class QuietStealthChop(Part):
+    """StealthChop: amplitudes (PWM_OFS, PWM_GRAD) that need no regulation, and up to which speed it may work before
+    SpreadCycle takes over with a jolt (TPWMTHRS)."""
+
+    kind: Literal["stealthchop"] = "stealthchop"
+    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] = Field(
+        description="of one coil, by the motor's data sheet"
+    )
+    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
+        description="of one coil, by the motor's data sheet"
+    )
+    run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] = Field(
+        description="RMS of one coil, as it is set now [A]"
+    )
+    supply_v: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
+        description="of the motor"
+    )
+    holding_torque_nm: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
+        default=None, description="both coils at the rated current; null: PWM_GRAD is only tuned by the chip"
+    )
+    rated_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
+        default=None, description="RMS of one coil at that torque; null: the run current"
+    )
+    velocity_max_rps: Annotated[float, Field(strict=True, ge=0.3, le=20, allow_inf_nan=False)] = Field(
+        default=3.0, description="runs go through all speeds up to this one [turns of the motor a second]"
+    )
+    jolt_max_fullsteps: Annotated[float, Field(strict=True, ge=0.02, le=2, allow_inf_nan=False)] = Field(
+        default=0.5, description="so far the shaft may swing as one chopper takes over from the other"
+    )
+    pairs: Annotated[int, Field(strict=True, ge=10, le=100)] = Field(
+        default=10, description="of the proof: runs with the old setting and with the new, in turn"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.05, description="what jolts less than this share less is no improvement"
+    )
+    keep: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="leave the new setting where it is shown to be better"
+    )
+
+
 class TorqueCurve(Part):
     """How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost."""
 
@@ -422,6 +462,7 @@ What: TypeAlias = Annotated[
     | Identification
     | LeastCurrent
     | MicrostepCalibration
+    | QuietStealthChop
     | ResonanceMap
     | ScoredMove
     | StallGuard
@@ -439,6 +480,7 @@ Kind = Literal[
     "resonance_map",
     "scored_move",
     "stallguard",
+    "stealthchop",
     "torque_curve",
 ]
 TITLES: dict[Kind, str] = {
@@ -452,6 +494,7 @@ TITLES: dict[Kind, str] = {
     "resonance_map": "Resonance map",
     "scored_move": "Scored move",
     "stallguard": "StallGuard threshold",
+    "stealthchop": "StealthChop",
     "torque_curve": "Torque over speed",
 }
 Wanted = TypeVar("Wanted", bound=Part)

@@ -14,12 +14,14 @@ from .ramp_settings import RampRegisters
 from .resonance_map.places import RipplePlaces
 from .scored_move.places import HandPlace
 from .stallguard.setting import StallPlaces
+from .stealthchop.setting import StealthPlaces
 from .tmc5xxx.by_hand import BY_HAND as BY_HAND_5XXX
 from .tmc5xxx.chopper import CHOPPER
 from .tmc5xxx.identification import AMPLITUDE, CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
+from .tmc5xxx.stealthchop import STEALTHCHOP
 from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
@@ -31,6 +33,7 @@ IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
     "tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER, AMPLITUDE)
 }
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
+STEALTHCHOPS: Mapping[str, StealthPlaces] = {"tmc5xxx": STEALTHCHOP}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
 HANDS: Mapping[str, Sequence[HandPlace]] = {"tmc5xxx": BY_HAND_5XXX, "tmc4361": BY_HAND_4361}
@@ -64,6 +67,12 @@ def chopper_of(device: Device) -> ChopperPlaces:
     """Where it keeps its chopper. Raises WrongState for a family whose chopper no study sets."""
     remedy = "calculate it from the motor on the page Current and chopper"
     return _known(CHOPPERS, device, "no study sets the chopper of a {} yet", remedy)
+
+
+def stealthchop_of(device: Device) -> StealthPlaces:
+    """Where it keeps its StealthChop. Raises WrongState for a family whose StealthChop no study sets."""
+    remedy = "calculate it from the motor on the page Current and chopper"
+    return _known(STEALTHCHOPS, device, "no study sets the StealthChop of a {} yet", remedy)
 
 
 def ripple_of(device: Device) -> RipplePlaces | None:

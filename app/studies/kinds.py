@@ -32,6 +32,8 @@ from .scored_move import plan as scored_move
 from .scored_move.study import ScoredMoveStudy
 from .stallguard import plan as stallguard
 from .stallguard.study import StallGuardStudy
+from .stealthchop import plan as stealthchop
+from .stealthchop.study import StealthChopStudy
 from .torque_curve import plan as torque_curve
 from .torque_curve.study import TorqueCurveStudy
 from .twins.on_twin import OnTwin
@@ -114,6 +116,14 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ChopperStudy,
         chopper.plan,
+    ),
+    "stealthchop": StudyKind(
+        "stealthchop",
+        "StealthChop",
+        "silent: amplitudes that fit the motor, and up to which speed StealthChop works before the change jolts",
+        POSITIONS,
+        StealthChopStudy,
+        stealthchop.plan,
     ),
     "scored_move": StudyKind(
         "scored_move",

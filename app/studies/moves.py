@@ -39,9 +39,10 @@ class MoveFigures:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """A move as it was sampled [microsteps]; `time_s` from its command on. deviation : at rest, at its end; beside :
-    other channels [rows, channels]."""
+    """A move as it was sampled [microsteps]; `time_s` from its command on, at `began_s` of the device's time.
+    deviation : at rest, at its end; beside : other channels [rows, channels]."""
 
+    began_s: float
     time_s: FloatArray
     position: FloatArray
     encoder: FloatArray
@@ -121,7 +122,8 @@ class MeasuredMoves:
             samples.take()
         times_s, rows = samples.all()
         position, encoder = rows[:, 0], rows[:, 1]
-        return Sampled(times_s - started.started_at_s, position, encoder, start, after, rows[:, 2:])
+        began_s = started.started_at_s
+        return Sampled(began_s, times_s - began_s, position, encoder, start, after, rows[:, 2:])
 
     async def deviation(self) -> float:
         """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""

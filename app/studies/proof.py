@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 # scipy is imported where it is used: the server starts without it.
 
@@ -46,11 +47,20 @@ def paired_effect(old: Sequence[float], new: Sequence[float], seed: int = 0) -> 
             (difference,), np.mean, n_resamples=RESAMPLES, method="percentile", rng=np.random.default_rng(seed)
         ).confidence_interval
         # A percentile bootstrap of few pairs is too narrow: Student's interval is not.
-        n = len(difference)
-        half = float(stats.t.ppf(1 - LEVEL / 2, n - 1)) * float(difference.std(ddof=1)) / math.sqrt(n)
-        low, high = min(float(found.low), mean - half), max(float(found.high), mean + half)
+        narrow, wide = mean_interval(difference)
+        low, high = min(float(found.low), narrow), max(float(found.high), wide)
     p = 1.0 if not difference.any() else float(stats.wilcoxon(difference).pvalue)
     return PairedEffect(mean, low, high, p)
+
+
+def mean_interval(values: Sequence[float] | NDArray[np.float64]) -> tuple[float, float]:
+    """Student's 95 % interval of a mean, of two values at the least."""
+    from scipy import stats
+
+    found = np.asarray(values, dtype=float)
+    n, mean = len(found), float(found.mean())
+    half = float(stats.t.ppf(1 - LEVEL / 2, n - 1)) * float(found.std(ddof=1)) / math.sqrt(n)
+    return mean - half, mean + half
 
 
 def is_better(effect: PairedEffect, old_mean: float, smallest_share: float) -> bool:

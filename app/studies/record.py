@@ -15,6 +15,7 @@ from .parts import Interval, Part
 from .resonance_map.found import ResonanceFound
 from .scored_move.found import Scored
 from .stallguard.found import StallFound
+from .stealthchop.found import StealthFound
 from .torque_curve.found import TorqueFound
 
 State = Literal["running", "done", "failed", "aborted", "interrupted"]
@@ -222,6 +223,7 @@ class StudyRecord(Part):
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
     least_current: LeastCurrentFound | None = Field(default=None, description="of a study of the least current")
     chopper: ChopperFound | None = Field(default=None, description="of a study of the chopper")
+    stealthchop: StealthFound | None = Field(default=None, description="of a study of StealthChop")
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
     scored: Scored | None = Field(default=None, description="of a scored move")

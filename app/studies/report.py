@@ -17,6 +17,7 @@ from .record import StudyRecord
 from .resonance_map import report as resonance_map
 from .scored_move import report as scored_move
 from .stallguard import report as stallguard
+from .stealthchop import report as stealthchop
 from .torque_curve import report as torque_curve
 
 SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
@@ -30,6 +31,7 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "resonance_map": resonance_map.sections,
     "scored_move": scored_move.sections,
     "stallguard": stallguard.sections,
+    "stealthchop": stealthchop.sections,
     "torque_curve": torque_curve.sections,
 }
 """What each kind has to tell beside its verdict and findings."""

@@ -60,6 +60,7 @@ from tests.bench.studies import (
     nothing_to_gain,
     resonance_map,
     stallguard,
+    stealthchop,
     torque_curve,
     twins,
 )
@@ -95,6 +96,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "study nothing to gain": nothing_to_gain.measure,
     "study resonance map": resonance_map.measure,
     "study stallguard": stallguard.measure,
+    "study stealthchop": stealthchop.measure,
     "study twins": twins.measure,
     "study aborts": aborts.measure,
     "study torque": torque_curve.measure,

@@ -35,6 +35,8 @@ UNITS_A_TURN = 53_687.1
 """VMAX of a turn a second."""
 SPEED_UP_S, RUN_S, PERIODS = 0.25, 0.4, 8
 WITHIN, SHARE, CLAIMED_MAX = 1.03, 0.95, 0.05
+BEGINS = 1.1
+"""Plants begin with a setting that shakes at least so much more than the best, as far as the grid has any."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,12 @@ class Grid:
         return shaken(self._options, {**self._registers, "CHOPCONF": words["CHOPCONF"]})
 
     @property
+    def bad(self) -> list[ChopperSetting]:
+        """Those that are not nearly the best; the worst of all where all are."""
+        least, most = self.of[self.best], max(self.of.values())
+        return [each for each, found in self.of.items() if found >= min(BEGINS * least, most)]
+
+    @property
     def best(self) -> ChopperSetting:
         """The calmest of all."""
         return min(self.of, key=lambda each: self.of[each])
@@ -111,7 +119,7 @@ async def _judged(seed: int, folder: Path, *, best_before: bool) -> Judged:
         names = ("CHOPCONF", "IHOLD_IRUN", "GLOBAL_SCALER")
         chopconf, current, scaler = await s.settings(*names)
         grid = Grid(plant, space, {"CHOPCONF": chopconf, "IHOLD_IRUN": current, "GLOBALSCALER": scaler})
-        first = grid.best if best_before else random.Random(seed).choice(list(grid.of))
+        first = grid.best if best_before else random.Random(seed).choice(grid.bad)
         words = {each.name: each.value for each in space.registers(first)}
         await s.passing(_set(s, words["CHOPCONF"]))
         before = await s.settings(*NAMES)

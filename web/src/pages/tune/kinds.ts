@@ -9,6 +9,7 @@ import { LEAST_CURRENT, type LeastCurrentForm } from "./leastCurrent/form";
 import { MICROSTEP_CALIBRATION, type MicrostepForm } from "./microstepCalibration/form";
 import { RESONANCE_MAP, type ResonanceForm } from "./resonanceMap/form";
 import { STALLGUARD, type StallGuardForm } from "./stallguard/form";
+import { STEALTHCHOP, type StealthChopForm } from "./stealthchop/form";
 import type { Kind, Wish } from "./study";
 import { TORQUE_CURVE, type TorqueForm } from "./torqueCurve/form";
 
@@ -25,6 +26,7 @@ export interface Forms {
   torque_curve: TorqueForm;
   closed_loop: ClosedLoopForm;
   chopper: ChopperForm;
+  stealthchop: StealthChopForm;
 }
 
 /** The studies, in the order of the choice. */
@@ -39,6 +41,7 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = {
   torque_curve: TORQUE_CURVE,
   closed_loop: CLOSED_LOOP,
   chopper: CHOPPER,
+  stealthchop: STEALTHCHOP,
   scored_move: SCORED_MOVE,
 };
 
@@ -60,6 +63,7 @@ export function firstForms(microstepsPerTurn: number | null): Forms {
     torque_curve: TORQUE_CURVE.first(microstepsPerTurn),
     closed_loop: CLOSED_LOOP.first(microstepsPerTurn),
     chopper: CHOPPER.first(microstepsPerTurn),
+    stealthchop: STEALTHCHOP.first(microstepsPerTurn),
     scored_move: SCORED_MOVE.first(microstepsPerTurn),
   };
 }

@@ -37,6 +37,7 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
     <path d="M4 15l4-9 4 18 4-18 4 18 4-18 4 18 4-9" />,
     <path d="M36 15c4-5 6-5 8 0s5 5 8 0 5-5 8 0 5 4 8 0" />,
   ),
+  stealthchop: sketch(<path d="M4 15c6-14 10-14 16 0s10 14 16 0" />, <path d="M36 15V8l4 3 4-7 4 6 4-6 4 6 4-4 8 5" />),
   closed_loop: sketch(<path d="M4 26h8V9h56" />, <path d="M4 26h8c4 0 4-21 10-21s5 6 10 6 5-2 36-2" />),
   stallguard: sketch(
     <path d="M4 26c8 0 8-20 14-20s6 20 14 20" />,

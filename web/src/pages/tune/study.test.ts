@@ -9,6 +9,7 @@ import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
+import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
 import { remedyOf, type Study } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 import { asIdentified, FIRST_TWIN, type Identified, named, twinOf } from "./twin/form";
@@ -183,6 +184,25 @@ describe("a study on the page", () => {
     ]);
     const found = { before, calculated: one, chosen: null } as unknown as ChopperFound;
     expect(namedOf(found).map(([name]) => name)).toEqual(["before", "calculated"]);
+  });
+
+  it("asks for StealthChop, and draws the jolt over the switch-over speed beside what is allowed", () => {
+    const study = { kind: "stealthchop", holding_torque_nm: null, velocity_max_rps: 3, jolt_max_fullsteps: 0.5 };
+    expect(documentOf("stealthchop", firstForms(null), "slide", 0).study).toMatchObject(study);
+    const one = { offset: 24, gradient: 12, on: true, switch_rps: 0.8, jolt_fullsteps: 0.6 } as StealthTried;
+    const before = { ...one, switch_rps: 0.4, jolt_fullsteps: 0.3 };
+    const never = { ...one, on: false };
+    expect(joltsOf({ before, tried: [one, never], jolt_max_fullsteps: 0.5 })).toEqual([
+      [0.4, 0.8],
+      [null, 0.6],
+      [0.3, null],
+      [0.5, 0.5],
+    ]);
+    expect([one, { ...one, switch_rps: null }, never].map((each) => reachOf(each, String))).toEqual([
+      "0.8 turns/s",
+      "every speed",
+      "never",
+    ]);
   });
 
   it("asks for less current, and draws what held apart from what lost steps", () => {

@@ -18,6 +18,8 @@ import { Fields as ResonanceFields } from "./resonanceMap/Fields";
 import { Results as ResonanceResults } from "./resonanceMap/Results";
 import { Fields as StallGuardFields } from "./stallguard/Fields";
 import { Results as StallGuardResults } from "./stallguard/Results";
+import { Fields as StealthChopFields } from "./stealthchop/Fields";
+import { Results as StealthChopResults } from "./stealthchop/Results";
 import type { Kind } from "./study";
 import { Fields as TorqueFields } from "./torqueCurve/Fields";
 import { Results as TorqueResults } from "./torqueCurve/Results";
@@ -31,6 +33,7 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   microstep_calibration: { Fields: MicrostepFields, Results: MicrostepResults },
   resonance_map: { Fields: ResonanceFields, Results: ResonanceResults },
   chopper: { Fields: ChopperFields, Results: ChopperResults },
+  stealthchop: { Fields: StealthChopFields, Results: StealthChopResults },
   scored_move: { Fields: ScoredMoveFields, Results: null },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },

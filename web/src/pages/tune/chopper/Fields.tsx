@@ -1,5 +1,6 @@
 import { TextInput } from "@mantine/core";
 import { NumberField } from "../../../lib/NumberField";
+import { CoilFields } from "../CoilFields";
 import type { FieldsProps } from "../kind";
 import { speedsOf } from "../stallguard/form";
 import type { ChopperForm } from "./form";
@@ -8,39 +9,7 @@ import type { ChopperForm } from "./form";
 export function Fields({ form, change }: FieldsProps<ChopperForm>) {
   return (
     <>
-      <NumberField
-        label="Resistance of one coil"
-        description="by the motor's data sheet"
-        value={form.resistanceOhm}
-        min={0.01}
-        max={200}
-        unit="Ω"
-        onChange={(resistanceOhm) => change({ resistanceOhm })}
-      />
-      <NumberField
-        label="Inductance of one coil"
-        value={form.inductanceMh}
-        min={0.01}
-        max={500}
-        unit="mH"
-        onChange={(inductanceMh) => change({ inductanceMh })}
-      />
-      <NumberField
-        label="Run current as it is set now, RMS of one coil"
-        value={form.runCurrentA}
-        min={0.01}
-        max={50}
-        unit="A"
-        onChange={(runCurrentA) => change({ runCurrentA })}
-      />
-      <NumberField
-        label="Supply of the motor"
-        value={form.supplyV}
-        min={1}
-        max={100}
-        unit="V"
-        onChange={(supplyV) => change({ supplyV })}
-      />
+      <CoilFields form={form} change={change} />
       <TextInput
         label="Calm at speeds of"
         description="turns of the motor a second"

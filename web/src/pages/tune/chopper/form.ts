@@ -1,14 +1,8 @@
+import type { CoilForm } from "../CoilFields";
 import type { KindForm } from "../kind";
 import { speedsOf } from "../stallguard/form";
 
-export interface ChopperForm {
-  /** of one coil, by the motor's data sheet [Ohm] */
-  resistanceOhm: number;
-  /** of one coil [mH] */
-  inductanceMh: number;
-  /** RMS of one coil as it is set now [A] */
-  runCurrentA: number;
-  supplyV: number;
+export interface ChopperForm extends CoilForm {
   /** at which the motor is to be calm [turns of the motor a second], as typed */
   speeds: string;
   /** no slower chopper is tried: it is heard [kHz] */

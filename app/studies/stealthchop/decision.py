@@ -1,0 +1,87 @@
+"""Whether a setting of StealthChop is better than the one before, by pairs of runs."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from ..parts import Interval
+from ..proof import LEVEL, mean_interval, paired_effect
+from .found import StealthEffect, StealthPair
+
+ADDED_LEAST = 0.02
+"""What the regulation adds less than before counts from so much of the amplitude on."""
+FASTER = 1.1
+"""A switch-over counts as faster from so many times the one before on."""
+AS_FAST = 0.99
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Up to which speed StealthChop works before and now [turns a second]; 0 where it does not."""
+
+    before: float
+    now: float
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """improved, by what of it."""
+
+    improved: bool
+    calm: bool
+    farther: bool
+    effects: tuple[StealthEffect, ...]
+
+
+def decide(pairs: Sequence[StealthPair], reach: Reach, jolt_max: float, smallest_gain: float, seed: int) -> Decision:
+    """Better is what is shown to jolt by no more than asked, and goes farther, or jolts less, or needs less regulation.
+
+    A reach that shrinks counts against it, unless the old one jolted by more than asked.
+    """
+    old, new = [each.baseline_jolt_fullsteps for each in pairs], [each.winner_jolt_fullsteps for each in pairs]
+    added = [
+        (each.baseline_added_share, each.winner_added_share)
+        for each in pairs
+        if each.baseline_added_share is not None and each.winner_added_share is not None
+    ]
+    told = len(added) == len(pairs)
+    count = 1 + told
+    effects = [_effect("jolt", "full steps", old, new, smallest_gain * statistics.fmean(old), count, seed)]
+    if told:
+        before, after = zip(*added, strict=True)
+        effects.append(_effect("added", "of the amplitude", before, after, ADDED_LEAST, count, seed))
+    calm = effects[0].winner_interval.high <= jolt_max
+    farther = reach.now >= FASTER * reach.before
+    shrinks = reach.now < AS_FAST * reach.before and effects[0].baseline <= jolt_max
+    better = farther or any(each.significant for each in effects)
+    return Decision(calm and better and not shrinks, calm, farther, tuple(effects))
+
+
+def _effect(
+    name: Literal["jolt", "added"],
+    unit: str,
+    old: Sequence[float],
+    new: Sequence[float],
+    least: float,
+    count: int,
+    seed: int,
+) -> StealthEffect:
+    """`count` figures are looked at: each p so many times (Bonferroni)."""
+    effect = paired_effect(old, new, seed)
+    p = min(count * effect.p, 1.0)
+    low, high = mean_interval(new)
+    return StealthEffect(
+        name=name,
+        unit=unit,
+        pairs=len(old),
+        baseline=statistics.fmean(old),
+        winner=statistics.fmean(new),
+        difference=effect.mean,
+        interval=Interval(low=effect.low, high=effect.high),
+        winner_interval=Interval(low=low, high=high),
+        p=p,
+        significant=p < LEVEL and effect.high < -least,
+    )

@@ -1,0 +1,69 @@
+"""What a run through the switch-over speed shows: the shaft's swing there, and what the regulation had to add."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..moves import Sampled
+
+BEFORE_S, AFTER_S = 0.01, 0.03
+"""What counts around the moment at which one chopper takes over from the other [s]: a swing of the rotor."""
+LEAST_SAMPLES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Amplitude:
+    """Once on the way: the amplitude, of the greatest there is, and what of it the regulation adds; None: not told.
+    at_s : of the device's time; pps : the speed then."""
+
+    at_s: float
+    share: float
+    added: float | None
+    pps: float = 0.0
+
+
+def with_speeds(amplitudes: Sequence[Amplitude], run: Sampled) -> list[Amplitude]:
+    """The ones in motion, with the speed of a run as it was sampled; its first channel beside."""
+    speeds = np.interp([each.at_s - run.began_s for each in amplitudes], run.time_s, np.abs(run.beside[:, 0]))
+    found = [replace(each, pps=float(pps)) for each, pps in zip(amplitudes, speeds, strict=True)]
+    return [each for each in found if each.pps > 0]
+
+
+def amplitudes_fitted(amplitudes: Sequence[Amplitude], at_rest: float, a_pps: float) -> tuple[float, float] | None:
+    """What amplitude at rest and what of velocity come nearest to those of runs, as shares of the greatest.
+
+    at_rest, a_pps : what one of the former and one of the latter a pps make. None where that cannot be told.
+    """
+    if len(amplitudes) < LEAST_SAMPLES:
+        return None
+    parts = np.array([(at_rest, a_pps * each.pps) for each in amplitudes])
+    (offset, gradient), _, rank, _ = np.linalg.lstsq(parts, np.array([each.share for each in amplitudes]), rcond=None)
+    return (float(offset), float(gradient)) if rank == 2 else None
+
+
+def jolts_of(run: Sampled, switch_pps: float, full_step: int) -> list[float]:
+    """How far the shaft swings about its way each time that its speed passes `switch_pps` [full steps].
+
+    The speed is the first channel beside. Moments with too few samples around are left out.
+    """
+    seen = np.isfinite(run.encoder)
+    time_s, off = run.time_s[seen], (run.encoder - run.position)[seen]
+    above = np.abs(run.beside[seen, 0]) >= switch_pps
+    found = []
+    for index in np.flatnonzero(above[1:] != above[:-1]) + 1:
+        around = (time_s >= time_s[index] - BEFORE_S) & (time_s <= time_s[index] + AFTER_S)
+        if around.sum() >= LEAST_SAMPLES:
+            found.append(float(np.ptp(off[around])) / full_step)
+    return found
+
+
+def added_of(amplitudes: Sequence[Amplitude]) -> float | None:
+    """What was added to amplitudes or taken from them, root mean square over their mean; None: not told."""
+    told = [(each.share, each.added) for each in amplitudes if each.added is not None and each.share > 0]
+    if not told:
+        return None
+    share, added = np.array(told).T
+    return float(np.sqrt(np.mean(added**2)) / np.mean(share))

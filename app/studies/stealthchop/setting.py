@@ -1,0 +1,202 @@
+"""A setting of StealthChop: its amplitudes, the speed up to which it works, and the registers that make it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from ...devices.core.device import Device
+from ...errors import WrongState
+from ...profiles.capture import CapturedConfiguration
+from ..field_settings import FieldSpace, Place
+from ..record import Held
+
+OFFSET, GRADIENT, SWITCH = "PWM_OFS", "PWM_GRAD", "switch-over"
+UNITS = {OFFSET: "", GRADIENT: "", SWITCH: "turns/s"}
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """A motor as it was told, SI units. current_a : RMS, at the current scale `run_scale`; holding_torque_nm : None
+    where the back-EMF is not known."""
+
+    resistance_ohm: float
+    inductance_h: float
+    current_a: float
+    supply_v: float
+    clock_hz: float
+    run_scale: int
+    holding_torque_nm: float | None
+    rated_current_a: float | None
+    full_steps_a_turn: int
+
+
+@dataclass(frozen=True, slots=True)
+class StealthSetting:
+    """offset, gradient : None for a chip that has none. threshold : 0 is StealthChop at every speed. on : whether it
+    works at all."""
+
+    offset: int | None
+    gradient: int | None
+    frequency: int
+    threshold: int
+    on: bool = True
+
+
+class Calculator(Protocol):
+    """What a family's data sheets say of StealthChop at a motor."""
+
+    def first(self, model: str, motor: Motor) -> tuple[int | None, int | None, int]:
+        """Amplitude at rest at full current scale, what velocity adds (None without a torque), frequency.
+
+        Nulls for chips whose amplitude has no such parts.
+        """
+        ...
+
+    def suits(self, motor: Motor, frequency: int) -> bool:
+        """Whether a PWM of that setting is neither heard nor needlessly fast."""
+        ...
+
+    def threshold(self, rps: float, motor: Motor) -> int:
+        """What the register of the switch-over speed holds for turns a second."""
+        ...
+
+    def of_velocity(self, rps: float, motor: Motor) -> float:
+        """What a gradient of 1 adds to the amplitude at turns a second, of 255."""
+        ...
+
+    def rps(self, threshold: int, motor: Motor) -> float:
+        """The inverse; `threshold` is above 0."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class StealthPlaces:
+    """Where a chip keeps its StealthChop.
+
+    tunes : what lets it tune itself; begins : 0 there makes it begin with offset and gradient as they are set
+    fixed : what has to be so for it to work up to the threshold, as far as the chip has it
+    amplitude : the register that tells its amplitude; now, added, of it; offset_auto, gradient_auto : what it has tuned
+    """
+
+    on: Place
+    offset: Place
+    gradient: Place
+    frequency: Place
+    threshold: Place
+    tunes: tuple[Place, ...]
+    fixed: Mapping[Place, int]
+    amplitude: str
+    now: str
+    added: str
+    offset_auto: str
+    gradient_auto: str
+    calculator: Calculator
+
+
+class StealthSpace:
+    """StealthChop of one axis."""
+
+    def __init__(
+        self, device: Device, axis: int, places: StealthPlaces, held: CapturedConfiguration, motor: Motor
+    ) -> None:
+        """Raises WrongState for a chip without StealthChop or without a switch-over speed that is set, and for what
+        could not be put back."""
+        self.places, self.motor, self._model = places, motor, device.model
+        own = (places.on, places.offset, places.gradient, places.frequency, places.threshold, *places.tunes)
+        self._fields = FieldSpace(device, axis, (*own, *places.fixed), held)
+        title = device.model.upper()
+        if places.on not in self._fields or places.tunes[0] not in self._fields:
+            raise WrongState(f"a {title} has no StealthChop that regulates itself", "find its chopper instead")
+        if places.threshold not in self._fields:
+            raise WrongState(
+                f"a {title} has no speed of its own at which SpreadCycle takes over", "find its chopper instead"
+            )
+        self.before = self._fields.before
+        self.amplitude_full = _full_of(device, axis, places)
+        """The greatest amplitude, as the chip tells it."""
+        self.tuned = places.offset in self._fields
+        """Whether its amplitude has a part at rest and one of velocity, which it tunes."""
+
+    @property
+    def now(self) -> StealthSetting:
+        """As the axis had it before."""
+        places, fields = self.places, self._fields
+        return StealthSetting(
+            fields[places.offset] if self.tuned else None,
+            fields[places.gradient] if self.tuned else None,
+            fields[places.frequency],
+            fields[places.threshold],
+            bool(fields[places.on]),
+        )
+
+    @property
+    def unfit(self) -> list[str]:
+        """What was set otherwise than it is for this, in words."""
+        wanted = {**self.places.fixed, **dict.fromkeys(self.places.tunes, 1)}
+        return [
+            f"{place.register}{f'.{place.field}' if place.field else ''} was {self._fields[place]}, {value} is tried"
+            for place, value in wanted.items()
+            if place in self._fields and self._fields[place] != value
+        ]
+
+    @property
+    def calculated(self) -> tuple[int | None, int | None]:
+        """Amplitude at rest and what velocity adds, by the motor's figures."""
+        offset, gradient, _ = self.places.calculator.first(self._model, self.motor)
+        return (offset, gradient) if self.tuned else (None, None)
+
+    @property
+    def frequency(self) -> int:
+        """The one that is set, where it suits; else the calculated one."""
+        now, calculator = self.now.frequency, self.places.calculator
+        return now if calculator.suits(self.motor, now) else calculator.first(self._model, self.motor)[2]
+
+    def switch_rps(self, setting: StealthSetting) -> float | None:
+        """Turns a second up to which StealthChop works; None at every speed."""
+        return self.places.calculator.rps(setting.threshold, self.motor) if setting.threshold else None
+
+    def threshold(self, rps: float) -> int:
+        """Of a switch-over speed [turns a second]."""
+        return self.places.calculator.threshold(rps, self.motor)
+
+    def told(self, setting: StealthSetting) -> dict[str, float]:
+        """As a record has it."""
+        told: dict[str, float] = {}
+        if setting.offset is not None and setting.gradient is not None:
+            told = {OFFSET: float(setting.offset), GRADIENT: float(setting.gradient)}
+        rps = self.switch_rps(setting)
+        return told if rps is None else {**told, SWITCH: rps}
+
+    def words(self, setting: StealthSetting) -> str:
+        """For people."""
+        if not setting.on:
+            return "SpreadCycle at every speed"
+        parts = [] if setting.offset is None else [f"PWM_OFS {setting.offset}, PWM_GRAD {setting.gradient}"]
+        rps = self.switch_rps(setting)
+        parts.append("StealthChop at every speed" if rps is None else f"StealthChop up to {rps:.3g} turns a second")
+        return ", ".join(parts)
+
+    def registers(self, setting: StealthSetting) -> list[Held]:
+        """What to write for it."""
+        return self._registers(setting, tunes=1)
+
+    def fresh(self, setting: StealthSetting) -> list[Held]:
+        """What to write before that, so that the chip forgets what it has tuned and begins with what is set."""
+        return self._registers(setting, tunes=0)
+
+    def _registers(self, setting: StealthSetting, tunes: int) -> list[Held]:
+        places = self.places
+        own = {places.on: int(setting.on), places.frequency: setting.frequency, places.threshold: setting.threshold}
+        if setting.offset is not None and setting.gradient is not None:
+            own |= {places.offset: setting.offset, places.gradient: setting.gradient}
+        return self._fields.registers({**places.fixed, **own, **dict.fromkeys(places.tunes, tunes)})
+
+
+def _full_of(device: Device, axis: int, places: StealthPlaces) -> int:
+    found = device.family.table.find(places.amplitude, axis)
+    if found is None:
+        raise WrongState(f"a {device.model.upper()} does not tell the amplitude of its StealthChop", "")
+    row = found[0]
+    return (1 << (row.field_named(places.now) or row).width) - 1

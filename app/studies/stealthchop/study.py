@@ -1,0 +1,449 @@
+"""The study itself: runs through all speeds, the chip's own tuning, a switch-over speed, and the proof by pairs."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ...devices.core.capabilities import PositionFromEncoder
+from ...number_text import plain
+from ...procedures.procedure import Failed
+from ..document import QuietStealthChop
+from ..families import identification_of
+from ..identification.coil import AmplitudeRuns
+from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, Sampled
+from ..ramp_settings import ACCELERATION, SPEED
+from ..record import Figures, Trial
+from ..run import StudyRun
+from .decision import FASTER, Reach, decide
+from .found import StealthEffect, StealthFound, StealthPair, StealthTried
+from .plan import BASELINE_ROUNDS, TOP, TRIAL_ROUNDS, TUNING_RUNS, Ground, look
+from .seen import Amplitude, added_of, amplitudes_fitted, jolts_of, with_speeds
+from .setting import UNITS, StealthSetting
+
+RATE_HZ = 1000.0
+FULL = 255
+"""The greatest amplitude as it is tuned."""
+ALIKE = 0.005
+"""Amplitudes that need so little more regulation than the best are as good."""
+POLL_S = 0.02
+AMPLITUDE_MOST = 0.9
+"""Of the greatest: beyond it the supply's voltage ends, and the current is not held any more."""
+TUNES_FROM, TUNES_TO = 1.7, 3.6
+"""An amplitude of so many times that at rest lets the chip tune what velocity adds: 1.5 to 4 (DS-TMC5160 7.2.1)."""
+SEARCH_SHARE, PROOF_FROM = 0.6, 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Through:
+    """Of runs through all speeds: worst jolt [full steps], what was added, amplitudes, lost full steps."""
+
+    jolt: float
+    added: float | None
+    amplitudes: Sequence[Amplitude]
+    lost: float
+
+
+class StealthChopStudy(StudyRun):
+    """Looks for amplitudes that need no regulation, and for the fastest switch-over that does not jolt."""
+
+    _ground: Ground
+    _moves: MeasuredMoves
+    _trials: dict[StealthSetting, tuple[Trial, StealthTried, Through]]
+
+    @property
+    def wanted(self) -> QuietStealthChop:
+        """What is looked for."""
+        return self.record.document.wanted(QuietStealthChop)
+
+    @property
+    def found(self) -> StealthFound:
+        """What of it stands in the record."""
+        assert self.record.stealthchop is not None
+        return self.record.stealthchop
+
+    async def _study(self) -> None:
+        record, wanted = self.record, self.wanted
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        beside = (f"velocity.{self.axis}",)
+        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, 1.0, beside)
+        record.findings, record.trials, record.best, record.units = [], [], None, dict(UNITS)
+        self._trials = {}
+        record.stealthchop = StealthFound(velocity_max_rps=ground.top_rps, jolt_max_fullsteps=wanted.jolt_max_fullsteps)
+        if not record.baseline:
+            record.baseline = [*ground.ramp.before, *ground.current.before, *ground.stealth.before]
+            record.baseline_setting = ground.stealth.told(ground.stealth.now)
+        await self.keeper.save(record)
+        self._touched = True
+        await self._baseline()
+        best = await self._search()
+        if best is None:
+            record.improved, record.best = False, None
+            record.verdict = (
+                f"even at {plain(ground.switches_rps[0])} turns a second the switch-over jolts by more than "
+                f"{plain(wanted.jolt_max_fullsteps)} full steps: it stays as it is"
+            )
+            record.next = "allow more of a jolt, or ask for less speed"
+        elif best[1] == ground.stealth.now:
+            record.improved, record.best = False, None
+            record.verdict = f"{ground.stealth.words(best[1])} is the best that was found: it stays as it is"
+        else:
+            await self._prove(*best)
+        await self.back()
+        await self._moves.go(ground.start)
+        trial = record.trial(record.best)
+        if record.improved and wanted.keep and trial is not None:
+            await self.apply(trial.registers, "the new setting of StealthChop")
+            self._touched = False
+
+    # --- runs ---------------------------------------------------------------------------------------
+
+    async def _through(self, setting: StealthSetting, rounds: int = 1) -> Through:
+        """Runs there and back through all speeds, each from amplitudes as they are set. Lost steps are mended."""
+        ground, stealth = self._ground, self._ground.stealth
+        found: list[Through] = []
+        for _ in range(rounds):
+            # With less current at rest the chip tunes nothing before the motor moves: so the first move of a day is.
+            current = ground.current.registers(ground.current.run_scale, ground.hold_scale)
+            ramp = ground.ramp.registers(ground.through)
+            await self.apply([*current, *ramp, *stealth.fresh(setting)], "amplitudes as they are set")
+            await self.apply(stealth.registers(setting), stealth.words(setting))
+            found.append(await self._there_and_back(setting))
+        added = [each.added for each in found if each.added is not None]
+        return Through(
+            max(each.jolt for each in found),
+            statistics.fmean(added) if added else None,
+            [amplitude for each in found for amplitude in each.amplitudes],
+            max(each.lost for each in found),
+        )
+
+    async def _there_and_back(self, setting: StealthSetting) -> Through:
+        ground = self._ground
+        rps = ground.stealth.switch_rps(setting) if setting.on else None
+        before = await self._moves.deviation()
+        amplitudes: list[Amplitude] = []
+        jolts: list[float] = []
+        for target in (ground.start + ground.length, ground.start):
+            run, seen = await self._watched(target)
+            amplitudes += with_speeds(seen, run)
+            if rps is not None and rps < ground.top_rps:
+                jolts += jolts_of(run, rps * ground.turn, ground.full_step)
+            self.record.runs += 1
+        self.record.way_fullsteps = self._moves.way_fullsteps
+        off = (await self._moves.deviation() - before) / ground.full_step
+        lost = PERIOD_FULLSTEPS * abs(round(off / PERIOD_FULLSTEPS))
+        if lost:
+            await self._mend()
+        return Through(
+            max([*jolts, lost], default=0.0),
+            added_of(amplitudes),
+            amplitudes,
+            lost,
+        )
+
+    async def _watched(self, target: int) -> tuple[Sampled, list[Amplitude]]:
+        """A move, and the amplitudes on its way."""
+        seen: list[Amplitude] = []
+        watching = asyncio.create_task(self._watch(seen), name=f"amplitudes {self.device.id}")
+        try:
+            run = await self._moves.sampled(target, RATE_HZ)
+        finally:
+            watching.cancel()
+            await asyncio.wait({watching})
+        if not watching.cancelled() and (error := watching.exception()) is not None:
+            raise error
+        return run, seen
+
+    async def _watch(self, seen: list[Amplitude]) -> None:
+        """Look at the amplitude as long as nobody ends it; it is 0 while SpreadCycle works."""
+        places = self._ground.stealth.places
+        while True:
+            await self.clock.sleep(POLL_S)
+            reading = await self.device.registers.read(places.amplitude, self.axis)
+            share = self._share(reading.fields.get(places.now, reading.value))
+            if share > 0:
+                added = reading.fields.get(places.added)
+                seen.append(Amplitude(self.device.device_time_s(), share, None if added is None else added / 255))
+
+    def _share(self, counts: float) -> float:
+        return counts / self._ground.stealth.amplitude_full
+
+    async def _mend(self) -> None:
+        self.keeper.mark("steps lost: the position is taken from the encoder")
+        await self.apply(self.record.baseline, "the setting before the study")
+        await self.device.need(PositionFromEncoder).position_from_encoder(self.axis)
+        await self._moves.go(self._ground.start)
+
+    def _tried(self, setting: StealthSetting, seen: Through, why: str = "") -> StealthTried:
+        return StealthTried(
+            offset=setting.offset,
+            gradient=setting.gradient,
+            switch_rps=self._ground.stealth.switch_rps(setting),
+            on=setting.on,
+            jolt_fullsteps=seen.jolt,
+            added_share=seen.added,
+            amplitude_share=max((each.share for each in seen.amplitudes), default=None),
+            lost_fullsteps=seen.lost,
+            why=why,
+        )
+
+    # --- baseline, tuning ---------------------------------------------------------------------------
+
+    async def _baseline(self) -> None:
+        ground, found = self._ground, self.found
+        self.tell("baseline", 0.0, "running with StealthChop as it is set now")
+        self.keeper.mark("baseline")
+        # A rotor that stood beside its field when it was switched on falls into step with the first move.
+        await self._moves.go(ground.start + 4 * ground.full_step)
+        await self._moves.go(ground.start)
+        now = ground.stealth.now
+        found.before = self._tried(now, await self._through(now, BASELINE_ROUNDS), "as it was")
+        await self.keeper.save(self.record)
+
+    async def _tune(self) -> tuple[int | None, int | None]:
+        """What the chip tunes by itself: the amplitude at rest, and what velocity adds; None where it does not."""
+        ground, stealth = self._ground, self._ground.stealth
+        if not stealth.tuned:
+            return None, None
+        self.tell("look", 0.1, "StealthChop tunes itself")
+        self.keeper.mark("StealthChop tunes itself")
+        before = await self._moves.deviation()
+        setting = self._with(*self._known(None, None), threshold=0)
+        current = ground.current.registers(ground.current.run_scale)
+        await self.apply([*current, *stealth.fresh(setting)], "the run current, also at rest")
+        await self.apply(stealth.registers(setting), "StealthChop that tunes itself")
+        found: tuple[int | None, int | None] = None, None
+        try:
+            found = await self._tuned()
+        except Failed as error:
+            self.record.next = str(error)
+        await self._rest()
+        if abs(await self._moves.deviation() - before) > PERIOD_FULLSTEPS / 2 * ground.full_step:
+            await self._mend()
+        self.found.offset_auto, self.found.gradient_auto = found
+        await self.keeper.save(self.record)
+        return found
+
+    async def _tuned(self) -> tuple[int, int | None]:
+        """Raises Failed where it does not come to an end."""
+        ground, stealth = self._ground, self._ground.stealth
+        places = identification_of(self.device).amplitude
+        assert places is not None
+        runs = AmplitudeRuns(self.device, self.axis, self.clock, places)
+        steps = ground.current.steps
+        offset = round(await runs.at_rest(steps - 1, steps))
+        rest = offset * (ground.current.run_scale + 1) / steps / FULL
+        for rps, ramp in ground.turns:
+            await self.apply(ground.ramp.registers(ramp), f"turns at {plain(rps)} turns a second")
+            last = None
+            longest_s = 2 * (ground.tuning_way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
+            for _ in range(TUNING_RUNS):
+                seen = await runs.there_and_back(ground.start, ground.tuning_way, longest_s)
+                self._moves.way_fullsteps += 2 * ground.tuning_way / ground.full_step
+                self.record.runs += 1
+                if seen is None or not TUNES_FROM * rest <= self._share(seen) <= TUNES_TO * rest:
+                    break
+                now = (await self.device.registers.read(stealth.places.gradient_auto, self.axis)).value
+                if now == last:
+                    return offset, now
+                last = now
+        return offset, None
+
+    def _known(self, offset: int | None, gradient: int | None) -> tuple[int | None, int | None]:
+        """With what is calculated, or as it was, in place of what is not known."""
+        stealth = self._ground.stealth
+        of_sheet, by_torque = stealth.calculated
+        offset = of_sheet if offset is None else offset
+        gradient = by_torque if gradient is None else gradient
+        return (
+            stealth.now.offset if offset is None else offset,
+            stealth.now.gradient if gradient is None else gradient,
+        )
+
+    def _with(self, offset: int | None, gradient: int | None, threshold: int) -> StealthSetting:
+        return StealthSetting(offset, gradient, self._ground.stealth.frequency, threshold)
+
+    # --- search -------------------------------------------------------------------------------------
+
+    async def _search(self) -> tuple[Trial, StealthSetting] | None:
+        """The best setting; None where every switch-over jolts."""
+        offset, gradient = self._known(*await self._tune())
+        self.tell("search", 0.2, "switch-over speeds")
+        threshold = await self._switch(self._with(offset, gradient, 0))
+        if threshold is None:
+            return None
+        return await self._amplitudes(offset, gradient, threshold)
+
+    async def _switch(self, setting: StealthSetting) -> int | None:
+        """The threshold of the fastest switch-over that does not jolt by more than asked; 0: none is needed."""
+        ground, stealth, before = self._ground, self._ground.stealth, self.found.before
+        assert before is not None
+        reach = self._reach(stealth.now)
+        if reach >= ground.top_rps and self._holds(before):
+            return stealth.now.threshold
+        held: float | None = None
+        if ground.switches_rps[0] <= reach <= ground.top_rps / TOP and await self._try_switch(setting, reach):
+            held = reach
+        above: float | None = None
+        for rps in [each for each in ground.switches_rps if held is None or each > held * FASTER]:
+            if self.spent(share=SEARCH_SHARE):
+                break
+            if await self._try_switch(setting, rps):
+                held = rps
+            else:
+                above = rps
+                break
+        if held is not None and above is not None and not self.spent(share=SEARCH_SHARE):
+            between = math.sqrt(held * above)
+            if await self._try_switch(setting, between):
+                held = between
+        return None if held is None else stealth.threshold(held)
+
+    async def _try_switch(self, setting: StealthSetting, rps: float) -> bool:
+        stealth = self._ground.stealth
+        setting = replace(setting, threshold=stealth.threshold(rps))
+        self.tell("search", 0.2 + 0.4 * rps / self._ground.top_rps, f"switching over at {plain(rps, 3)} turns a second")
+        return self._holds((await self._trial(setting, "switch-over"))[1])
+
+    def _holds(self, tried: StealthTried) -> bool:
+        """Whether it loses no step, jolts by no more than asked, and has voltage left."""
+        share = tried.amplitude_share
+        calm = tried.jolt_fullsteps <= self.wanted.jolt_max_fullsteps and not tried.lost_fullsteps
+        return calm and (share is None or share <= AMPLITUDE_MOST)
+
+    async def _amplitudes(
+        self, offset: int | None, gradient: int | None, threshold: int
+    ) -> tuple[Trial, StealthSetting] | None:
+        """At the chosen switch-over: amplitudes as they were, as tuned, as calculated, and as fitted to those of runs;
+        the ones that need the least regulation, and of equal ones the first."""
+        stealth, found = self._ground.stealth, self.found
+        tuned = self._with(offset, gradient, threshold)
+        calculated = self._with(*self._known(*stealth.calculated), threshold=threshold)
+        wanted = {
+            replace(stealth.now, threshold=threshold, frequency=stealth.frequency, on=True): "amplitudes as before",
+            tuned: "as the chip has tuned",
+            calculated: "calculated",
+        }
+        tried = []
+        for setting, why in wanted.items():
+            self.tell("search", 0.65, why)
+            tried.append((setting, await self._trial(setting, why)))
+            if setting == calculated and None not in stealth.calculated:
+                found.calculated = tried[-1][1][1]
+        fitted = self._fitted(tuned, self._trials[tuned][2].amplitudes)
+        if fitted is not None:
+            tried.append((fitted, await self._trial(fitted, "fitted to the amplitudes of runs")))
+        held = [each for each in tried if self._holds(each[1][1])]
+        if not held:
+            return None
+        least = min(each.added_share or 0.0 for _, (_, each, _) in held)
+        near = [each for each in held if (each[1][1].added_share or 0.0) <= least + ALIKE]
+        setting, (trial, found.chosen, _) = near[0]
+        self.record.best = trial.number
+        return trial, setting
+
+    def _fitted(self, setting: StealthSetting, amplitudes: Sequence[Amplitude]) -> StealthSetting | None:
+        ground, stealth = self._ground, self._ground.stealth
+        if not stealth.tuned:
+            return None
+        at_rest = (ground.current.run_scale + 1) / ground.current.steps / FULL
+        a_pps = stealth.places.calculator.of_velocity(1 / ground.turn, stealth.motor) / FULL
+        found = amplitudes_fitted(amplitudes, at_rest, a_pps)
+        if found is None:
+            return None
+        offset, gradient = (min(max(round(each), 0), FULL) for each in found)
+        return replace(setting, offset=offset, gradient=gradient)
+
+    async def _trial(self, setting: StealthSetting, why: str) -> tuple[Trial, StealthTried, Through]:
+        """Try a setting, once."""
+        record, stealth = self.record, self._ground.stealth
+        if setting in self._trials:
+            return self._trials[setting]
+        number = len(record.trials) + 1
+        self.keeper.mark(f"trial {number}: {stealth.words(setting)}")
+        seen = await self._through(setting, TRIAL_ROUNDS)
+        tried = self._tried(setting, seen, why)
+        self.found.tried.append(tried)
+        trial = Trial(
+            number=number,
+            setting=stealth.told(setting),
+            registers=stealth.registers(setting),
+            state="feasible" if self._holds(tried) else "infeasible",
+            figures=Figures(
+                deviation_fullsteps=tried.jolt_fullsteps, lost_fullsteps=tried.lost_fullsteps, runs=TRIAL_ROUNDS
+            ),
+            why=why,
+            at_s=self.since_s,
+        )
+        record.trials.append(trial)
+        self._trials[setting] = trial, tried, seen
+        await self.keeper.save(record)
+        return self._trials[setting]
+
+    def _reach(self, setting: StealthSetting) -> float:
+        """Up to which speed of those that are asked for StealthChop works [turns a second]."""
+        rps = self._ground.stealth.switch_rps(setting)
+        return 0.0 if not setting.on else self._ground.top_rps if rps is None else min(rps, self._ground.top_rps)
+
+    # --- proof --------------------------------------------------------------------------------------
+
+    async def _prove(self, best: Trial, setting: StealthSetting) -> None:
+        found, wanted = self.found, self.wanted
+        settings = {"A": self._ground.stealth.now, "B": setting}
+        self.keeper.mark(f"proof of trial {best.number}")
+        for index in range(wanted.pairs):
+            if self.spent():
+                break
+            self.tell(
+                "proof",
+                PROOF_FROM + (1 - PROOF_FROM) * index / wanted.pairs,
+                f"pair {index + 1} of {wanted.pairs}",
+                2 * (wanted.pairs - index) * self._ground.round_s,
+            )
+            # A B, then B A: what drifts with time is neither's advantage.
+            order: Literal["AB", "BA"] = "BA" if index % 2 else "AB"
+            seen = {which: await self._through(settings[which]) for which in order}
+            found.pairs.append(
+                StealthPair(
+                    baseline_jolt_fullsteps=seen["A"].jolt,
+                    winner_jolt_fullsteps=seen["B"].jolt,
+                    baseline_added_share=seen["A"].added,
+                    winner_added_share=seen["B"].added,
+                    order=order,
+                )
+            )
+        self._decide(setting)
+        await self.keeper.save(self.record)
+
+    def _decide(self, setting: StealthSetting) -> None:
+        record, found, wanted, stealth = self.record, self.found, self.wanted, self._ground.stealth
+        if len(found.pairs) < wanted.pairs:
+            record.improved, record.best = None, None
+            record.verdict = f"the budget ended after {len(found.pairs)} of {wanted.pairs} pairs: nothing is shown"
+            record.next = "more time"
+            return
+        reach = Reach(self._reach(stealth.now), self._reach(setting))
+        shown = decide(found.pairs, reach, wanted.jolt_max_fullsteps, wanted.smallest_gain, record.document.seed)
+        found.effects, record.improved = list(shown.effects), shown.improved
+        jolt, old, new = shown.effects[0], stealth.words(stealth.now), stealth.words(setting)
+        if not shown.improved:
+            record.best = None
+            why = "" if shown.calm else f": its jolt may be {plain(jolt.winner_interval.high, 3)} full steps"
+            record.verdict = f"{new} is not shown to be better than {old}{why}; that stays"
+            return
+        then = "it is set" if wanted.keep else "one click takes it"
+        record.verdict = f"{new} instead of {old}: {'; '.join(_told(each) for each in shown.effects)}; {then}"
+
+
+def _told(effect: StealthEffect) -> str:
+    """A figure before and after, for people."""
+    times, unit, name = (1, "full steps", "jolt") if effect.name == "jolt" else (100, "%", "added by its regulation")
+    before, after, low, high = (
+        plain(times * each, 3) for each in (effect.baseline, effect.winner, effect.interval.low, effect.interval.high)
+    )
+    return f"{name} {before} to {after} {unit} (95 % of the difference: {low} to {high})"

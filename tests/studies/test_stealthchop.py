@@ -1,0 +1,186 @@
+"""StealthChop on an emulated axis: amplitudes and a switch-over speed, found, proved, put back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.manager import DeviceChange
+from app.studies.document import StudyDocument
+from app.studies.kinds import KINDS
+from app.studies.report import html_of
+from tests.devices.tmc5xxx.harness import bench
+from tests.studies.harness import START, Studied, studied
+
+FULL = replace(START, vmax=51_200, amax=256_000, irun=25, ihold=25)
+PLANT: dict[str, Any] = {
+    "motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005},
+    "load": {"inertia_kgm2": 5e-6},
+    "encoder": {"lines": 10_000},
+    "supply_v": 36.0,
+    "full_scale_a": 2.1,
+}
+STUDY: dict[str, Any] = {
+    "kind": "stealthchop",
+    "resistance_ohm": 2.3,
+    "inductance_h": 4.4e-3,
+    "run_current_a": 1.5 * 26 / 32,
+    "supply_v": 36.0,
+    "holding_torque_nm": 0.45,
+    "rated_current_a": 1.5,
+    "velocity_max_rps": 2.0,
+}
+NAMES = ("CHOPCONF", "GCONF", "PWMCONF", "TPWMTHRS", "TCOOLTHRS", "VMAX", "AMAX", "IHOLD_IRUN")
+TUNES = 0b11 << 18
+OFFSET, GRADIENT = 36, 12
+"""Of that motor by the formulas of the sheet: 374 R I / V at full scale, and its back-EMF."""
+
+
+def conf(offset: int, gradient: int) -> int:
+    return offset | gradient << 8 | 1 << 16 | TUNES | 8 << 24 | 12 << 28
+
+
+async def with_stealthchop(s: Studied, *, pwmconf: int, switch_rps: float | None, on: bool = True) -> None:
+    threshold = 0 if switch_rps is None else round(16e6 / (switch_rps * 51_200))
+    for name, value in (("PWMCONF", pwmconf & ~TUNES), ("PWMCONF", pwmconf), ("TPWMTHRS", threshold)):
+        await s.passing(_write(s, name, value))
+    (gconf,) = await s.settings("GCONF")
+    await s.passing(_write(s, "GCONF", gconf & ~4 | on << 2))
+
+
+async def _write(s: Studied, name: str, value: int) -> None:
+    await s.device.registers.write(name, 0, value)
+
+
+async def test_a_switch_over_that_jolts_is_made_slower_and_amplitudes_fit(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(STUDY)), 900)
+        found = record.stealthchop
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert found is not None
+        assert found.before is not None
+        assert found.calculated is not None
+        assert found.chosen is not None
+        assert (found.calculated.offset, found.calculated.gradient) == (OFFSET, GRADIENT)
+        assert found.offset_auto == pytest.approx(OFFSET, abs=1)
+        assert found.gradient_auto is not None
+        assert found.gradient_auto > GRADIENT / 2
+        assert found.chosen.offset == pytest.approx(OFFSET, abs=4)
+        assert found.before.switch_rps == pytest.approx(1.5, rel=0.01)
+        assert found.before.jolt_fullsteps > 0.5 >= found.chosen.jolt_fullsteps
+        assert found.chosen.switch_rps is not None
+        assert 0.1 < found.chosen.switch_rps < 1.0
+        jolt, added = found.effects
+        assert jolt.significant
+        assert added.significant
+        assert added.winner < 0.1 < 0.3 < added.baseline
+        best = record.trial(record.best)
+        assert best is not None
+        written = {each.name: each.value for each in best.registers}
+        assert written["PWMCONF"] & 0xFF == found.chosen.offset
+        assert written["PWMCONF"] >> 8 & 0xFF == found.chosen.gradient
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        assert html_of(record).count("<svg") == 2
+
+
+async def test_what_it_found_is_kept_and_a_second_study_claims_nothing(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(10, 40), switch_rps=0.2)
+        first = await s.finish(s.begin(s.document({**STUDY, "keep": True})), 900)
+        assert first.improved, first.verdict
+        found = first.stealthchop
+        assert found is not None
+        assert found.chosen is not None
+        (pwmconf,) = await s.settings("PWMCONF")
+        assert (pwmconf & 0xFF, pwmconf >> 8 & 0xFF) == (found.chosen.offset, found.chosen.gradient)
+        second = await s.finish(s.begin(s.document(STUDY)), 900)
+        assert (second.state, second.improved, second.best) == ("done", False, None), second.verdict
+        assert "stays" in second.verdict
+
+
+async def test_an_axis_without_stealthchop_gets_it_up_to_where_it_jolts(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(OFFSET, GRADIENT), switch_rps=1.5, on=False)
+        record = await s.finish(s.begin(s.document(STUDY)), 900)
+        assert record.improved, record.verdict
+        assert record.verdict.endswith("one click takes it")
+        assert "instead of SpreadCycle at every speed" in record.verdict
+
+
+async def test_where_every_switch_over_jolts_nothing_is_claimed(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(OFFSET, GRADIENT), switch_rps=1.0)
+        record = await s.finish(s.begin(s.document({**STUDY, "jolt_max_fullsteps": 0.03})), 900)
+        assert (record.state, record.improved, record.best) == ("done", False, None), record.message
+        assert "stays" in record.verdict
+
+
+async def test_lost_steps_are_mended_and_do_not_end_it(tmp_path: Path) -> None:
+    """A heavy load slips where the voltage of a slow supply ends; the study finds a slower switch-over all the same."""
+    heavy = {**PLANT, "load": {"inertia_kgm2": 1.2e-4}}
+    async with studied(tmp_path, FULL, **heavy) as s:
+        await with_stealthchop(s, pwmconf=conf(255, 0), switch_rps=1.7)
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(STUDY)), 1200)
+        assert record.state == "done", record.message
+        assert await s.settings(*NAMES) == before
+        state = await s.b.state()
+        assert abs(state.encoder_position - state.position) < 256 * 2
+
+
+async def test_a_stop_in_the_search_puts_stealthchop_back(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        before, run = await s.settings(*NAMES), s.begin(s.document(STUDY))
+        while len(run.record.trials) < 2:
+            await s.clock.advance(0.2)
+            assert run.running, run.record.message
+        await s.device.stop_axes([0])
+        record = await s.finish(run, 60)
+        assert (record.state, record.left) == ("aborted", [])
+        assert await s.settings(*NAMES) == before
+
+
+@pytest.mark.parametrize(
+    ("model", "words"), [("tmc5072", "no speed of its own"), ("tmc5062", "no StealthChop"), ("tmc5130", "")]
+)
+async def test_a_chip_is_asked_for_what_it_has(tmp_path: Path, model: str, words: str) -> None:
+    async with bench(model, start=START, motor={"rotor_teeth": 50}) as b:
+        plan = await KINDS["stealthchop"].plan(b.device, 0, _document(b.device.id))
+        assert any(words in line for line in plan.missing) if words else plan.missing == []
+
+
+def _document(device: str) -> StudyDocument:
+    return StudyDocument.model_validate({"device": device, "study": STUDY})
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        (AxisLimits(velocity_max_pps=50_000), "soft limit of velocity"),
+        (AxisLimits(position_min=-1000, position_max=1000), "soft limits end before"),
+    ],
+)
+async def test_the_plan_says_what_cannot_be(tmp_path: Path, limits: AxisLimits, words: str) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        limited = replace(s.device.axes[0].settings, limits=limits)
+        await s.b.manager.edit(s.device.id, DeviceChange(axes=(limited,)))
+        plan = await KINDS["stealthchop"].plan(s.device, 0, s.document(STUDY))
+        assert any(words in line for line in plan.missing)
+
+
+async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        plan = await KINDS["stealthchop"].plan(s.device, 0, s.document(STUDY))
+        assert plan.missing == []
+        assert plan.velocity_max_pps == pytest.approx(2.0 * 51_200)
+        for name in ("PWMCONF", "TPWMTHRS", "GCONF"):
+            assert any(name in each for each in plan.registers)
+        assert any("PWM_GRAD_AUTO" in line for line in plan.steps)

@@ -1,0 +1,78 @@
+import { Table, Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
+import { compact } from "../../../lib/format";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot } from "../../../plots/Plot";
+import type { Study } from "../study";
+import { joltsOf, namedOf, reachOf, type StealthFound } from "./tried";
+
+/** How much the change of choppers jolted at which speed, which amplitudes fit, and how sure that is. */
+export function Results({ study }: { study: Study }) {
+  const found = study.stealthchop;
+  return found && found.before !== null ? <Found found={found} /> : null;
+}
+
+function Found({ found }: { found: StealthFound }) {
+  const scheme = useScheme();
+  const percent = (share: number | null) => (share === null ? "not told" : `${compact(100 * share, 3)} %`);
+  return (
+    <Card title="StealthChop" note={`${found.tried.length} tried`}>
+      <Plot
+        label="Jolt over switch-over speed"
+        height={190}
+        series={[
+          { label: "tried", unit: "full steps", color: colorOf("velocity", scheme), dots: 7, line: false },
+          { label: "before", unit: "full steps", color: colorOf("residual", scheme), dots: 9, line: false },
+          { label: "allowed", unit: "full steps", color: colorOf("target", scheme) },
+        ]}
+        x={{ label: "switch-over", unit: "turns/s" }}
+        scales={{ y: { label: "jolt", unit: "full steps", include: [0] } }}
+        data={joltsOf(found)}
+      />
+      <Table.ScrollContainer minWidth={420} type="native">
+        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Settings of StealthChop">
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col" />
+              <Table.Th scope="col">PWM_OFS</Table.Th>
+              <Table.Th scope="col">PWM_GRAD</Table.Th>
+              <Table.Th scope="col">Up to</Table.Th>
+              <Table.Th scope="col">Jolt</Table.Th>
+              <Table.Th scope="col">Added by its regulation</Table.Th>
+            </Table.Tr>
+          </Table.Thead>
+          <Table.Tbody>
+            {namedOf(found).map(([name, one]) => (
+              <Table.Tr key={name}>
+                <Table.Th scope="row">{name}</Table.Th>
+                <Table.Td className="num">{one.offset ?? "none"}</Table.Td>
+                <Table.Td className="num">{one.gradient ?? "none"}</Table.Td>
+                <Table.Td className="num">{reachOf(one, (value) => compact(value, 3))}</Table.Td>
+                <Table.Td className="num">{compact(one.jolt_fullsteps, 3)} full steps</Table.Td>
+                <Table.Td className="num">{percent(one.added_share)}</Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </Table>
+      </Table.ScrollContainer>
+      {found.offset_auto !== null && (
+        <Text size="sm">
+          The chip tuned PWM_OFS_AUTO {found.offset_auto}
+          {found.gradient_auto !== null && ` and PWM_GRAD_AUTO ${found.gradient_auto}`} by itself.
+        </Text>
+      )}
+      {found.effects.map((effect) => {
+        const times = effect.name === "added" ? 100 : 1;
+        return (
+          <Text size="sm" key={effect.name}>
+            {effect.name === "added" ? "Added by its regulation" : "Jolt"}, new less old, {effect.pairs} pairs:{" "}
+            {compact(times * effect.difference, 3)} {effect.name === "added" ? "%" : "full steps"} (95 %:{" "}
+            {compact(times * effect.interval.low, 3)} to {compact(times * effect.interval.high, 3)}), p{" "}
+            {compact(effect.p, 2)}.
+          </Text>
+        );
+      })}
+    </Card>
+  );
+}

@@ -1,0 +1,43 @@
+import type { CoilForm } from "../CoilFields";
+import type { KindForm } from "../kind";
+
+export interface StealthChopForm extends CoilForm {
+  /** both coils at the rated current [N m]; null: the chip alone tunes what velocity adds */
+  holdingTorqueNm: number | null;
+  /** RMS of one coil at that torque [A] */
+  ratedCurrentA: number | null;
+  /** runs go through all speeds up to it [turns of the motor a second] */
+  velocityMaxRps: number;
+  /** so far the shaft may swing as the choppers change [full steps] */
+  joltMax: number;
+}
+
+export const STEALTHCHOP: KindForm<StealthChopForm> = {
+  label: "Silent by StealthChop",
+  text: "PWM_OFS and PWM_GRAD that fit the motor, and how fast StealthChop may go before the change to SpreadCycle jolts.",
+  title: "StealthChop",
+  first: () => ({
+    resistanceOhm: 2.3,
+    inductanceMh: 4.4,
+    runCurrentA: 1,
+    supplyV: 24,
+    holdingTorqueNm: null,
+    ratedCurrentA: null,
+    velocityMaxRps: 3,
+    joltMax: 0.5,
+  }),
+  wish: (form) => ({
+    study: {
+      kind: "stealthchop",
+      resistance_ohm: form.resistanceOhm,
+      inductance_h: form.inductanceMh / 1e3,
+      run_current_a: form.runCurrentA,
+      supply_v: form.supplyV,
+      holding_torque_nm: form.holdingTorqueNm,
+      rated_current_a: form.ratedCurrentA,
+      velocity_max_rps: form.velocityMaxRps,
+      jolt_max_fullsteps: form.joltMax,
+    },
+    budget: { time_s: 1800 },
+  }),
+};
