@@ -149,7 +149,8 @@ async def test_a_stop_in_the_search_puts_stealthchop_back(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("model", "words"), [("tmc5072", "no speed of its own"), ("tmc5062", "no StealthChop"), ("tmc5130", "")]
+    ("model", "words"),
+    [("tmc5072", "no StealthChop with a switch-over"), ("tmc5062", "no StealthChop"), ("tmc5130", "")],
 )
 async def test_a_chip_is_asked_for_what_it_has(tmp_path: Path, model: str, words: str) -> None:
     async with bench(model, start=START, motor={"rotor_teeth": 50}) as b:
@@ -174,6 +175,23 @@ async def test_the_plan_says_what_cannot_be(tmp_path: Path, limits: AxisLimits, 
         await s.b.manager.edit(s.device.id, DeviceChange(axes=(limited,)))
         plan = await KINDS["stealthchop"].plan(s.device, 0, s.document(STUDY))
         assert any(words in line for line in plan.missing)
+
+
+async def test_a_current_too_small_to_be_regulated_takes_what_is_calculated(tmp_path: Path) -> None:
+    low = {"supply_v": 48.0, "motor": {**PLANT["motor"], "resistance_ohm": 1.0}}
+    told = {"supply_v": 48.0, "resistance_ohm": 1.0}
+    async with studied(tmp_path, FULL, **{**PLANT, **low}) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        plan = await KINDS["stealthchop"].plan(s.device, 0, s.document({**STUDY, **told}))
+        assert any("too small to be regulated" in line for line in plan.warnings)
+        record = await s.finish(s.begin(s.document({**STUDY, **told})), 900)
+        found = record.stealthchop
+        assert record.improved, record.verdict
+        assert found is not None
+        assert found.calculated is not None
+        assert found.chosen is not None
+        assert (found.chosen.offset, found.chosen.gradient) == (found.calculated.offset, found.calculated.gradient)
+        assert [each.name for each in found.effects] == ["jolt"]
 
 
 async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:

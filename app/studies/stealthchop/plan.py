@@ -124,7 +124,7 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         speed / turn,
         {SPEED: speed, ACCELERATION: acceleration},
         length,
-        turns if stealth.tuned else (),
+        turns if stealth.tuned and stealth.regulates(stealth.frequency) else (),
     )
     far = state.position + _longest(ground)
     if limits.beyond(far):
@@ -133,6 +133,11 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         looked.warnings.append("no holding torque is told: PWM_GRAD is not calculated, only tuned by the chip")
     if not stealth.tuned:
         looked.warnings.append("this chip's amplitude has no parts that are set: only the switch-over speed is found")
+    if not stealth.regulates(stealth.frequency):
+        looked.warnings.append(
+            "the current is too small to be regulated (t_blank f_PWM V / R): nothing tunes or checks the amplitudes, "
+            "so the calculated ones are taken; a shorter blank time (TBL) or a lower supply would help"
+        )
     looked.warnings += [*room_told(limits), *stealth.unfit]
     looked.ground = ground
     return looked
@@ -155,7 +160,7 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 
 def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) -> None:
-    stealth, tunings = ground.stealth, len(ground.turns) + TUNING_RUNS if ground.turns else 0
+    tunings = len(ground.turns) + TUNING_RUNS + 1 if ground.turns else 0
     rounds = BASELINE_ROUNDS + TRIAL_ROUNDS * (len(ground.switches_rps) + 3) + 2 * wanted.pairs
     told.position_from, told.position_to = ground.start, ground.start + _longest(ground)
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.through[SPEED], ground.through[ACCELERATION]
@@ -175,9 +180,13 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) 
     )
     told.steps = [
         f"runs there and back at up to {top} turns a second, set as now: how the shaft jolts as the choppers change",
-        *(tuned if stealth.tuned else []),
+        *(tuned if ground.turns else []),
         rising,
-        *(["what is calculated from the motor against what the chip has tuned"] if stealth.tuned else []),
+        *(
+            ["what is calculated from the motor against what the chip has tuned, and needs at that speed"]
+            if ground.turns
+            else []
+        ),
         f"{wanted.pairs} times the same with the setting before and with the best one, in turn",
         "the best one stays where it is shown to be better, else the old one goes back"
         if wanted.keep

@@ -32,18 +32,6 @@ def with_speeds(amplitudes: Sequence[Amplitude], run: Sampled) -> list[Amplitude
     return [each for each in found if each.pps > 0]
 
 
-def amplitudes_fitted(amplitudes: Sequence[Amplitude], at_rest: float, a_pps: float) -> tuple[float, float] | None:
-    """What amplitude at rest and what of velocity come nearest to those of runs, as shares of the greatest.
-
-    at_rest, a_pps : what one of the former and one of the latter a pps make. None where that cannot be told.
-    """
-    if len(amplitudes) < LEAST_SAMPLES:
-        return None
-    parts = np.array([(at_rest, a_pps * each.pps) for each in amplitudes])
-    (offset, gradient), _, rank, _ = np.linalg.lstsq(parts, np.array([each.share for each in amplitudes]), rcond=None)
-    return (float(offset), float(gradient)) if rank == 2 else None
-
-
 def jolts_of(run: Sampled, switch_pps: float, full_step: int) -> list[float]:
     """How far the shaft swings about its way each time that its speed passes `switch_pps` [full steps].
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -47,15 +47,19 @@ class StealthSetting:
 class Calculator(Protocol):
     """What a family's data sheets say of StealthChop at a motor."""
 
-    def first(self, model: str, motor: Motor) -> tuple[int | None, int | None, int]:
-        """Amplitude at rest at full current scale, what velocity adds (None without a torque), frequency.
+    def first(self, model: str, motor: Motor) -> tuple[int | None, int | None]:
+        """Amplitude at rest at full current scale, and what velocity adds (None without a torque).
 
         Nulls for chips whose amplitude has no such parts.
         """
         ...
 
-    def suits(self, motor: Motor, frequency: int) -> bool:
-        """Whether a PWM of that setting is neither heard nor needlessly fast."""
+    def suiting(self, motor: Motor) -> Sequence[int]:
+        """Settings of a PWM that is neither heard nor needlessly fast, the best one first."""
+        ...
+
+    def regulates(self, motor: Motor, blank: int, frequency: int) -> bool:
+        """Whether a pulse of that current is long enough to be measured."""
         ...
 
     def threshold(self, rps: float, motor: Motor) -> int:
@@ -85,6 +89,7 @@ class StealthPlaces:
     gradient: Place
     frequency: Place
     threshold: Place
+    blank: Place
     tunes: tuple[Place, ...]
     fixed: Mapping[Place, int]
     amplitude: str
@@ -101,17 +106,16 @@ class StealthSpace:
     def __init__(
         self, device: Device, axis: int, places: StealthPlaces, held: CapturedConfiguration, motor: Motor
     ) -> None:
-        """Raises WrongState for a chip without StealthChop or without a switch-over speed that is set, and for what
-        could not be put back."""
+        """Raises WrongState for a chip without StealthChop or a switch-over that is set, and for what could not be put
+        back."""
         self.places, self.motor, self._model = places, motor, device.model
-        own = (places.on, places.offset, places.gradient, places.frequency, places.threshold, *places.tunes)
+        needed = (places.on, places.frequency, places.threshold, places.blank, places.tunes[0])
+        own = (*needed, places.offset, places.gradient, *places.tunes)
         self._fields = FieldSpace(device, axis, (*own, *places.fixed), held)
-        title = device.model.upper()
-        if places.on not in self._fields or places.tunes[0] not in self._fields:
-            raise WrongState(f"a {title} has no StealthChop that regulates itself", "find its chopper instead")
-        if places.threshold not in self._fields:
+        if any(place not in self._fields for place in needed):
             raise WrongState(
-                f"a {title} has no speed of its own at which SpreadCycle takes over", "find its chopper instead"
+                f"a {device.model.upper()} has no StealthChop with a switch-over to SpreadCycle that a study sets",
+                "find its chopper instead",
             )
         self.before = self._fields.before
         self.amplitude_full = _full_of(device, axis, places)
@@ -144,14 +148,18 @@ class StealthSpace:
     @property
     def calculated(self) -> tuple[int | None, int | None]:
         """Amplitude at rest and what velocity adds, by the motor's figures."""
-        offset, gradient, _ = self.places.calculator.first(self._model, self.motor)
-        return (offset, gradient) if self.tuned else (None, None)
+        return self.places.calculator.first(self._model, self.motor) if self.tuned else (None, None)
 
     @property
     def frequency(self) -> int:
-        """The one that is set, where it suits; else the calculated one."""
-        now, calculator = self.now.frequency, self.places.calculator
-        return now if calculator.suits(self.motor, now) else calculator.first(self._model, self.motor)[2]
+        """The one that is set, where it suits and lets the current be regulated; else the best that does."""
+        now, suiting = self.now.frequency, self.places.calculator.suiting(self.motor)
+        ordered = [*(each for each in (now,) if each in suiting), *suiting]
+        return next((each for each in ordered if self.regulates(each)), ordered[0])
+
+    def regulates(self, frequency: int) -> bool:
+        """Whether the current is regulated at all with that PWM: shorter pulses than the blank time are not seen."""
+        return self.places.calculator.regulates(self.motor, self._fields[self.places.blank], frequency)
 
     def switch_rps(self, setting: StealthSetting) -> float | None:
         """Turns a second up to which StealthChop works; None at every speed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -22,7 +22,7 @@ from ..run import StudyRun
 from .decision import FASTER, Reach, decide
 from .found import StealthEffect, StealthFound, StealthPair, StealthTried
 from .plan import BASELINE_ROUNDS, TOP, TRIAL_ROUNDS, TUNING_RUNS, Ground, look
-from .seen import Amplitude, added_of, amplitudes_fitted, jolts_of, with_speeds
+from .seen import Amplitude, added_of, jolts_of, with_speeds
 from .setting import UNITS, StealthSetting
 
 RATE_HZ = 1000.0
@@ -40,11 +40,11 @@ SEARCH_SHARE, PROOF_FROM = 0.6, 0.7
 
 @dataclass(frozen=True, slots=True)
 class Through:
-    """Of runs through all speeds: worst jolt [full steps], what was added, amplitudes, lost full steps."""
+    """Of runs through all speeds: worst jolt [full steps], what was added, greatest amplitude, lost full steps."""
 
     jolt: float
     added: float | None
-    amplitudes: Sequence[Amplitude]
+    amplitude: float | None
     lost: float
 
 
@@ -53,7 +53,7 @@ class StealthChopStudy(StudyRun):
 
     _ground: Ground
     _moves: MeasuredMoves
-    _trials: dict[StealthSetting, tuple[Trial, StealthTried, Through]]
+    _trials: dict[StealthSetting, tuple[Trial, StealthTried]]
 
     @property
     def wanted(self) -> QuietStealthChop:
@@ -118,7 +118,7 @@ class StealthChopStudy(StudyRun):
         return Through(
             max(each.jolt for each in found),
             statistics.fmean(added) if added else None,
-            [amplitude for each in found for amplitude in each.amplitudes],
+            max((each.amplitude for each in found if each.amplitude is not None), default=None),
             max(each.lost for each in found),
         )
 
@@ -141,8 +141,8 @@ class StealthChopStudy(StudyRun):
             await self._mend()
         return Through(
             max([*jolts, lost], default=0.0),
-            added_of(amplitudes),
-            amplitudes,
+            added_of(amplitudes) if ground.stealth.regulates(setting.frequency) else None,
+            max((each.share for each in amplitudes), default=None),
             lost,
         )
 
@@ -187,7 +187,7 @@ class StealthChopStudy(StudyRun):
             on=setting.on,
             jolt_fullsteps=seen.jolt,
             added_share=seen.added,
-            amplitude_share=max((each.share for each in seen.amplitudes), default=None),
+            amplitude_share=seen.amplitude,
             lost_fullsteps=seen.lost,
             why=why,
         )
@@ -207,16 +207,14 @@ class StealthChopStudy(StudyRun):
 
     async def _tune(self) -> tuple[int | None, int | None]:
         """What the chip tunes by itself: the amplitude at rest, and what velocity adds; None where it does not."""
-        ground, stealth = self._ground, self._ground.stealth
-        if not stealth.tuned:
+        ground = self._ground
+        if not ground.turns:
             return None, None
         self.tell("look", 0.1, "StealthChop tunes itself")
         self.keeper.mark("StealthChop tunes itself")
         before = await self._moves.deviation()
         setting = self._with(*self._known(None, None), threshold=0)
-        current = ground.current.registers(ground.current.run_scale)
-        await self.apply([*current, *stealth.fresh(setting)], "the run current, also at rest")
-        await self.apply(stealth.registers(setting), "StealthChop that tunes itself")
+        await self._turning_with(setting)
         found: tuple[int | None, int | None] = None, None
         try:
             found = await self._tuned()
@@ -229,24 +227,40 @@ class StealthChopStudy(StudyRun):
         await self.keeper.save(self.record)
         return found
 
+    async def _turning_with(self, setting: StealthSetting) -> None:
+        """Set it afresh, with the run current also at rest, so that the chip can tune itself there."""
+        current, stealth = self._ground.current, self._ground.stealth
+        registers = [*current.registers(current.run_scale), *stealth.fresh(setting)]
+        await self.apply(registers, "the run current, also at rest")
+        await self.apply(stealth.registers(setting), "StealthChop that tunes itself")
+
+    async def _turn(self, rps: float, ramp: Mapping[str, float]) -> float | None:
+        """The mean amplitude of a way there and back at constant speed, of the greatest; None: nothing was seen."""
+        ground = self._ground
+        await self.apply(ground.ramp.registers(ramp), f"turns at {plain(rps)} turns a second")
+        longest_s = 2 * (ground.tuning_way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
+        seen = await self._turns.there_and_back(ground.start, ground.tuning_way, longest_s)
+        self._moves.way_fullsteps += 2 * ground.tuning_way / ground.full_step
+        self.record.runs += 1
+        return None if seen is None else self._share(seen)
+
+    @property
+    def _turns(self) -> AmplitudeRuns:
+        places = identification_of(self.device).amplitude
+        assert places is not None
+        return AmplitudeRuns(self.device, self.axis, self.clock, places)
+
     async def _tuned(self) -> tuple[int, int | None]:
         """Raises Failed where it does not come to an end."""
         ground, stealth = self._ground, self._ground.stealth
-        places = identification_of(self.device).amplitude
-        assert places is not None
-        runs = AmplitudeRuns(self.device, self.axis, self.clock, places)
         steps = ground.current.steps
-        offset = round(await runs.at_rest(steps - 1, steps))
+        offset = round(await self._turns.at_rest(steps - 1, steps))
         rest = offset * (ground.current.run_scale + 1) / steps / FULL
         for rps, ramp in ground.turns:
-            await self.apply(ground.ramp.registers(ramp), f"turns at {plain(rps)} turns a second")
             last = None
-            longest_s = 2 * (ground.tuning_way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
             for _ in range(TUNING_RUNS):
-                seen = await runs.there_and_back(ground.start, ground.tuning_way, longest_s)
-                self._moves.way_fullsteps += 2 * ground.tuning_way / ground.full_step
-                self.record.runs += 1
-                if seen is None or not TUNES_FROM * rest <= self._share(seen) <= TUNES_TO * rest:
+                seen = await self._turn(rps, ramp)
+                if seen is None or not TUNES_FROM * rest <= seen <= TUNES_TO * rest:
                     break
                 now = (await self.device.registers.read(stealth.places.gradient_auto, self.axis)).value
                 if now == last:
@@ -319,7 +333,7 @@ class StealthChopStudy(StudyRun):
     async def _amplitudes(
         self, offset: int | None, gradient: int | None, threshold: int
     ) -> tuple[Trial, StealthSetting] | None:
-        """At the chosen switch-over: amplitudes as they were, as tuned, as calculated, and as fitted to those of runs;
+        """At the chosen switch-over: amplitudes as they were, as tuned, as calculated, and as it needs at that speed;
         the ones that need the least regulation, and of equal ones the first."""
         stealth, found = self._ground.stealth, self.found
         tuned = self._with(offset, gradient, threshold)
@@ -335,39 +349,47 @@ class StealthChopStudy(StudyRun):
             tried.append((setting, await self._trial(setting, why)))
             if setting == calculated and None not in stealth.calculated:
                 found.calculated = tried[-1][1][1]
-        fitted = self._fitted(tuned, self._trials[tuned][2].amplitudes)
-        if fitted is not None:
-            tried.append((fitted, await self._trial(fitted, "fitted to the amplitudes of runs")))
+        needed = await self._needed(tuned)
+        if needed is not None:
+            tried.append((needed, await self._trial(needed, "as it needs at the switch-over speed")))
         held = [each for each in tried if self._holds(each[1][1])]
         if not held:
             return None
-        least = min(each.added_share or 0.0 for _, (_, each, _) in held)
-        near = [each for each in held if (each[1][1].added_share or 0.0) <= least + ALIKE]
-        setting, (trial, found.chosen, _) = near[0]
+        told = [each.added_share for _, (_, each) in held if each.added_share is not None]
+        # Where nothing is regulated nothing tells of the amplitudes: the calculated ones are taken.
+        near = [each for each in held if told and (each[1][1].added_share or 0.0) <= min(told) + ALIKE]
+        by_sheet = [each for each in held if each[0] == calculated]
+        setting, (trial, found.chosen) = (near or by_sheet or held)[0]
         self.record.best = trial.number
         return trial, setting
 
-    def _fitted(self, setting: StealthSetting, amplitudes: Sequence[Amplitude]) -> StealthSetting | None:
-        ground, stealth = self._ground, self._ground.stealth
-        if not stealth.tuned:
-            return None
-        at_rest = (ground.current.run_scale + 1) / ground.current.steps / FULL
-        a_pps = stealth.places.calculator.of_velocity(1 / ground.turn, stealth.motor) / FULL
-        found = amplitudes_fitted(amplitudes, at_rest, a_pps)
-        if found is None:
-            return None
-        offset, gradient = (min(max(round(each), 0), FULL) for each in found)
-        return replace(setting, offset=offset, gradient=gradient)
+    async def _needed(self, setting: StealthSetting) -> StealthSetting | None:
+        """What velocity adds by the amplitude that is regulated at the switch-over speed; None where nothing tells it.
 
-    async def _trial(self, setting: StealthSetting, why: str) -> tuple[Trial, StealthTried, Through]:
+        It is less than what the chip tunes at a greater speed: there the current stands against the back-EMF, slowly
+        an unloaded motor's current and back-EMF are nearly at right angles.
+        """
+        ground, stealth = self._ground, self._ground.stealth
+        rps = min(stealth.switch_rps(setting) or ground.top_rps, ground.top_rps)
+        if not ground.turns or setting.offset is None:
+            return None
+        ramp = {**ground.through, SPEED: rps * ground.turn}
+        await self._turning_with(replace(setting, threshold=0))
+        seen = await self._turn(rps, ramp)
+        if seen is None:
+            return None
+        rest = setting.offset * (ground.current.run_scale + 1) / ground.current.steps / FULL
+        worth = stealth.places.calculator.of_velocity(rps, stealth.motor) / FULL
+        return replace(setting, gradient=min(max(round((seen - rest) / worth), 0), FULL))
+
+    async def _trial(self, setting: StealthSetting, why: str) -> tuple[Trial, StealthTried]:
         """Try a setting, once."""
         record, stealth = self.record, self._ground.stealth
         if setting in self._trials:
             return self._trials[setting]
         number = len(record.trials) + 1
         self.keeper.mark(f"trial {number}: {stealth.words(setting)}")
-        seen = await self._through(setting, TRIAL_ROUNDS)
-        tried = self._tried(setting, seen, why)
+        tried = self._tried(setting, await self._through(setting, TRIAL_ROUNDS), why)
         self.found.tried.append(tried)
         trial = Trial(
             number=number,
@@ -381,7 +403,7 @@ class StealthChopStudy(StudyRun):
             at_s=self.since_s,
         )
         record.trials.append(trial)
-        self._trials[setting] = trial, tried, seen
+        self._trials[setting] = trial, tried
         await self.keeper.save(record)
         return self._trials[setting]
 

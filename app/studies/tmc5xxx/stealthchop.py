@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ...calc.tmc5xxx.chopper import Winding
+from ...calc.tmc5xxx.chopper import PWM_DIVIDERS, Winding
 from ...calc.tmc5xxx.chopper_hints import hints
+from ...calc.tmc5xxx.stealth import pwm_setting
 from ...calc.units.tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
 from ..field_settings import Place
 from ..stealthchop.setting import Motor, StealthPlaces
@@ -15,16 +16,21 @@ PWM_HZ = 20e3, 50e3
 class SheetCalculator:
     """The calculator of the page Current and chopper."""
 
-    def first(self, model: str, motor: Motor) -> tuple[int | None, int | None, int]:
-        """374 R I / V; C_BEMF 2 pi fCLK 1.46 / (V MSPR); nearest to the middle of 20 to 50 kHz (DS-TMC5160 7.4)."""
+    def first(self, model: str, motor: Motor) -> tuple[int | None, int | None]:
+        """374 R I / V; C_BEMF 2 pi fCLK 1.46 / (V MSPR) (DS-TMC5160 7.4)."""
         found = {each.field: each.value for each in hints(model, _winding(motor)).settings}
-        if "PWM_OFS" not in found:
-            return None, None, found["pwm_freq"]
-        return found["PWM_OFS"], found.get("PWM_GRAD"), found["pwm_freq"]
+        return (found["PWM_OFS"], found.get("PWM_GRAD")) if "PWM_OFS" in found else (None, None)
 
-    def suits(self, motor: Motor, frequency: int) -> bool:
-        """20 to 50 kHz."""
-        return PWM_HZ[0] <= _winding(motor).pwm_hz(frequency) <= PWM_HZ[1]
+    def suiting(self, motor: Motor) -> list[int]:
+        """20 to 50 kHz, from the middle of them on; the middle itself where the clock lets none be."""
+        best, winding = pwm_setting(motor.clock_hz), _winding(motor)
+        others = [each for each in range(len(PWM_DIVIDERS)) if PWM_HZ[0] <= winding.pwm_hz(each) <= PWM_HZ[1]]
+        return [best, *(each for each in others if each != best)]
+
+    def regulates(self, motor: Motor, blank: int, frequency: int) -> bool:
+        """t_blank f_PWM V / R against the peak (DS-TMC5160 7.3.1)."""
+        winding = _winding(motor)
+        return winding.peak_a >= winding.lowest_current_a(blank, frequency)
 
     def threshold(self, rps: float, motor: Motor) -> int:
         """TPWMTHRS, as TSTEP."""
@@ -60,6 +66,7 @@ STEALTHCHOP = StealthPlaces(
     gradient=Place("PWMCONF", "PWM_GRAD"),
     frequency=Place("PWMCONF", "pwm_freq"),
     threshold=Place("TPWMTHRS"),
+    blank=Place("CHOPCONF", "tbl"),
     # With pwm_autoscale 0 it begins with what PWMCONF holds (7.4).
     tunes=(Place("PWMCONF", "pwm_autoscale"), Place("PWMCONF", "pwm_autograd")),
     # StallGuard2, full steps and CoolStep at their thresholds would end it, or change the current under way.

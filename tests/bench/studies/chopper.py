@@ -113,7 +113,8 @@ async def _space(s: Studied, plant: ChopperPlant) -> ChopperSpace:
 async def _judged(seed: int, folder: Path, *, best_before: bool) -> Judged:
     """`best_before` : the axis is set to the best of the grid at first, so that there is nothing to gain."""
     plant = drawn(seed)
-    start = replace(START, vmax=51_200, amax=256_000, irun=plant.irun, ihold=plant.irun)
+    counts = 4 * plant.options["encoder"]["lines"]
+    start = replace(START, vmax=51_200, amax=256_000, irun=plant.irun, ihold=plant.irun, counts_per_rev=counts)
     async with studied(folder, start, **plant.options) as s:
         space = await _space(s, plant)
         names = ("CHOPCONF", "IHOLD_IRUN", "GLOBAL_SCALER")

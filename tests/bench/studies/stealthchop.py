@@ -70,9 +70,11 @@ class Truth:
         self._options = Tmc5xxxOptions.model_validate(plant.options)
         self._plant, self._registers = plant, dict(registers)
         motor, supply = self._options.motor, self._options.supply_v
+        assert not isinstance(motor, str)
+        self._full_a = motor.rated_current_a * math.sqrt(2)
         count_v = supply * 248 / 65_536
         self.ideal = Set(
-            round(motor.resistance_ohm * motor.rated_current_a * math.sqrt(2) / count_v),
+            round(motor.resistance_ohm * self._full_a / count_v),
             min(round(motor.torque_constant * 2 * math.pi * CLOCK_HZ / 256 / MICROSTEPS_A_TURN / count_v), 255),
             None,
         )
@@ -91,7 +93,7 @@ class Truth:
         drive.write("VMAX", round(TOP_RPS * UNITS_A_TURN))
         drive.write("RAMPMODE", 1)
         began, load, rps, current = drive.clocks, [], [], []
-        wished = self._options.motor.rated_current_a * math.sqrt(2) * (self._plant.irun + 1) / 32
+        wished = self._full_a * (self._plant.irun + 1) / 32
         for index in range(round((SPEED_UP_S + 0.1) * RATE_HZ)):
             drive.advance(began + round((index + 1) / RATE_HZ * CLOCK_HZ))
             state = drive.plant_state
@@ -168,7 +170,10 @@ async def judged(seed: int, folder: Path, *, best_before: bool = False) -> Judge
     """`best_before` : the axis is set to what a first study of it chose, so that there is nothing to gain."""
     plant = drawn(seed)
     motor = plant.options["motor"]
-    start = replace(START, vmax=round(UNITS_A_TURN), amax=256_000, irun=plant.irun, ihold=plant.irun)
+    lines = plant.options["encoder"]["lines"]
+    start = replace(
+        START, vmax=round(UNITS_A_TURN), amax=256_000, irun=plant.irun, ihold=plant.irun, counts_per_rev=4 * lines
+    )
     # The data sheet's torque: within 10 % of the motor's own.
     torque = motor["holding_torque_nm"] / random.Random(seed).uniform(0.9, 1.1)
     study = {
