@@ -21,7 +21,7 @@ FAST_S = 0.1
 """At their greatest speed [s]."""
 AROUND_S = 0.7
 """What a run takes beside its way, with the settings before it [s]."""
-LEAST_RPS, TIMES = 0.1, 1.25
+LEAST_RPS, TIMES = 0.1, 1.4
 """The slowest switch-over that is tried, and the next one over it."""
 TOP = 1.15
 """So many times the switch-over speed is the greatest speed at least."""
