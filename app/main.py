@@ -198,6 +198,7 @@ def create_app(
         recording_service,
         profile_store,
         executor_of(clock, settings.dask),
+        hub,
     )
     bench = ServerState(
         settings,

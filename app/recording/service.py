@@ -6,7 +6,7 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -19,8 +19,11 @@ from ..procedures.replay import Plan, Progress, Replay, plan_of
 from ..profiles.capture import capture
 from ..store.recordings.head import Column, Head
 from ..store.recordings.library import NAME_MAX, Label, Library
+from ..store.recordings.marks import Mark
 from ..store.recordings.readers import Readers
 from ..store.recordings.sink import FileSink, megabytes
+from ..telemetry.feed import Joined
+from ..telemetry.frames import FloatArray
 from ..telemetry.hub import TelemetryHub
 from ..telemetry.recorder import Recorder, State, Trigger
 
@@ -107,8 +110,28 @@ class RecordingService:
         self._require_room()
         recorder = Recorder(self._hub, device, channels, rate_hz, trigger, duration_s, self._clock)
         joined = recorder.joined
+        head = self._head(device, channels, joined, trigger, configuration, axes)
+        try:
+            writer = self.library.begin(head, label)
+        except OSError as error:
+            self._hub.leave(joined.reader)
+            raise WrongState(f"nothing can be recorded: {error}", "make room, or choose another --data-dir") from error
+        self._recorders[head.id] = recorder
+        sink = FileSink(self.library, head.id, writer, lambda: self.room_bytes)
+        recorder.start(sink, lambda: self._over(head.id))
+        return head.id
+
+    def _head(
+        self,
+        device: Device,
+        channels: tuple[str, ...],
+        joined: Joined,
+        trigger: Trigger,
+        configuration: Mapping[str, Any] | None,
+        axes: tuple[Mapping[str, Any], ...],
+    ) -> Head:
         now_s = self._unix_s()
-        head = Head(
+        return Head(
             id=self.library.new_id(now_s),
             device=device.id,
             model=device.model,
@@ -123,14 +146,40 @@ class RecordingService:
             axes=axes,
             emulator=options_of(device),
         )
+
+    def keep(
+        self,
+        device: Device,
+        channels: tuple[str, ...],
+        joined: Joined,
+        rows: tuple[FloatArray, FloatArray],
+        marks: Sequence[Mark],
+        label: Label,
+        configuration: Mapping[str, Any] | None,
+        axes: tuple[Mapping[str, Any], ...],
+    ) -> str:
+        """Keep what another reader of `channels` has got already, and answer with the id. Blocks.
+
+        Parameters
+        ----------
+        joined : as the reader was told when it joined
+        rows : device time [s] [rows], and the samples [channels, rows]
+
+        Raises WrongState for a disk that takes nothing.
+        """
+        self._require_room()
+        head = self._head(device, channels, joined, Trigger(), configuration, axes)
         try:
-            writer = self.library.begin(head, label)
+            sink = FileSink(self.library, head.id, self.library.begin(head, label), lambda: self.room_bytes)
+            try:
+                sink.append(*rows)
+                for mark in marks:
+                    sink.mark(mark.time_s, mark.kind, mark.text, mark.axis, mark.detail)
+            finally:
+                sink.close()
+                self.library.ended(head.id)
         except OSError as error:
-            self._hub.leave(joined.reader)
             raise WrongState(f"nothing can be recorded: {error}", "make room, or choose another --data-dir") from error
-        self._recorders[head.id] = recorder
-        sink = FileSink(self.library, head.id, writer, lambda: self.room_bytes)
-        recorder.start(sink, lambda: self._over(head.id))
         return head.id
 
     def _over(self, recording: str) -> None:

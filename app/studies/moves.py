@@ -58,6 +58,20 @@ def deviation_of(state: AxisState) -> float:
     return float(state.encoder_position - state.position)
 
 
+def figures_of(found: Sampled, target: int, before: float, full_step: int, band: float) -> MoveFigures:
+    """Of a move whose encoder was `before` off its position at rest; `band` it has to end within [all microsteps]."""
+    off = (found.deviation - before) / full_step
+    lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
+    scored = score(
+        found.time_s, float(target), found.position, found.encoder - before, band, float(target - found.start)
+    )
+    return MoveFigures(
+        time_s=None if lost else scored.settling_s,
+        deviation_fullsteps=scored.peak / full_step,
+        lost_fullsteps=abs(lost),
+    )
+
+
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
@@ -99,16 +113,7 @@ class MeasuredMoves:
         before = await self.deviation()
         found = await self.sampled(target, RATE_HZ)
         self.last = found
-        off = (found.deviation - before) / self._microsteps
-        lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
-        scored = score(
-            found.time_s, float(target), found.position, found.encoder - before, self._band, float(target - found.start)
-        )
-        return MoveFigures(
-            time_s=None if lost else scored.settling_s,
-            deviation_fullsteps=scored.peak / self._microsteps,
-            lost_fullsteps=abs(lost),
-        )
+        return figures_of(found, target, before, self._microsteps, self._band)
 
     async def sampled(self, target: int, rate_hz: float) -> Sampled:
         """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""

@@ -227,6 +227,7 @@ class StudyRecord(Part):
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
     scored: Scored | None = Field(default=None, description="of a scored move")
+    noticed: bool = Field(default=False, description="the scored move was made by somebody, and noticed")
     next: str = Field(default="", description="what would be worth doing next")
 
     def trial(self, number: int | None) -> Trial | None:

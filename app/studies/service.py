@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from ..clock import Clock, WallClock
+from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.device import Device
 from ..errors import BenchError, WrongState
 from ..procedures.procedures import Procedures
@@ -18,13 +20,20 @@ from ..profiles.service import ProfileService
 from ..recording.service import RecordingService, axes_of, configuration_of
 from ..store.profiles import ProfileStore, SavedProfile
 from ..store.recordings.library import NAME_MAX, Label
+from ..store.recordings.marks import Mark
+from ..telemetry.feed import Joined
+from ..telemetry.hub import TelemetryHub
 from ..telemetry.recorder import Trigger
-from .document import StudyDocument
+from .document import ScoredMove, StudyDocument
 from .kinds import KINDS
+from .moves import figures_of
 from .plan import StudyPlan
 from .ramp_settings import document_of, held_of, value_now
 from .record import Held, StudyRecord
 from .run import StudyRun
+from .scored_move.noticed import NoticedMove
+from .scored_move.study import scored, seen, tell
+from .scored_move.watch import MoveWatch, Setting
 from .store import StudyStore
 from .table_settings import with_registers
 from .twins.executor import Executor
@@ -32,6 +41,10 @@ from .twins.executor import Executor
 log = logging.getLogger("stepscope.studies")
 
 RECORD_HZ = 200.0
+NOTICED_MAX = 100
+"""So many noticed moves of an axis are kept; nobody has asked for each of them."""
+WATCHES_MAX = 8
+"""Axes whose moves are noticed at the same time."""
 Which = Literal["best", "baseline"]
 
 
@@ -69,12 +82,14 @@ class StudyService:
         recordings: RecordingService,
         profile_store: ProfileStore,
         executor: Callable[[], Executor],
+        hub: TelemetryHub,
     ) -> None:
-        """`executor` makes what runs twins, for one search."""
+        """`executor` makes what runs twins, for one search; moves by hand are noticed in the samples of `hub`."""
         self._clock, self._device_of = clock, device_of
         self._procedures, self._profiles = procedures, profiles
         self._recordings, self._profile_store = recordings, profile_store
-        self._executor = executor
+        self._executor, self._hub = executor, hub
+        self._watches: dict[tuple[str, int], MoveWatch] = {}
         self._store = StudyStore(data_dir, aside=isinstance(clock, WallClock))
         self._runs: dict[str, StudyRun] = {}
         self._ending: set[asyncio.Task[None]] = set()
@@ -205,12 +220,82 @@ class StudyService:
 
     async def close(self) -> None:
         """For the end of the program: studies have been ended by their procedures."""
+        await asyncio.gather(*(watch.end() for watch in self._watches.values()))
         if self._ending:
             await asyncio.wait(set(self._ending), timeout=1.0)
 
     async def delete(self, study: str) -> None:
         """Gone for good, but for its recording. Raises UnknownThing, WrongState, StoreUnavailable."""
         await asyncio.to_thread(self._store.delete, study)
+
+    # --- moves by hand ----------------------------------------------------------------------------
+
+    @property
+    def watches(self) -> list[MoveWatch]:
+        """Axes whose moves are noticed, whoever makes them."""
+        for where, watch in list(self._watches.items()):
+            if watch.over:
+                del self._watches[where]
+        return list(self._watches.values())
+
+    def watch(self, device: Device, axis: int) -> MoveWatch:
+        """Notice, record and score each move of that axis from now on; the same watch where that is so already.
+
+        Raises UnknownThing, and WrongState without an encoder, or with too many axes watched.
+        """
+        where = device.id, device.axis(axis).index
+        device.need(EncoderSetting).require_encoder(where[1])
+        watches = self.watches
+        if where not in self._watches:
+            if len(watches) >= WATCHES_MAX:
+                raise WrongState(f"moves of {WATCHES_MAX} axes are noticed already", "switch one of them off")
+            self._watches[where] = MoveWatch(
+                device,
+                where[1],
+                self._clock,
+                self._hub,
+                lambda: bool(self._procedures.running(device, where[1])),
+                lambda *found: self._keep_noticed(device, where[1], *found),
+            )
+        return self._watches[where]
+
+    async def unwatch(self, device: Device, axis: int) -> None:
+        """Notice no more moves of that axis."""
+        watch = self._watches.pop((device.id, axis), None)
+        if watch is not None:
+            await watch.end()
+
+    async def _keep_noticed(
+        self,
+        device: Device,
+        axis: int,
+        move: NoticedMove,
+        setting: Setting,
+        joined: Joined,
+        channels: tuple[str, ...],
+    ) -> None:
+        """Score a move that was noticed, and keep it with its recording. Raises WrongState, StoreUnavailable."""
+        about = [record.document for record in self._store.all() if record.noticed]
+        if sum((document.device, document.axis) == (device.id, axis) for document in about) >= NOTICED_MAX:
+            raise WrongState(f"{NOTICED_MAX} noticed moves of this axis are kept", "delete some of them on Tune")
+        distance, ground = move.target - move.sampled.start, setting.ground
+        wanted = ScoredMove(distance=distance, repeats=1)
+        record = self._store.begin(StudyDocument(device=device.id, axis=axis, study=wanted, name="Noticed move"))
+        record.device_name, record.model, record.noticed, record.state = device.name, device.model, True, "done"
+        figures = figures_of(
+            move.sampled, move.target, move.before, ground.full_step, wanted.band_fullsteps * ground.full_step
+        )
+        tell(record, ground, scored(distance, [seen(figures, move.sampled, move.target, ground.full_step)]))
+        record.phase, record.progress, record.runs = "over", 1.0, 1
+        record.way_fullsteps, record.ended_unix_s = abs(distance) / ground.full_step, time.time()
+        began_s = float(move.time_s[0] - move.sampled.time_s[0])
+        marks = [Mark(began_s, "move", f"to {move.target}", axis)]
+        label = Label(f"Noticed move of {device.name}"[:NAME_MAX], f"study {record.id}")
+        rows = move.time_s, move.columns
+        record.recording = await asyncio.to_thread(
+            self._recordings.keep, device, channels, joined, rows, marks, label, setting.configuration, setting.axes
+        )
+        await self._store.save(record)
 
     # --- what came of it --------------------------------------------------------------------------
 

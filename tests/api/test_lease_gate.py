@@ -91,6 +91,9 @@ FREE = {
     ("DELETE", "/straight-line"),
     ("POST", "/studies/{study}/stop"),
     ("POST", "/studies/{study}/profiles"),
+    # To notice the moves of others moves nothing.
+    ("PUT", "/studies/noticed-moves/{device}/{axis}"),
+    ("DELETE", "/studies/noticed-moves/{device}/{axis}"),
     ("POST", "/twin"),
     ("DELETE", "/twin"),
     ("POST", "/twin/cursor"),

@@ -158,3 +158,62 @@ async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, cloc
         taken = await client.post(f"studies/{done['id']}/take", json={"which": which})
         assert taken.status_code == 200, taken.text
         assert await held(client) == expected
+
+
+async def test_moves_of_anybody_are_noticed_recorded_and_scored(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    async def move(target: int, after_s: float = 3.0) -> None:
+        assert (await client.post(f"devices/{slide}/axes/0/move", json={"target": target})).status_code == 200
+        for _ in range(int(after_s / STEP_S)):
+            await clock.advance(STEP_S)
+
+    async def noticed() -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+        found = (await client.get("studies")).json()
+        return [one for one in found["studies"] if one["noticed"]], found["watches"]
+
+    watch = f"studies/noticed-moves/{slide}/0"
+    await move(3_200)
+    assert await noticed() == ([], [])
+    begun = await client.put(watch)
+    assert (begun.status_code, begun.json()["noticed"]) == (200, 0), begun.text
+    await clock.advance(STEP_S)
+    await move(16_000)
+    amax = next(
+        one["value"]
+        for one in (await client.get(f"devices/{slide}/profile")).json()["registers"]
+        if one["name"] == "AMAX"
+    )
+    slower = await client.put(f"devices/{slide}/registers/AMAX", params={"axis": 0}, json={"value": amax // 4})
+    assert slower.status_code == 200, slower.text
+    await move(3_200)
+    (second, first), (state,) = await noticed()
+    assert (state["noticed"], state["missed"], state["message"]) == (2, 0, "")
+    assert [first["scored"]["distance"], second["scored"]["distance"]] == [12_800, -12_800]
+    assert first["scored"]["time_s"] < second["scored"]["time_s"]
+    name = "acceleration [pps^2]"
+    assert first["setting"][name] == pytest.approx(4 * second["setting"][name], rel=0.01)
+    # its recording has the move, and the setting that it was made with
+    record = (await client.get(f"studies/{second['id']}")).json()
+    recording = (await client.get(f"recordings/{record['recording']}")).json()
+    assert recording["rows"] > 200
+    assert [mark["kind"] for mark in recording["marks"]] == ["move"]
+    # the setting of one of them is taken as that of any other study
+    assert (await client.post(f"studies/{first['id']}/take", json={"which": "best"})).status_code == 200
+    # one that is stopped on its way is told, and not scored
+    await move(100_000, 0.5)
+    await client.post(f"devices/{slide}/axes/0/stop")
+    for _ in range(20):
+        await clock.advance(STEP_S)
+    found, (state,) = await noticed()
+    assert (len(found), state["noticed"], state["missed"]) == (2, 2, 1)
+    # moves of a procedure are its own
+    document = {"device": slide, "study": {"kind": "scored_move", "distance": 3_200, "repeats": 1}}
+    begun = await client.post("studies", json=document)
+    assert begun.status_code == 201, begun.text
+    await over(client, clock, begun.json()["id"])
+    assert len((await noticed())[0]) == 2
+    assert (await client.delete(watch)).status_code == 204
+    await move(0)
+    found, watches = await noticed()
+    assert (len(found), watches) == (2, [])

@@ -6,8 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pytest
+
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
+from app.studies.scored_move.noticed import MoveFinder
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
 from tests.studies.harness import START, studied
@@ -65,3 +69,47 @@ async def test_the_gains_of_a_loop_are_settings_by_hand_too(tmp_path: Path) -> N
     async with bench_4361(START_4361) as b:
         ground = (await KINDS["scored_move"].plan(b.device, 0, document)).missing
         assert ground == []
+
+
+def rows(position: list[float], *, encoder: list[float] | None = None, first_s: float = 0.0) -> tuple[Any, Any]:
+    """Samples of 100 Hz: position, encoder, velocity."""
+    place = np.array(position, dtype=float)
+    velocity = np.gradient(place) * 100
+    return first_s + np.arange(len(place)) / 100, np.stack([place, np.array(encoder or position), velocity])
+
+
+def test_a_move_is_found_from_rest_to_rest() -> None:
+    finder = MoveFinder(3, 256)
+    way = [0.0] * 30 + [float(at) for at in range(0, 2000, 100)] + [2000.0] * 60
+    times, columns = rows(way, encoder=[at + 7 for at in way])
+    found = []
+    for begin in range(0, len(way), 7):  # in pieces, as they come
+        found += finder.feed(times[begin : begin + 7], columns[:, begin : begin + 7])
+    (one,) = found
+    assert (one.sampled.start, one.target, one.before, one.sampled.deviation) == (0, 2000, 7, 7)
+    assert one.sampled.time_s[0] == pytest.approx(-0.1, abs=0.02)
+    assert one.sampled.time_s[-1] == pytest.approx(0.2 + 0.4, abs=0.03)
+    assert (finder.moving, finder.missed) == (False, 0)
+
+
+def test_what_is_no_whole_move_is_not_scored() -> None:
+    there = [float(at) for at in range(0, 2000, 100)]
+    cases = {
+        "to and fro": ([0.0] * 30 + there + there[::-1] + [0.0] * 60, 1),
+        "from the middle": (there + [2000.0] * 60, 1),
+        "less than a full step": ([0.0] * 30 + [20.0, 40.0, 60.0, 80.0] + [100.0] * 60, 0),
+    }
+    for case, (way, missed) in cases.items():
+        finder = MoveFinder(3, 256)
+        assert finder.feed(*rows(way)) == [], case
+        assert finder.missed == missed, case
+    finder = MoveFinder(3, 256)
+    times, columns = rows([0.0] * 30 + [5000.0] * 60)
+    columns[2] = 0.0  # the counter was set at rest
+    assert finder.feed(times, columns) == []
+    assert finder.missed == 0
+    finder = MoveFinder(3, 256)
+    finder.feed(*rows([0.0] * 30 + there))
+    finder.gap()
+    assert finder.feed(*rows([2000.0] * 60, first_s=0.5)) == []
+    assert finder.missed == 1

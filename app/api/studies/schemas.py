@@ -39,6 +39,17 @@ class StudyInfo(Answer):
     left: list[str] = Field(description="what is not as it was before; empty where all is")
     setting: dict[str, float] = Field(description="of a scored move: what was in force")
     scored: Scored | None = Field(description="of a scored move: its figures")
+    noticed: bool = Field(description="a move that somebody made, and that was noticed")
+
+
+class MoveWatchInfo(Answer):
+    """An axis whose moves are noticed, whoever makes them: each is recorded and scored."""
+
+    device: str
+    axis: int
+    noticed: int = Field(description="moves that were scored since")
+    missed: int = Field(description="that could not be: stopped, to and fro without a rest, or with gaps")
+    message: str = Field(description="why none is noticed now; empty while they are")
 
 
 class StudyList(Answer):
@@ -46,6 +57,7 @@ class StudyList(Answer):
 
     studies: list[StudyInfo]
     kinds: list[StudyKindInfo]
+    watches: list[MoveWatchInfo]
 
 
 class StudyTake(Body):

@@ -57,7 +57,7 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
     looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     step = round(wanted.step_fullsteps * full_step)
-    far = state.position + max(hop_span(full_step, wanted.hops), 2 * step)
+    far = state.position + max(hop_span(full_step, wanted.hops), 2 * step + full_step)
     for end in (state.position - step, far):
         if limits.beyond(end):
             say(f"it would turn to {end}, and the soft limits end before: begin elsewhere")
@@ -86,7 +86,7 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: ClosedLoop) -> Non
     steps = 2 * wanted.pairs if ground.loop.on else SHOWN
     span = hop_span(ground.full_step, wanted.hops)
     told.position_from = ground.start - ground.step
-    told.position_to = ground.start + max(span, 2 * ground.step)
+    told.position_to = ground.start + max(span, 2 * ground.step + ground.full_step)
     told.velocity_max_pps = ground.most_pps
     told.moves_max = wanted.hops + steps + 2
     told.way_fullsteps = (2 * span + steps * ground.step) / ground.full_step

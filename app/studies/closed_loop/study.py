@@ -43,15 +43,20 @@ OVERSHOOT_SHARE, OVERSHOOT_LEAST = 0.1, 0.02
 NEW = 1
 """The number of the one trial: the new gains."""
 SHOWN_POINTS = 300
+PLACES = (0.0, 0.25, 0.5, 0.75)
+"""Steps end in turn at these shares of a full step: its detent torque, the same at each, would be in all of them alike,
+and another study, begun elsewhere, would find another overshoot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stepped:
-    """A step as it was recorded, over its size; overshoot is a share of it; settling_s is None where it did not."""
+    """A step as it was recorded, over its size; overshoot and count, the least that the encoder tells, are shares of
+    it; settling_s is None where it did not."""
 
     time_s: FloatArray
     encoder: FloatArray
     overshoot: float
+    count: float
     settling_s: float | None
 
 
@@ -208,6 +213,7 @@ class ClosedLoopStudy(StudyRun):
             times_s[after],
             (encoder[after] - start) / size,
             max(0.0, scored.overshoot / abs(size)),
+            float(np.min(np.diff(np.unique(encoder[known])), initial=abs(size))) / abs(size),
             scored.settling_s,
         )
 
@@ -219,7 +225,10 @@ class ClosedLoopStudy(StudyRun):
         for index in range(SHOWN // 2):
             self.tell("proof", 0.5 + index / SHOWN, f"steps {2 * index + 1} and {2 * index + 2} of {SHOWN}")
             self.keeper.mark("steps with the new gains")
-            steps += [await self._step(place) for place in (ground.start + ground.step, ground.start)]
+            steps += [
+                await self._step(self._place(2 * index, ground.step)),
+                await self._step(self._place(2 * index + 1)),
+            ]
         self._tell_steps(found, steps)
         self._decide(found, as_asked=self._as_asked(found))
 
@@ -232,8 +241,9 @@ class ClosedLoopStudy(StudyRun):
         for index in range(wanted.pairs):
             self.tell("proof", 0.5 + 0.5 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
             self.keeper.mark(f"pair {index + 1} of {wanted.pairs}")
-            target = ground.start + (0 if index % 2 else ground.step)
-            away = ground.start + (ground.step if index % 2 else 0)
+            target, away = self._place(index, ground.step), self._place(index)
+            if index % 2:
+                target, away = away, target
             for which in "BA" if index % 2 else "AB":
                 await self._regulate(sets[which])
                 await self._return(away)
@@ -254,6 +264,11 @@ class ClosedLoopStudy(StudyRun):
         )
         self._decide(found, as_asked=self._as_asked(found), better=better)
 
+    def _place(self, index: int, beyond: int = 0) -> int:
+        """Where the step of that number ends, or `beyond` that [microsteps]."""
+        ground = self._ground
+        return ground.start + round(PLACES[index % len(PLACES)] * ground.full_step) + beyond
+
     async def _return(self, place: int) -> None:
         """Go where a step begins, with the loop as it is set."""
         if (await self._moves.state()).position == place:
@@ -268,6 +283,8 @@ class ClosedLoopStudy(StudyRun):
         over = [one.overshoot for one in steps]
         mean, spread = statistics.fmean(over), statistics.stdev(over)
         half = float(stats.t.ppf(0.975, len(over) - 1)) * spread / math.sqrt(len(over))
+        # Where the counts of the encoder lie is alike in all of them: no mean makes that smaller.
+        half = math.hypot(half, statistics.fmean(one.count for one in steps) / 2)
         found.overshoot = estimate(Fitted(mean, half))
         known = [one.settling_s for one in steps if one.settling_s is not None]
         found.settling_s = statistics.fmean(known) if len(known) == len(steps) else None

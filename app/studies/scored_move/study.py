@@ -12,14 +12,14 @@ from ...number_text import plain
 from ..document import ScoredMove
 from ..moves import MeasuredMoves, MoveFigures, Sampled
 from ..parts import Interval
-from ..record import Figures, Trial
+from ..record import Figures, StudyRecord, Trial
 from ..run import StudyRun
 from .found import Scored
 from .plan import Ground, look
 
 
 @dataclass(frozen=True, slots=True)
-class _Move:
+class SeenMove:
     """Of one move, in full steps; rest : None where there was none to be seen."""
 
     figures: MoveFigures
@@ -48,49 +48,50 @@ class ScoredMoveStudy(StudyRun):
         moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, wanted.band_fullsteps, beside)
         record.runs, record.trials, record.best, record.scored = 0, [], None, None
         await self.keeper.save(record)
-        made: list[_Move] = []
+        made: list[SeenMove] = []
         many = 2 * wanted.repeats
         for index in range(many):
             self.tell("look", index / many, f"move {index + 1} of {many}")
             target = ground.start + (wanted.distance if index % 2 == 0 else 0)
             figures = await moves.measured(target)
             assert moves.last is not None
-            made.append(_seen(figures, moves.last, target, ground.full_step))
+            made.append(seen(figures, moves.last, target, ground.full_step))
             record.runs, record.way_fullsteps = record.runs + 1, moves.way_fullsteps
-        self._keep(scored(wanted.distance, made))
+        tell(record, ground, scored(wanted.distance, made))
 
-    def _keep(self, found: Scored) -> None:
-        record, ground = self.record, self._ground
-        record.scored = found
-        lost = found.lost_fullsteps > 0
-        record.trials = [
-            Trial(
-                number=1,
-                setting=ground.setting,
-                registers=ground.registers,
-                state="infeasible" if lost else "feasible",
-                figures=Figures(
-                    time_s=found.time_s,
-                    deviation_fullsteps=found.peak_fullsteps,
-                    lost_fullsteps=found.lost_fullsteps,
-                    runs=found.moves,
-                ),
-                why="steps were lost" if lost else "",
-            )
-        ]
-        record.best = 1
-        time = "did not come to rest in its band" if found.time_s is None else f"{plain(found.time_s, 4)} s"
-        record.verdict = (
-            f"lost {plain(found.lost_fullsteps)} full steps"
-            if lost
-            else (
-                f"{time}, {plain(found.peak_fullsteps, 3)} full steps off at most, vibrating by "
-                f"{plain(found.vibration_fullsteps, 3)} under way"
-            )
+
+def tell(record: StudyRecord, ground: Ground, found: Scored) -> None:
+    """Put what was found into the record, with the setting that it was found with."""
+    record.scored = found
+    lost = found.lost_fullsteps > 0
+    record.trials = [
+        Trial(
+            number=1,
+            setting=ground.setting,
+            registers=ground.registers,
+            state="infeasible" if lost else "feasible",
+            figures=Figures(
+                time_s=found.time_s,
+                deviation_fullsteps=found.peak_fullsteps,
+                lost_fullsteps=found.lost_fullsteps,
+                runs=found.moves,
+            ),
+            why="steps were lost" if lost else "",
         )
+    ]
+    record.best = 1
+    time = "did not come to rest in its band" if found.time_s is None else f"{plain(found.time_s, 4)} s"
+    record.verdict = (
+        f"lost {plain(found.lost_fullsteps)} full steps"
+        if lost
+        else (
+            f"{time}, {plain(found.peak_fullsteps, 3)} full steps off at most, vibrating by "
+            f"{plain(found.vibration_fullsteps, 3)} under way"
+        )
+    )
 
 
-def _seen(figures: MoveFigures, sampled: Sampled, target: int, full_step: int) -> _Move:
+def seen(figures: MoveFigures, sampled: Sampled, target: int, full_step: int) -> SeenMove:
     """What the encoder showed of one move."""
     counts = (sampled.time_s >= 0) & np.isfinite(sampled.position) & np.isfinite(sampled.encoder)
     position, encoder = sampled.position[counts], sampled.encoder[counts]
@@ -104,7 +105,7 @@ def _seen(figures: MoveFigures, sampled: Sampled, target: int, full_step: int) -
     middle = np.abs(position - (sampled.start + target) / 2) < abs(target - sampled.start) / 4
     load = sampled.beside[counts][middle]
     told = load[np.isfinite(load)]
-    return _Move(
+    return SeenMove(
         figures,
         float(max(beyond.max(initial=0.0), 0.0)),
         float(way.std()) if len(way) > 1 else 0.0,
@@ -113,7 +114,7 @@ def _seen(figures: MoveFigures, sampled: Sampled, target: int, full_step: int) -
     )
 
 
-def scored(distance: int, moves: Sequence[_Move]) -> Scored:
+def scored(distance: int, moves: Sequence[SeenMove]) -> Scored:
     """The figures of all moves together."""
     times = [move.figures.time_s for move in moves if move.figures.time_s is not None]
     rests = [move.rest for move in moves if move.rest is not None]

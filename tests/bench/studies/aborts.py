@@ -1,10 +1,10 @@
 """A study that ends at any moment: stopped, its server killed (SIGKILL), or its link cut. Is the axis set as before?
 
-The chip is an emulated TMC5160 behind TCP, in this process: it outlives every server, and what was written to each of
-its registers last is heard on its wire, also of those that cannot be read. Studies of all kinds are begun in turn,
-and ended after a time that is drawn, by one of the three in turn. Afterwards each register of the setting holds what
-it held before, or `GET /studies/{id}` says that something is left and `.../left` names the register; and one click
-puts it back.
+The chips, a TMC5160 and a TMC4361, are emulated ones behind TCP, in this process: they outlive every server, and what
+was written to each of their registers last is heard on the wire, also of those that cannot be read. Studies of all
+kinds are begun in turn, and ended after a time that is drawn, by one of the three in turn. Afterwards each register of
+the setting holds what it held before, or `GET /studies/{id}` says that something is left and `.../left` names the
+register; and one click puts it back.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
 import httpx
 from server_process import ServerProcess
@@ -31,46 +31,60 @@ from app.clock import ScaledClock, WallClock
 from app.emulators.drive.documents import ChipFaultsChange
 from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions, Tmc5xxxPatch
+from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
+from app.emulators.tmc4361.options import Tmc4361Patch
 from app.profiles.items import items_by_key
-from app.registers.tmc5xxx.table import TABLES
+from app.registers.catalog import find_model
 from tests.bench.table import Row
 
-MODEL: Final = "tmc5160"
 TIME_SCALE = 4.0
-OPTIONS = Tmc5xxxOptions.model_validate(
+LOAD = {"inertia_kgm2": 2e-5, "friction_nm": 0.02}
+OPTIONS_5160 = Tmc5xxxOptions.model_validate(
     {
         "motor": {},
         "time_scale": TIME_SCALE,
-        "load": {"inertia_kgm2": 2e-5, "friction_nm": 0.02},
+        "load": LOAD,
         "stage": {"left_at_fullsteps": -5000.0, "right_at_fullsteps": 5000.0, "left_end_fullsteps": -300.0},
     }
 )
+OPTIONS_4361 = Tmc4361Options.model_validate({"motor": {}, "time_scale": TIME_SCALE, "load": LOAD})
 START = {"velocity_pps": 102_400, "acceleration_pps2": 400_000, "counts_per_rev": 40_000, "stops": False}
+COIL = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.0, "supply_v": 24.0}
 STUDIES: tuple[dict[str, Any], ...] = (
     {"kind": "fastest_move", "distance": 12_800, "repeats": 1},
     {"kind": "microstep_calibration", "velocity_rps": 0.25},
     {"kind": "stallguard", "within_fullsteps": 500.0, "stop_confirmed": True, "speeds_rps": [1.0], "free_runs": 20},
     {"kind": "first_look", "turns": 8.0},
+    {"kind": "identification", "velocity_rps": 0.25, "hops": 8},
+    {"kind": "torque_curve", "travel_turns": 20.0, "velocity_max_rps": 6.0},
+    {"kind": "resonance_map", "speeds": 8},
+    {"kind": "least_current", "distance": 12_800},
+    {"kind": "chopper", **COIL},
+    {"kind": "scored_move", "distance": 51_200, "repeats": 10},
 )
+LOOPS: tuple[dict[str, Any], ...] = ({"kind": "closed_loop"}, {"kind": "closed_loop", "keep": True, "hops": 6})
+LOOP_SHARE = 0.1
+"""So many of the aborts are of closed loops, whose chip is another."""
 WAYS = ("stop", "kill", "cut")
 ABORTS = 200
-AFTER_S, CUT_S = 6.0, 3.0
-"""An abort comes so long after the beginning at the most, and so long is a link cut at the most [s]."""
+AFTER_S, LATEST_S, CUT_S = 6.0, 40.0, 3.0
+"""An abort comes so long after the beginning on the average, and at the most; a link is cut so long at the most [s]."""
 WITHIN_S = 300.0
 """Far more than anything takes here, on a machine with much else to do [s]."""
 Told = TypeVar("Told")
-SETTING = {
-    key[1]: row for key in items_by_key(MODEL) if (row := TABLES[MODEL].at(key[1], write=True)) and row.access.writable
-}
-"""Registers of the setting by address."""
+Chip = EmulatedTmc5xxx | EmulatedTmc4361
+Patch = type[Tmc5xxxPatch] | type[Tmc4361Patch]
 
 
 class Heard:
     """The chip, and what was written to it last."""
 
-    def __init__(self, chip: EmulatedTmc5xxx) -> None:
-        self.chip = chip
+    def __init__(self, chip: Chip, patch: Patch) -> None:
+        self.chip, self._patch = chip, patch
         self.words: dict[int, int] = {}
+        table = find_model(chip.model).table
+        written = ((key[1], table.at(key[1], write=True)) for key in items_by_key(chip.model))
+        self._rows = {address: row for address, row in written if row is not None and row.access.writable}
 
     @property
     def model(self) -> str:
@@ -91,16 +105,19 @@ class Heard:
 
     def setting(self) -> dict[str, int]:
         """What each register of the setting holds; its reset value where nothing was written."""
-        return {row.name: self.words.get(address, row.reset or 0) for address, row in SETTING.items()}
+        return {row.name: self.words.get(address, row.reset or 0) for address, row in self._rows.items()}
 
     def power_cycle(self) -> None:
         """Off and on."""
-        self.chip.patch(Tmc5xxxPatch(power_cycle=True))
+        self._changed(self._patch(power_cycle=True))
         self.words.clear()
 
     def cut(self, *, away: bool) -> None:
         """Cut the link, or mend it."""
-        self.chip.patch(Tmc5xxxPatch(faults=ChipFaultsChange(unplugged=away)))
+        self._changed(self._patch(faults=ChipFaultsChange(unplugged=away)))
+
+    def _changed(self, change: Any) -> None:
+        self.chip.patch(change)
 
 
 @contextmanager
@@ -141,11 +158,12 @@ def _until(said: str, asked: Callable[[], Told | None]) -> Told:
 
 @dataclass
 class Bench:
-    """The chip, and a server that comes and goes."""
+    """The chip, and a server that comes and goes. studies : what is begun on it, in turn"""
 
     chip: Heard
     server: ServerProcess
     api: httpx.Client
+    studies: Sequence[dict[str, Any]]
 
     def connected(self) -> None:
         """Return when the device is connected."""
@@ -157,7 +175,7 @@ class Bench:
 
         def known() -> bool:
             self.api.post("/devices/slide/start-up", json=START)
-            plans = [self.api.post("/studies/plan", json=_document(study)).json() for study in STUDIES]
+            plans = [self.api.post("/studies/plan", json=_document(study)).json() for study in self.studies]
             return all(plan.get("missing") == [] for plan in plans)
 
         _until("started up", known)
@@ -167,9 +185,10 @@ class Bench:
         _until("at rest", lambda: not self.api.get("/devices/slide/axes/0").json()["moving"])
 
     def in_place(self) -> None:
-        """At rest where it began, as the encoder has it."""
+        """At rest where it began, as the encoder has it where the chip can take the position from it."""
         self.at_rest()
-        self.api.post("/devices/slide/axes/0/position-from-encoder").raise_for_status()
+        if self.chip.model == "tmc5160":
+            self.api.post("/devices/slide/axes/0/position-from-encoder").raise_for_status()
         self.api.post("/devices/slide/axes/0/move", json={"target": 0}).raise_for_status()
         _until("back", lambda: self.api.get("/devices/slide/axes/0").json()["position"] == 0)
         self.at_rest()
@@ -203,15 +222,37 @@ def _other(before: dict[str, int], now: dict[str, int]) -> list[str]:
     return [name for name, value in before.items() if now[name] != value]
 
 
-def _abort(bench: Bench, way: str, study: dict[str, Any], chance: random.Random) -> tuple[str, str]:
-    """One study that is ended: what became of it, and what is wrong with that; empty where nothing is."""
+@dataclass(frozen=True)
+class Aborted:
+    """One study that was ended. after_s : so long after it had begun; wrong : what is, empty where nothing is"""
+
+    number: int
+    way: str
+    kind: str
+    after_s: float
+    state: str
+    wrong: str
+
+    def __str__(self) -> str:
+        return f"abort {self.number}, {self.way} of {self.kind} after {self.after_s:.2f} s: {self.state} {self.wrong}"
+
+
+def _abort(bench: Bench, number: int) -> Aborted:
+    """The abort of that number, which is the seed of all that is drawn for it."""
+    chance = random.Random(number)
+    way, study = WAYS[number % len(WAYS)], bench.studies[number // len(WAYS) % len(bench.studies)]
+    after_s = min(chance.expovariate(1 / AFTER_S), LATEST_S)
+
+    def told(state: str, wrong: str) -> Aborted:
+        return Aborted(number, way, study["kind"], after_s, state, wrong)
+
     bench.in_place()
     before = bench.chip.setting()
     begun = bench.api.post("/studies", json=_document(study))
     if not begun.is_success:
-        return "not begun", begun.text
+        return told("not begun", begun.text)
     name = begun.json()["id"]
-    time.sleep(chance.uniform(0, AFTER_S))
+    time.sleep(after_s)
     record = bench.end(way, name, chance.uniform(0, CUT_S))
     state = str(record["state"])
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
@@ -220,40 +261,47 @@ def _abort(bench: Bench, way: str, study: dict[str, Any], chance: random.Random)
         bench.at_rest()  # where the link was cut, the motor has gone on to its target
         answer = bench.api.post(f"/studies/{name}/take", json={"which": "baseline"})
         if not answer.is_success:
-            return state, f"what is left cannot be put back: {answer.text}"
+            return told(state, f"what is left cannot be put back: {answer.text}")
         state = f"{state}, told and put back"
     bench.in_place()  # what a stop has written over VMAX comes back with the next move
     untold += _other(before, bench.chip.setting())
     if way == "kill":
         bench.new()
-    return state, f"{', '.join(untold)} other than before, and nothing tells it" if untold else ""
+    return told(state, f"{', '.join(untold)} other than before, and nothing tells it" if untold else "")
 
 
-def measure(quick: bool) -> Sequence[Row]:
-    """One row; quick: a few aborts."""
-    aborts = 12 if quick else ABORTS
-    chance = random.Random(18)
-    became: Counter[str] = Counter()
-    wrong: list[str] = []
-    chip = Heard(EmulatedTmc5xxx(MODEL, WallClock(), OPTIONS))
+def aborted(loops: bool, numbers: Iterable[int]) -> Iterator[Aborted]:
+    """Aborts of these numbers, one after the other: of closed loops, or of all other kinds of studies."""
+    chip = (
+        Heard(EmulatedTmc4361(WallClock(), OPTIONS_4361), Tmc4361Patch)
+        if loops
+        else Heard(EmulatedTmc5xxx("tmc5160", WallClock(), OPTIONS_5160), Tmc5xxxPatch)
+    )
     with (
         tempfile.TemporaryDirectory(prefix="stepscope-") as folder,
         _served(chip) as port,
         ServerProcess(Path(folder), "--no-demo", start_within_s=WITHIN_S) as server,
         httpx.Client(base_url=f"{server.url}/api/v1", timeout=30) as api,
     ):
-        bench = Bench(chip, server, api)
+        bench = Bench(chip, server, api, LOOPS if loops else STUDIES)
         link = {"kind": "tcp", "host": "127.0.0.1", "port": port}
-        api.post("/devices", json={"name": "Slide", "model": MODEL, "link": link}).raise_for_status()
+        api.post("/devices", json={"name": "Slide", "model": chip.model, "link": link}).raise_for_status()
         bench.connected()
         bench.new()
-        for number in range(aborts):
-            way, study = WAYS[number % len(WAYS)], STUDIES[number // len(WAYS) % len(STUDIES)]
-            state, told = _abort(bench, way, study, chance)
-            became[f"{way}: {state}"] += 1
-            print(f"abort {number}, {way} of {study['kind']}: {state} {told}", file=sys.stderr, flush=True)
-            if told:
-                wrong.append(f"abort {number}, {way} of {study['kind']}: {told}")
+        for number in numbers:
+            one = _abort(bench, number)
+            print(one, file=sys.stderr, flush=True)
+            yield one
+
+
+def measure(quick: bool) -> Sequence[Row]:
+    """One row; quick: a few aborts."""
+    aborts = 15 if quick else ABORTS
+    of_loops = round(LOOP_SHARE * aborts)
+    all_of = [*aborted(False, range(aborts - of_loops)), *aborted(True, range(aborts - of_loops, aborts))]
+    became = Counter(f"{one.way}: {one.state}" for one in all_of)
+    kinds = Counter(one.kind for one in all_of)
+    wrong = [str(one) for one in all_of if one.wrong]
     return [
         Row(
             what=f"studies stopped, killed with their server (SIGKILL) or cut off, {aborts} times",
@@ -262,6 +310,10 @@ def measure(quick: bool) -> Sequence[Row]:
             ratio=1 - len(wrong) / aborts,
             required="all",
             ok=not wrong,
-            notes=(", ".join(f"{count} {what}" for what, count in sorted(became.items())), *wrong),
+            notes=(
+                ", ".join(f"{count} {what}" for what, count in sorted(became.items())),
+                ", ".join(f"{count} of {kind}" for kind, count in sorted(kinds.items())),
+                *wrong,
+            ),
         )
     ]

@@ -24,11 +24,14 @@ export default function TunePage() {
 
 function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
   const studies = useStudies();
-  const { study: picked } = useAddress("study");
+  const { study: picked, kind } = useAddress("study", "kind");
   const changes = useChanges(pick);
   const own = studies.data?.studies.filter((study) => study.device === device.id && study.axis === axis.index) ?? [];
   const runs = own.some(({ state }) => state === "running");
-  const shown = own.find(({ id }) => id === picked)?.id ?? own[0]?.id ?? null;
+  const shown = own.find(({ id }) => id === picked) ?? own[0];
+  const ranking = <Ranking moves={own.filter(isMove)} changes={changes} busy={runs} />;
+  // While somebody tunes by hand it is what is looked at; else what a study found, however long that is.
+  const first = kind === "scored_move" || (shown !== undefined && isMove(shown));
   return (
     <Page name="Tune">
       <DeviceNotice device={device} />
@@ -38,14 +41,15 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
           <StudyList
             studies={own}
             error={studies.error}
-            shown={shown}
+            shown={shown?.id ?? null}
             onPick={pick}
             retry={() => void studies.refetch()}
           />
         </div>
         <div className={`column ${runs ? "ahead" : ""}`}>
-          <StudyView id={shown} changes={changes} />
-          <Ranking moves={own.filter(isMove)} changes={changes} busy={runs} />
+          {first && ranking}
+          <StudyView id={shown?.id ?? null} changes={changes} />
+          {!first && ranking}
         </div>
       </div>
     </Page>

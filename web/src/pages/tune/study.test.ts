@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { changedIn, differences, type Move, parallelOf, ranked } from "./byHand/moves";
+import { changedIn, differences, distancesOf, type Move, parallelOf, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
@@ -334,11 +334,12 @@ describe("a study on the page", () => {
         id,
         started_unix_s: Number(id),
         setting: { speed, TOFF: 3 },
-        scored: { time_s: time, lost_fullsteps: lost },
+        scored: { time_s: time, lost_fullsteps: lost, distance: Number(id) % 2 ? 512 : -256 },
       }) as unknown as Move;
     const moves = [move("1", 100, 2), move("2", 400, 0.5, 4), move("3", 200, 1), move("4", 300, null)];
     expect(ranked(moves, "time_s").map(({ id }) => id)).toEqual(["3", "1", "4", "2"]);
     expect(changedIn(moves)).toEqual(["speed"]);
+    expect(distancesOf(moves)).toEqual([256, 512]);
     const [first, , third] = moves as [Move, Move, Move, Move];
     expect(differences(first, third)).toEqual([["speed", 200, 100]]);
     expect(differences(first, first)).toEqual([]);

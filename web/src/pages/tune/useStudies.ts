@@ -34,6 +34,19 @@ export function usePlan(wish: Wish, enabled: boolean) {
   });
 }
 
+/** Switches on or off that moves of an axis are noticed. */
+export function useWatch(device: string, axis: number) {
+  const queries = useQueryClient();
+  const at = { path: { device, axis } };
+  return useMutation({
+    mutationFn: async (on: boolean): Promise<unknown> =>
+      on
+        ? api.PUT("/api/v1/studies/noticed-moves/{device}/{axis}", at)
+        : api.DELETE("/api/v1/studies/noticed-moves/{device}/{axis}", at),
+    onSettled: () => queries.invalidateQueries({ queryKey: ["studies"] }),
+  });
+}
+
 /** What changes studies, or an axis by one. */
 export function useChanges(onStarted: (id: string) => void) {
   const queries = useQueryClient();

@@ -3,9 +3,10 @@ import { NumberField } from "../../../lib/NumberField";
 import { QuantityField } from "../../../lib/QuantityField";
 import type { FieldsProps } from "../kind";
 import type { ScoredMoveForm } from "./form";
+import { Watch } from "./Watch";
 
 /** The move, how often, and when it is over. */
-export function Fields({ form, change, scale }: FieldsProps<ScoredMoveForm>) {
+export function Fields({ form, change, scale, axis }: FieldsProps<ScoredMoveForm>) {
   const [unit, setUnit] = useState("rev");
   return (
     <>
@@ -34,6 +35,7 @@ export function Fields({ form, change, scale }: FieldsProps<ScoredMoveForm>) {
         unit="full steps"
         onChange={(bandFullsteps) => change({ bandFullsteps })}
       />
+      <Watch device={axis.device} axis={axis.index} />
     </>
   );
 }

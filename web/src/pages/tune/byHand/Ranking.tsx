@@ -4,11 +4,11 @@ import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
-import { timeOf } from "../../../lib/time";
+import { dateTimeOf } from "../../../lib/time";
 import { useScheme } from "../../../lib/useScheme";
 import type { Changes } from "../useStudies";
 import classes from "./byHand.module.css";
-import { changedIn, differences, FIGURES, type Figure, type Move, parallelOf, ranked } from "./moves";
+import { changedIn, differences, distancesOf, FIGURES, type Figure, type Move, parallelOf, ranked } from "./moves";
 
 interface Props {
   moves: readonly Move[];
@@ -23,21 +23,38 @@ const OPTIONS = Object.entries(FIGURES).map(([value, { label }]) => ({ value, la
 export function Ranking({ moves, changes, busy }: Props) {
   const [by, setBy] = useState<Figure>("time_s");
   const [asked, setAsked] = useState<string | null>(null);
+  const [chosen, setChosen] = useState<number | null>(null);
+  const distances = distancesOf(moves);
+  const distance = chosen !== null && distances.includes(chosen) ? chosen : distances[0];
   const latest = moves.reduce<Move | null>((late, move) => (late && late.id > move.id ? late : move), null);
   if (latest === null) return null;
-  const rows = ranked(moves, by);
-  const names = changedIn(moves);
+  const rows = ranked(
+    moves.filter(({ scored }) => Math.abs(scored.distance) === distance),
+    by,
+  );
+  const names = changedIn(rows);
   const taken = moves.find(({ id }) => id === changes.best.variables);
   return (
-    <Card title="Moves by hand, ranked" note={String(moves.length)}>
-      <NativeSelect
-        label="Best by"
-        data={OPTIONS}
-        value={by}
-        onChange={({ currentTarget }) => setBy(currentTarget.value as Figure)}
-        maw={220}
-      />
-      {moves.length > 1 && <Parallel moves={rows} by={by} />}
+    <Card title="Moves by hand, ranked" note={String(rows.length)}>
+      <Group gap="md" align="end">
+        <NativeSelect
+          label="Best by"
+          data={OPTIONS}
+          value={by}
+          onChange={({ currentTarget }) => setBy(currentTarget.value as Figure)}
+          maw={220}
+        />
+        {distances.length > 1 && (
+          <NativeSelect
+            label="Of moves by"
+            data={distances.map((one) => ({ value: String(one), label: `${compact(one, 6)} µsteps` }))}
+            value={distance}
+            onChange={({ currentTarget }) => setChosen(Number(currentTarget.value))}
+            maw={220}
+          />
+        )}
+      </Group>
+      {rows.length > 1 && <Parallel moves={rows} by={by} />}
       <Table.ScrollContainer minWidth={480} type="native">
         <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Moves by hand, the best first">
           <Table.Thead>
@@ -60,7 +77,7 @@ export function Ranking({ moves, changes, busy }: Props) {
           <Table.Tbody>
             {rows.map((move) => (
               <Table.Tr key={move.id} data-testid="move">
-                <Table.Th scope="row">{timeOf(move.started_unix_s * 1000)}</Table.Th>
+                <Table.Th scope="row">{dateTimeOf(move.started_unix_s * 1000)}</Table.Th>
                 {(Object.keys(FIGURES) as Figure[]).map((figure) => (
                   <Table.Td key={figure} className="num">
                     {move.scored.lost_fullsteps > 0 && figure === "time_s"

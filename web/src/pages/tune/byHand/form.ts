@@ -10,7 +10,7 @@ export interface ScoredMoveForm {
 
 export const SCORED_MOVE: KindForm<ScoredMoveForm> = {
   label: "By hand",
-  text: "Change what you like on any page, move, and compare: each move is scored, and kept with the settings in force.",
+  text: "Change what you like on any page, move there or here, and compare: each move is scored, and kept with the settings in force.",
   title: "Scored move",
   first: (microstepsPerTurn) => ({ distance: microstepsPerTurn ?? 51_200, repeats: 2, bandFullsteps: 1 }),
   wish: ({ distance, repeats, bandFullsteps }) => ({

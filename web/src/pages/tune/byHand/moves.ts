@@ -22,6 +22,12 @@ export function isMove(study: StudyInfo): study is Move {
   return study.scored !== null;
 }
 
+/** How far each of the moves went, either way, the latest's first: moves of one distance can be compared. */
+export function distancesOf(moves: readonly Move[]): number[] {
+  const latest = [...moves].sort((one, other) => other.started_unix_s - one.started_unix_s);
+  return [...new Set(latest.map(({ scored }) => Math.abs(scored.distance)))];
+}
+
 /** The best first: those that lost steps, and those without that figure, come last. */
 export function ranked(moves: readonly Move[], by: Figure): Move[] {
   const worth = ({ scored }: Move) => (scored.lost_fullsteps > 0 ? Number.POSITIVE_INFINITY : (scored[by] ?? 1e300));
