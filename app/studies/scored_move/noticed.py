@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...telemetry.sampling import FloatArray
 from ..moves import Sampled
@@ -77,7 +78,7 @@ class MoveFinder:
             self._keep_from(int(np.searchsorted(self._time_s, self._time_s[-1] - BEFORE_S)))
         return found
 
-    def _changes(self) -> FloatArray:
+    def _changes(self) -> NDArray[np.intp]:
         """Rows after which the position is another."""
         return np.flatnonzero(np.diff(self._columns[POSITION]))
 

@@ -51,6 +51,8 @@ class MoveWatch:
         self.device, self.axis = device, axis
         self._clock, self._hub, self._busy, self._keep = clock, hub, busy, keep
         self._setting: Setting | None = None
+        self._own = False
+        """Whether the move under way is a procedure's."""
         self.noticed = self.missed = 0
         self.message = ""
         self._task = asyncio.create_task(self._run(), name=f"moves of {device.id} are noticed")
@@ -102,9 +104,11 @@ class MoveWatch:
                         finder.gap()
                     for move in finder.feed(rows.time_s, rows.columns):
                         finder.missed += not await self._scored(move, joined, channels)
+                        moved = False
                     self.missed = missed + finder.missed
                 if finder.moving and not moved:
-                    self._setting = None if self._busy() else await self._looked()
+                    self._own = self._busy()
+                    self._setting = None if self._own else await self._looked()
                 moved = finder.moving
         finally:
             self._hub.leave(reader)
@@ -118,10 +122,11 @@ class MoveWatch:
         return Setting(looked.ground, await configuration_of(self.device), await axes_of(self.device))
 
     async def _scored(self, move: NoticedMove, joined: Joined, channels: tuple[str, ...]) -> bool:
-        """Hand a move on; False for one that did not end where it was sent. Raises BenchError."""
+        """Hand a move on; False for one that cannot be scored. Raises BenchError."""
         setting, self._setting = self._setting, None
-        if setting is None:
-            return True
+        own, self._own = self._own, False
+        if own or setting is None:
+            return own  # else it was over before its setting could be read
         state = await self.device.monitor.axis_state(self.axis)
         if state.position == move.target and not state.position_reached:
             return False  # stopped on its way, or turned at a speed: no ramp of it is whole

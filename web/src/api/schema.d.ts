@@ -10628,7 +10628,7 @@ export interface components {
             noticed: number;
             /**
              * Missed
-             * @description that could not be: stopped, to and fro without a rest, or with gaps
+             * @description that could not be: stopped, to and fro without a rest, too short, or with gaps
              */
             missed: number;
             /**
