@@ -31,6 +31,16 @@ class Held(Part):
     value: int
 
 
+class Switched(Part):
+    """A field that no profile holds, as a study found it. off : what it holds while registers are set"""
+
+    name: str
+    field: str
+    axis: int | None = None
+    before: int
+    off: int
+
+
 class Figures(Part):
     """Of a setting: means over its moves. Null where nothing was measured."""
 
@@ -200,6 +210,7 @@ class StudyRecord(Part):
     device_name: str = ""
     model: str = ""
     baseline: list[Held] = Field(default_factory=list, description="what the axis was set to before")
+    switched: Switched | None = Field(default=None, description="what no profile holds, and the study switches")
     baseline_setting: dict[str, float] = Field(default_factory=dict)
     baseline_figures: Figures | None = None
     units: dict[str, str] = Field(default_factory=dict, description="of each setting of the space")
@@ -233,3 +244,9 @@ class StudyRecord(Part):
     def trial(self, number: int | None) -> Trial | None:
         """The trial of that number."""
         return next((trial for trial in self.trials if trial.number == number), None)
+
+    def before_told(self) -> list[str]:
+        """What the axis was set to before, register by register."""
+        told = [f"{each.name} (was {each.value})" for each in self.baseline]
+        switched = self.switched
+        return told if switched is None else [*told, f"{switched.name} ({switched.field} was {switched.before})"]

@@ -151,5 +151,5 @@ class StudyRun(Procedure):
 
     async def _left(self, error: Exception) -> list[str]:
         """Which registers are not as before, as far as they can be read."""
-        names = ", ".join(f"{each.name} (was {each.value})" for each in self.record.baseline)
+        names = ", ".join(self.record.before_told())
         return [f"the setting could not be put back: {error}", f"look at {names}"]

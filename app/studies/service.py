@@ -326,7 +326,12 @@ class StudyService:
             held = await held_of(device)
             now = [(each, value_now(device, held, each)) for each in registers]
             before = [each.model_copy(update={"value": value}) for each, value in now if value is not None]
+        switched = record.switched if which == "baseline" and record.left else None
+        if switched is not None:
+            await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.off})
         await self._profiles.apply(device, document_of(device, registers, f"{which} of study {study}"))
+        if switched is not None:
+            await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.before})
         record.left, record.baseline = [], before
         await self._store.save(record)
         return record
@@ -347,6 +352,10 @@ class StudyService:
             now = value_now(device, held, each)
             if now != each.value:
                 told.append(f"{each.name} is {'not known' if now is None else now}, and was {each.value}")
+        if (switched := record.switched) is not None:
+            now = (await device.registers.read(switched.name, switched.axis)).fields[switched.field]
+            if now != switched.before:
+                told.append(f"{switched.field} of {switched.name} is {now}, and was {switched.before}")
         return told
 
     async def keep(self, study: str) -> list[SavedProfile]:

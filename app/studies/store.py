@@ -52,10 +52,8 @@ class StudyStore:
             if record.state == "running":
                 record.state, record.phase, record.left_s = "interrupted", "over", None
                 record.message = "the server ended in the middle of it"
-                tried = ", ".join(f"{each.name} {each.value}" for each in record.baseline)
-                record.left = (
-                    [f"the last setting that was tried may still be set; before it was {tried}"] if tried else []
-                )
+                before = ", ".join(record.before_told())
+                record.left = [f"the last setting that was tried may still be set: look at {before}"] if before else []
             self._records[record.id] = record
         return list(self._records.values())
 

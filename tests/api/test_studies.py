@@ -11,6 +11,7 @@ from fastapi import FastAPI
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings
+from app.studies.store import StudyStore
 
 LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
 MOVE = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
@@ -114,6 +115,48 @@ async def test_what_a_killed_server_has_left_is_told_and_put_back(
     await client.post("stop")
     await over(client, clock, study, 30)
     assert await held(client) == before
+
+
+async def test_a_loop_that_a_killed_server_has_left_on_is_told_and_switched_off(
+    client: httpx.AsyncClient, clock: VirtualClock, app: FastAPI
+) -> None:
+    async def modus() -> int:
+        read = await client.get("devices/loop/registers/ENC_IN_CONF", params={"axis": 0})
+        found: int = read.json()["fields"]["regulation_modus"]
+        return found
+
+    link = {"kind": "emulator", "motor": {"viscous_nms": 4e-4}}
+    answer = await client.post("devices", json={"name": "Loop", "model": "tmc4361", "link": link})
+    assert answer.status_code == 201, answer.text
+    start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
+    assert (await client.post("devices/loop/start-up", json=start)).status_code == 200
+    begun = await client.post("studies", json={"device": "loop", "study": {"kind": "closed_loop", "hops": 6}})
+    assert begun.status_code == 201, begun.text
+    study = begun.json()["id"]
+    studies = bench_of(app).studies
+    for _ in range(2000):
+        if await modus() == 2:
+            break
+        await clock.advance(0.05)
+    assert await modus() == 2, studies.get(study).message
+    text = studies.get(study).model_dump_json()  # as it is on disk
+    await client.post("stop")
+    await over(client, clock, study, 30)
+    # the server is killed with the loop on: the next one finds this record, and this chip
+    on = {"fields": {"regulation_modus": 2}}
+    assert (await client.put("devices/loop/registers/ENC_IN_CONF", params={"axis": 0}, json=on)).status_code == 200
+    folder = bench_of(app).settings.data_dir / "studies" / study
+    (folder / "study.json").write_text(text)
+    later = StudyStore(bench_of(app).settings.data_dir, aside=False)
+    (killed,) = [record for record in later.load() if record.id == study]
+    assert killed.state == "interrupted"
+    assert any("ENC_IN_CONF (regulation_modus was 0)" in line for line in killed.left)
+    studies.get(study).left = killed.left
+    left = (await client.get(f"studies/{study}/left")).json()["left"]
+    assert "regulation_modus of ENC_IN_CONF is 2, and was 0" in left
+    taken = await client.post(f"studies/{study}/take", json={"which": "baseline"})
+    assert taken.status_code == 200, taken.text
+    assert await modus() == 0
 
 
 @pytest.mark.parametrize(

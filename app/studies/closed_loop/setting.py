@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...profiles.capture import CapturedConfiguration
 from ...profiles.items import items_by_key, key_of
 from ...registers.model import Register
-from ..record import Held
+from ..record import Held, Switched
 
 PROPORTIONAL, INTEGRAL = "proportional", "integral"
 UNITS = {PROPORTIONAL: "1/s", INTEGRAL: "1/s^2"}
@@ -81,6 +81,12 @@ class LoopSpace:
         """Gains as they were set before."""
         p, i = (self._words[name] for name in (self._places.proportional, self._places.integral))
         return Gains(p / P_PARTS, i / SUM_PARTS * self._rate_hz)
+
+    @property
+    def switched(self) -> Switched:
+        """Which regulation was on, for who puts it back."""
+        places = self._places
+        return Switched(name=places.mode, field=places.modus, axis=self._axis, before=self.mode, off=places.off)
 
     async def switch(self, mode: int) -> None:
         """Switch regulation on or off, which no profile does. Raises BenchError."""

@@ -16125,6 +16125,8 @@ export interface components {
              * @description what the axis was set to before
              */
             baseline: components["schemas"]["Held"][];
+            /** @description what no profile holds, and the study switches */
+            switched: components["schemas"]["Switched"] | null;
             /** Baseline Setting */
             baseline_setting: {
                 [key: string]: number;
@@ -16247,6 +16249,22 @@ export interface components {
             right?: boolean | "auto" | null;
             /** Reference */
             reference?: boolean | "auto" | null;
+        };
+        /**
+         * Switched
+         * @description A field that no profile holds, as a study found it. off : what it holds while registers are set
+         */
+        Switched: {
+            /** Name */
+            name: string;
+            /** Field */
+            field: string;
+            /** Axis */
+            axis: number | null;
+            /** Before */
+            before: number;
+            /** Off */
+            off: number;
         };
         /**
          * TableDifference
