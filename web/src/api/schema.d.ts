@@ -12374,6 +12374,150 @@ export interface components {
             longest_wait_ms: number;
         };
         /**
+         * QuietStealthChop
+         * @description StealthChop: amplitudes (PWM_OFS, PWM_GRAD) that need no regulation, and up to which speed it may work before
+         *     SpreadCycle takes over with a jolt (TPWMTHRS).
+         */
+        "QuietStealthChop-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stealthchop";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at the rated current; null: PWM_GRAD is only tuned by the chip
+             */
+            holding_torque_nm?: number | null;
+            /**
+             * Rated Current A
+             * @description RMS of one coil at that torque; null: the run current
+             */
+            rated_current_a?: number | null;
+            /**
+             * Velocity Max Rps
+             * @description runs go through all speeds up to this one [turns of the motor a second]
+             * @default 3
+             */
+            velocity_max_rps?: number;
+            /**
+             * Jolt Max Fullsteps
+             * @description so far the shaft may swing as one chopper takes over from the other
+             * @default 0.5
+             */
+            jolt_max_fullsteps?: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what jolts less than this share less is no improvement
+             * @default 0.05
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be better
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * QuietStealthChop
+         * @description StealthChop: amplitudes (PWM_OFS, PWM_GRAD) that need no regulation, and up to which speed it may work before
+         *     SpreadCycle takes over with a jolt (TPWMTHRS).
+         */
+        "QuietStealthChop-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stealthchop";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at the rated current; null: PWM_GRAD is only tuned by the chip
+             */
+            holding_torque_nm: number | null;
+            /**
+             * Rated Current A
+             * @description RMS of one coil at that torque; null: the run current
+             */
+            rated_current_a: number | null;
+            /**
+             * Velocity Max Rps
+             * @description runs go through all speeds up to this one [turns of the motor a second]
+             * @default 3
+             */
+            velocity_max_rps: number;
+            /**
+             * Jolt Max Fullsteps
+             * @description so far the shaft may swing as one chopper takes over from the other
+             * @default 0.5
+             */
+            jolt_max_fullsteps: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what jolts less than this share less is no improvement
+             * @default 0.05
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be better
+             * @default false
+             */
+            keep: boolean;
+        };
+        /**
          * Ramp
          * @description `parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2.
          *
@@ -15627,6 +15771,142 @@ export interface components {
             uncertainty_s: number;
         };
         /**
+         * StealthEffect
+         * @description A figure of the new setting against that of the one before, by pairs. Differences are new less old.
+         */
+        StealthEffect: {
+            /**
+             * Name
+             * @enum {string}
+             */
+            name: "jolt" | "added";
+            /** Unit */
+            unit: string;
+            /** Pairs */
+            pairs: number;
+            /** Baseline */
+            baseline: number;
+            /** Winner */
+            winner: number;
+            /** Difference */
+            difference: number;
+            /** @description of the mean difference, 95 % */
+            interval: components["schemas"]["Interval"];
+            /** @description of the new one's mean, 95 % */
+            winner_interval: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided, for both figures together
+             */
+            p: number;
+            /**
+             * Significant
+             * @description it is less by more than what counts
+             */
+            significant: boolean;
+        };
+        /**
+         * StealthFound
+         * @description A setting of StealthChop.
+         */
+        StealthFound: {
+            /** Velocity Max Rps */
+            velocity_max_rps: number;
+            /** Jolt Max Fullsteps */
+            jolt_max_fullsteps: number;
+            before: components["schemas"]["StealthTried"] | null;
+            /** @description from resistance, supply, current and torque */
+            calculated: components["schemas"]["StealthTried"] | null;
+            /**
+             * Offset Auto
+             * @description PWM_OFS_AUTO: what the chip has tuned at rest
+             */
+            offset_auto: number | null;
+            /**
+             * Gradient Auto
+             * @description PWM_GRAD_AUTO: what it has tuned in motion
+             */
+            gradient_auto: number | null;
+            /** Tried */
+            tried: components["schemas"]["StealthTried"][];
+            /** @description the one of the proof */
+            chosen: components["schemas"]["StealthTried"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["StealthPair"][];
+            /** Effects */
+            effects: components["schemas"]["StealthEffect"][];
+        };
+        /**
+         * StealthPair
+         * @description The same run with the setting before and with the new one.
+         */
+        StealthPair: {
+            /** Baseline Jolt Fullsteps */
+            baseline_jolt_fullsteps: number;
+            /** Winner Jolt Fullsteps */
+            winner_jolt_fullsteps: number;
+            /** Baseline Added Share */
+            baseline_added_share: number | null;
+            /** Winner Added Share */
+            winner_added_share: number | null;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
+         * StealthTried
+         * @description A setting that was tried, and what was seen of it on the wire.
+         */
+        StealthTried: {
+            /**
+             * Offset
+             * @description PWM_OFS; null: the chip has none
+             */
+            offset: number | null;
+            /**
+             * Gradient
+             * @description PWM_GRAD; null: the chip has none of that meaning
+             */
+            gradient: number | null;
+            /**
+             * Switch Rps
+             * @description turns a second up to which StealthChop works; null: at every speed
+             */
+            switch_rps: number | null;
+            /**
+             * On
+             * @description false: SpreadCycle at every speed
+             */
+            on: boolean;
+            /**
+             * Jolt Fullsteps
+             * @description worst swing of encoder less position as one takes over from the other
+             */
+            jolt_fullsteps: number;
+            /**
+             * Added Share
+             * @description what the regulation had to add to the amplitude or take from it, over the amplitude, root mean square: how far the current would be off; null: not told by the chip
+             */
+            added_share: number | null;
+            /**
+             * Amplitude Share
+             * @description greatest amplitude seen, over the greatest there is
+             */
+            amplitude_share: number | null;
+            /**
+             * Lost Fullsteps
+             * @default 0
+             */
+            lost_fullsteps: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
+        };
+        /**
          * StepDirState
          * @description The step/direction output of one motor.
          */
@@ -15856,7 +16136,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["QuietStealthChop-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15898,7 +16178,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["QuietStealthChop-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15918,7 +16198,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -15971,7 +16251,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -16205,6 +16485,8 @@ export interface components {
             least_current: components["schemas"]["LeastCurrentFound"] | null;
             /** @description of a study of the chopper */
             chopper: components["schemas"]["ChopperFound"] | null;
+            /** @description of a study of StealthChop */
+            stealthchop: components["schemas"]["StealthFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
             /** @description of a resonance map */
