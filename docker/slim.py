@@ -18,16 +18,25 @@ SOURCES = {".a", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
 UNUSED = {
     "pyarrow": (
         *("*flight*", "*_s3*", "_pyarrow_cpp_tests*", "include", "src"),
-        *("_substrait*", "_orc*", "_azurefs*", "_gcsfs*", "_hdfs*", "_parquet_encryption*", "_dataset_*"),
+        *("_substrait*", "_orc*", "_azurefs*", "_gcsfs*", "_hdfs*", "*_parquet_encryption*", "_dataset*", "_acero*"),
+        *("_feather*", "_json*"),
     ),
-    "viser": ("client/src", "client/package-lock.json"),
-    "scipy": ("cluster", "datasets", "fftpack", "io", "misc", "odr"),
-    "sqlalchemy": ("testing",),
+    "viser": ("client/src", "client/package-lock.json", "_icons/*.zip"),
+    "numba": ("cuda",),
+    "numpy": ("_core/_simd.*", "_core/*_tests.*"),
+    "scipy": ("cluster", "datasets", "fftpack", "io", "misc", "odr", "signal", "stats/_unuran"),
+    "sqlalchemy": ("testing", "ext", *(f"dialects/{name}" for name in ("mssql", "mysql", "oracle", "postgresql"))),
+    "alembic": ("testing",),
     "zstandard": ("_cffi*", "backend_cffi.py"),
-    "optuna": ("visualization",),
+    "optuna": ("visualization", "testing"),
 }
-"""Of recordings: Arrow Flight, stores in clouds, Substrait, ORC, encryption, tests and headers; what the page of viser
-is built of; parts of SciPy that its statistics stand without; a second way into Zstandard; plots of Optuna's own."""
+"""Of recordings: Arrow Flight, stores in clouds, data sets, Substrait, ORC, Feather, JSON, encryption, tests and
+headers; what the page of viser is built of, and icons for its own panels; graphics cards; NumPy's tests of itself;
+parts of SciPy that its statistics stand without; databases but SQLite; a second way into Zstandard; plots
+of Optuna's own."""
+NAMED_ONLY = ("pyarrow", "libarrow.so.*", ("libarrow_substrait.so.*", "libarrow_dataset.so.*", "libarrow_acero.so.*"))
+"""Libraries that each module of a package names and none of those that are left calls: they become links to one that is
+loaded anyway, else the loader would miss them."""
 LEXERS = ("pygments/lexers", {"__init__.py", "_mapping.py", "python.py", "special.py"})
 """Python alone is shown in colours, in tracebacks."""
 ELF = b"\x7fELF"
@@ -45,6 +54,7 @@ def main(folder: Path) -> None:
             shutil.rmtree(path)
         else:
             path.unlink(missing_ok=True)
+    link_what_is_only_named(packages)
     share(packages)
     for library in libraries(packages):
         subprocess.run(["strip", "--strip-unneeded", str(library)], check=True)
@@ -61,6 +71,16 @@ def unused(packages: Path) -> Iterator[Path]:
             yield from sorted((packages / package).glob(pattern))
     lexers, kept = LEXERS
     yield from (path for path in sorted((packages / lexers).glob("*.py")) if path.name not in kept)
+
+
+def link_what_is_only_named(packages: Path) -> None:
+    """Have the loader find `NAMED_ONLY` without their code."""
+    package, loaded, named = NAMED_ONLY
+    for target in (packages / package).glob(loaded):
+        for pattern in named:
+            for path in (packages / package).glob(pattern):
+                path.unlink()
+                path.symlink_to(target.name)
 
 
 def share(packages: Path) -> None:

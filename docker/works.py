@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import importlib
 import io
+import json
 import pkgutil
+import subprocess
 import sys
 
 BY_ALEMBIC = ".store.migrations."
@@ -22,7 +24,7 @@ def main() -> int:
     for name in names:
         if BY_ALEMBIC not in name:
             importlib.import_module(name)
-    for use in (compile_something, try_statistics, try_studies, write_files, colour_a_traceback):
+    for use in (compile_something, try_statistics, try_studies, write_files, colour_a_traceback, draw_a_scene):
         use()
     print(f"{len(names)} modules, and all that they use, work")
     return 0
@@ -84,6 +86,31 @@ def colour_a_traceback() -> None:
         int("an example")
     except ValueError as error:
         Console(file=io.StringIO()).print(Traceback.from_exception(type(error), error, error.__traceback__))
+
+
+LEFT_OUT = ("cv2", "imageio", "PIL", "trimesh")
+"""What viser could use and an image does not have (scripts/lock.py)."""
+
+
+def draw_a_scene() -> None:
+    """The process of the 3D view, told as the server tells it."""
+    from stepscope.twin.shape import AxisPose, Shape
+
+    child = (
+        f"import runpy, sys; sys.modules.update(dict.fromkeys({LEFT_OUT})); "
+        "runpy.run_module('stepscope.twin.child', run_name='__main__')"
+    )
+    told = ({"shape": Shape("bench", 0, "motor").message(), "scheme": "dark"}, {"look": AxisPose().message()})
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", child],
+        input="".join(f"{json.dumps(message)}\n" for message in told),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout.splitlines()[-1]) == {"shown": 1}
 
 
 if __name__ == "__main__":

@@ -25,10 +25,11 @@ HEAD = "# The versions that this commit was tested with. `make lock` writes this
 
 IMAGE_HEAD = (
     "# What the image installs, by version and hash, for both architectures. `make lock` writes this file.\n"
-    "# Left out of what viser asks for: imageio and its pillow, which it imports for pictures only, and we show none.\n"
+    "# Left out of what viser asks for, and imports for what we do not show: imageio and its pillow (pictures), "
+    "trimesh (models).\n"
 )
 DASK_HEAD = "# What the image for a Dask cluster has beside those of requirements.txt. `make lock` writes this file.\n"
-IMAGE_LEFT_OUT = {"imageio", "pillow"}
+IMAGE_LEFT_OUT = {"imageio", "pillow", "trimesh"}
 IMAGE_PYTHON = "3.12"
 ARCHITECTURES = ("aarch64", "x86_64")
 GLIBCS = ("2_36", "2_35", "2_34", "2_31", "2_28", "2_27", "2_26", "2_24", "2_17", "2_12", "2_5")

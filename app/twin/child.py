@@ -14,13 +14,16 @@ import hashlib
 import json
 import os
 import re
+import struct
 import sys
+import zlib
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 import viser
 import zstandard
+from viser._messages import BackgroundImageMessage
 
 from .bodies import DIAL_AT, scenery
 from .colours import Scheme, rgb
@@ -67,7 +70,7 @@ class Stage:
             self._placed.clear()
             scene.set_up_direction("+z")
             scene.world_axes.visible = False
-            scene.set_background_image(np.full((2, 2, 3), rgb("background", scheme), dtype=np.uint8), format="png")
+            self._fill_background(rgb("background", scheme))
             scene.configure_environment_map(None)
             scene.configure_default_lights(enabled=False)
             scene.add_light_ambient("/light/ambient", intensity=1.1)
@@ -97,6 +100,11 @@ class Stage:
                     anchor="center-center",
                     visible=bool(label.text),
                 )
+
+    def _fill_background(self, colour: tuple[int, int, int]) -> None:
+        """Send a picture of one pixel. viser's own call has Pillow pack it, 20 MB that an image does without."""
+        picture = BackgroundImageMessage(format="png", rgb_data=one_pixel(colour), depth_data=None)
+        self._viewer.scene._websock_interface.queue_message(picture)  # noqa: SLF001
 
     def show(self, look: AxisPose) -> None:
         """Move, turn and colour what has changed."""
@@ -128,6 +136,17 @@ class Stage:
             if not np.array_equal(vertices, node.vertices):
                 node.vertices = vertices
         self._placed[name] = wanted
+
+
+def one_pixel(colour: tuple[int, int, int]) -> bytes:
+    """A PNG of it (RFC 2083)."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)  # 8 bits of red, green and blue
+    row = zlib.compress(bytes((0, *colour)))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", row) + chunk(b"IEND", b"")
 
 
 def script_hashes(page: str) -> list[str]:

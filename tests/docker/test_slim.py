@@ -53,6 +53,15 @@ def test_tests_headers_and_unused_libraries_go_and_what_is_imported_stays(
     assert {str(path.relative_to(packages)) for path in packages.rglob("*") if path.is_file()} == set(kept)
 
 
+def test_libraries_that_are_only_named_are_links_that_the_loader_finds(tmp_path: Path) -> None:
+    for name in ("libarrow.so.2600", "libarrow_acero.so.2600", "libarrow_compute.so.2600", "libarrow_dataset.so.2600"):
+        (tmp_path / "pyarrow" / name).parent.mkdir(exist_ok=True)
+        (tmp_path / "pyarrow" / name).write_bytes(b"\x7fELF" + name.encode())
+    slim().link_what_is_only_named(tmp_path)
+    links = {path.name: str(path.readlink()) for path in (tmp_path / "pyarrow").iterdir() if path.is_symlink()}
+    assert links == dict.fromkeys(("libarrow_acero.so.2600", "libarrow_dataset.so.2600"), "libarrow.so.2600")
+
+
 def test_a_library_that_is_there_twice_is_kept_once(tmp_path: Path) -> None:
     for name in ("pyarrow/libarrow_python.so", "pyarrow/libarrow_python.so.2600", "other.libs/libarrow_python.so"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
