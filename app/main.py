@@ -24,7 +24,7 @@ from .api.links.port_routes import serial_ports
 from .api.register_maps.shelf import MapShelf
 from .api.schemas import Port
 from .api.server_state import ServerState
-from .audit.listener import AuditListener, lease_words
+from .audit.listener import AuditListener, lease_words, note_settings
 from .clock import BackgroundClock, Clock, WallClock
 from .conditions.service import ConditionService
 from .devices.core.actor import STEPSCOPE
@@ -58,6 +58,7 @@ from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
 from .profiles.start_up import StartUpRequest, start_up
+from .profiles.undo import UndoService
 from .recording.service import RecordingService
 from .registers.catalog import find_model
 from .registers.wires import BOARD
@@ -185,7 +186,9 @@ def create_app(
         return f"a {running[0].kind} runs" if running else ""
 
     async def configure(device: Device, axes: Sequence[AxisSettings]) -> None:
+        before = [axis.settings for axis in device.axes]
         await manager.edit(device.id, DeviceChange(axes=tuple(axes)))
+        note_settings(audit, device, before, axes)
 
     profiles = ProfileService(settings.data_dir, under_way, configure)
     profile_store = ProfileStore(database)
@@ -214,6 +217,7 @@ def create_app(
         lease,
         twin,
         profiles,
+        UndoService(audit, profiles),
         profile_store,
         conditions,
         list_serial_ports,

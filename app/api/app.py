@@ -20,6 +20,7 @@ from .console import routes as tmcl
 from .devices import emulator_routes as emulator
 from .devices import routes as devices
 from .health import routes as health
+from .history import routes as history
 from .http import openapi, problems
 from .http.access import Access, new_token
 from .http.actor import ActorMiddleware
@@ -77,6 +78,7 @@ SUBJECTS = (
     watched_programs,
     tables,
     profiles,
+    history,
     emulator,
     calc,
     catalog,

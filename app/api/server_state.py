@@ -16,6 +16,7 @@ from ..positions import ExtendedPositionService
 from ..procedures.procedures import Procedures
 from ..profiles.scripts.service import Scripts
 from ..profiles.service import ProfileService
+from ..profiles.undo import UndoService
 from ..recording.service import RecordingService
 from ..settings import Settings
 from ..store.audit import AuditLog
@@ -53,6 +54,7 @@ class ServerState:
     lease: Lease
     twin: Twin
     profiles: ProfileService
+    undo: UndoService
     profile_store: ProfileStore
     conditions: ConditionService
     list_serial_ports: Callable[[], list[Port]]

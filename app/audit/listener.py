@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from functools import partial
 
 from ..devices.core.actor import STEPSCOPE, Actor, actor
 from ..devices.core.changes import RegisterChanged
+from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
 from ..devices.core.events import DeviceEvent, LimitReached
 from ..lease.lease import LeaseEvent
@@ -52,6 +54,15 @@ class AuditListener:
                 detail=", ".join(filter(None, (event.part_of, event.field_text))),
                 by=event.by,
             )
+
+
+def note_settings(audit: AuditLog, device: Device, old: Sequence[AxisSettings], new: Sequence[AxisSettings]) -> None:
+    """An entry for each setting of an axis that a profile has changed, named as an edit of the connection names it."""
+    for index, (before, after) in enumerate(zip(old, new, strict=True)):
+        for name, value in asdict(after).items():
+            was = getattr(before, name)
+            if isinstance(value, int | float | str | None) and was != value:
+                audit.note("edit device", f"axes.{index}.{name}", device=device.id, axis=index, old=was, new=value)
 
 
 def lease_words(audit: AuditLog, event: LeaseEvent) -> None:

@@ -13,7 +13,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
-from . import audit, calls, profiles, scripts
+from . import audit, calls, history, profiles, scripts
 from .arrival import POLL_PERIOD_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
@@ -465,6 +465,31 @@ class AsyncBench:
     async def compare_profiles(self, left: Json | int, right: Json | int) -> Json:
         """What differs between two profiles, each a document or the id of a kept one."""
         return await self._send(profiles.compare(left, right))
+
+    # --- history --------------------------------------------------------------------------------
+
+    async def history(self, device: str, limit: int = 100, before: int | None = None) -> Json:
+        """What was done to a device, the newest first: `changes`, each with `entry`, `first`, `last` and `writes`."""
+        return await self._send(history.history(device, limit, before))
+
+    async def undo(
+        self,
+        device: str,
+        *,
+        since: datetime | None = None,
+        before: int | None = None,
+        without: int | None = None,
+        registers: Sequence[history.Place] | None = None,
+        seen: int | None = None,
+        dry_run: bool = False,
+    ) -> Json:
+        """Put a device back to what it was: `since` a time, `before` an entry, or `without` one and its request.
+
+        With `dry_run` only what would be put back is told: `registers`, each with `state` "ready", "ask" (written by
+        somebody else since, or changed past the log: put back only where `registers` name it) or "cannot".
+        """
+        call = history.undo(device, since, before, without, registers, seen, dry_run=dry_run)
+        return await self._send(call, None if dry_run else profiles.APPLY_TIMEOUT_S)
 
     async def _send(self, call: Call[T], timeout_s: float | None = None) -> T:
         try:

@@ -31,6 +31,8 @@ class AuditEntry:
     outcome: str
     """done, not proven or refused; behind a colon why."""
     detail: str
+    call: int | None = None
+    """What entries of one request have in common."""
 
 
 def entries(

@@ -17,6 +17,7 @@ from .audit import audit
 from .calls import api, calc
 from .devices import conditions, devices, read, write
 from .diagnosis import doctor
+from .history import history, undo
 from .lease import lease
 from .measuring import compare, record, recordings, replay, watch
 from .motion import axis, home, move, rotate, stop
@@ -45,6 +46,8 @@ COMMANDS: Sequence[Callable[..., None]] = (
     replay,
     compare,
     audit,
+    history,
+    undo,
     calc,
     api,
     doctor,

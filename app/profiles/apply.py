@@ -18,7 +18,7 @@ from ..devices.core.events import DeviceEvent, MotionCommanded, motion_owner
 from ..devices.core.results import AxisState
 from ..errors import SoftLimit, WriteRefused, WrongState
 from .capture import CapturedConfiguration, read_held, read_item
-from .diff import Diff, difference_of, require_fit
+from .diff import UNIT_MODE, Diff, difference_of, require_fit
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft, ProfileTakenBack
 from .items import Key
@@ -214,7 +214,7 @@ class Transaction:
     async def _check(self, held: CapturedConfiguration, steps: Sequence[Step]) -> None:
         """Whether all is as it should be: what was written, and what was not."""
         expected = {**held.words, **self._now}
-        restated = any(not step.steady for step in steps)
+        restated = any(not step.steady or step.item.key == UNIT_MODE for step in steps)
         after = await read_held(self.device, held.words)
         for item, was, is_ in await unexpected(self.device, expected, after):
             if restated and item.row.internal_range is not None:

@@ -13,6 +13,8 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import Context, ContextVar
+from dataclasses import replace
+from itertools import count
 
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
@@ -34,16 +36,24 @@ RETRY_S = 1.0
 KEPT = 200_000
 """Entries in the database; some 50 MB."""
 TRIMMED_EVERY = 1000
+WRITTEN, ADDED = "write", "add device"
+"""Actions: a register was written, and a device is there from now on."""
+REFUSED = "refused%"
 WAITING_MAX = 20_000
 """Entries in memory while the database takes none; the oldest of them are lost, and counted."""
 
 
-class Request:
-    """One call from outside, so that what drivers tell of it is not told a second time by the edge."""
+_last_number = count(time.time_ns() // 1000)
+"""Of requests: another server on the same file, or the one before, has others."""
 
-    __slots__ = ("changes", "failures")
+
+class Request:
+    """One call from outside: what belongs to it is told once, and found together again."""
+
+    __slots__ = ("changes", "failures", "number")
 
     def __init__(self) -> None:
+        self.number = next(_last_number)
         self.changes = 0
         """Entries so far."""
         self.failures = 0
@@ -105,6 +115,7 @@ class AuditLog:
         if request is not None:
             request.changes += 1
             request.failures += not entry.outcome.startswith(DONE)
+            entry = replace(entry, call=request.number)
         self._waiting.append(entry)
         self._shed()
         if not self._closing and (self._task is None or self._task.done()):
@@ -181,6 +192,46 @@ class AuditLog:
         if before is not None:
             query = query.where(AuditRow.id < before)
         return await self._database.read(lambda session: [entry_of(row) for row in session.scalars(query)])
+
+    async def of_device(self, device: str, first: int) -> list[Entry]:
+        """All entries of a device from the id `first` on, the oldest first. Raises StoreUnavailable."""
+        await self._flush()
+        query = select(AuditRow).where(AuditRow.device == device, AuditRow.id >= first).order_by(AuditRow.id)
+        return await self._database.read(lambda session: [entry_of(row) for row in session.scalars(query)])
+
+    async def first_of_call(self, call: int) -> int:
+        """The lowest id of the entries of a request; 0 where it has none. Raises StoreUnavailable."""
+        query = select(func.min(AuditRow.id)).where(AuditRow.call == call)
+        return await self._database.read(lambda session: session.scalar(query) or 0)
+
+    async def last_writes(self, device: str, before: int) -> list[Entry]:
+        """Of each register of a device its last write before the id `before`, since the device was added last.
+
+        Raises StoreUnavailable.
+        """
+        earlier = (AuditRow.device == device, AuditRow.id < before)
+
+        def query(session: Session) -> list[Entry]:
+            added = session.scalar(select(func.max(AuditRow.id)).where(*earlier, AuditRow.action == ADDED)) or 0
+            last = (
+                select(func.max(AuditRow.id))
+                .where(*earlier, AuditRow.id > added, AuditRow.action == WRITTEN, AuditRow.outcome.not_like(REFUSED))
+                .group_by(AuditRow.subject, AuditRow.axis)
+            )
+            return [entry_of(row) for row in session.scalars(select(AuditRow).where(AuditRow.id.in_(last)))]
+
+        return await self._database.read(query)
+
+    async def first_since(self, unix_s: float) -> tuple[int, float | None]:
+        """The id that entries since then begin with, and when the log itself begins [s]. Raises StoreUnavailable."""
+        await self._flush()
+
+        def query(session: Session) -> tuple[int, float | None]:
+            since = session.scalar(select(func.min(AuditRow.id)).where(AuditRow.at_unix_s >= unix_s))
+            newest = session.scalar(select(func.max(AuditRow.id))) or 0
+            return since or newest + 1, session.scalar(select(func.min(AuditRow.at_unix_s)))
+
+        return await self._database.read(query)
 
     async def known(self) -> Known:
         """All names that entries bear. Raises StoreUnavailable."""

@@ -24,7 +24,8 @@ class Entry:
 
     at_unix_s : Unix time [s]. action : as people say it, "write", "move", "add device"... subject : what it was done
     to, a register by its name. old, new : values where there are any. outcome : "done", "done: note",
-    "not proven: why", "refused: why". id : None before it is in the database.
+    "not proven: why", "refused: why". id : None before it is in the database. call : what entries of one request have
+    in common; None where it belongs to none.
     """
 
     at_unix_s: float
@@ -40,6 +41,7 @@ class Entry:
     outcome: str = DONE
     detail: str = ""
     id: int | None = None
+    call: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +96,7 @@ def entry_of(row: AuditRow) -> Entry:
         row.outcome,
         row.detail,
         row.id,
+        row.call,
     )
 
 

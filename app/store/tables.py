@@ -40,6 +40,8 @@ class AuditRow(Base):
     new: Mapped[Value] = mapped_column(JSON(none_as_null=True))
     outcome: Mapped[str]
     detail: Mapped[str] = mapped_column(server_default="")
+    call: Mapped[int | None]
+    """What entries of one request have in common; NULL of what belongs to none, and of entries from before."""
 
 
 class ProfileRow(Base):

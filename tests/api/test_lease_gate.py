@@ -222,6 +222,8 @@ def test_every_refusal_is_in_the_schema(app: FastAPI) -> None:
         ("PUT", "/api/v1/devices/bench/profile", b"dry_ru%6e=false&dry_run=true", False),
         ("GET", "/api/v1/devices/bench/profile", b"", True),
         ("POST", "/api/v1/devices/bench/start-up", b"", False),
+        ("POST", "/api/v1/devices/bench/undo", b"dry_run=true", True),
+        ("POST", "/api/v1/devices/bench/undo", b"", False),
         ("POST", "/api/v1/devices/bench/start-up", b"dry_run=true", True),
         ("POST", "/api/v1/devices/bench/start-up", b"dry_run=true&dry_run=false", False),
     ],

@@ -45,6 +45,7 @@ from tests.bench import (
     together,
     twin,
     uart_link,
+    undo,
     velocity_stream,
     views,
 )
@@ -76,6 +77,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
     "cold-start": cold_start.measure,
+    "undo": undo.measure,
     "palette": lambda quick: [palette.measure(quick=quick)],
     "first page": lambda quick: [first_page.measure(quick=quick)],
     "views": lambda quick: [views.measure(quick=quick)],

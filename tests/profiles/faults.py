@@ -234,10 +234,10 @@ def _what_is_wrong(
         entry = told.pop((item.row.name, item.row.axis), None)
         if outcome == "applied":
             expected = wanted.get(item.key)
-            if expected is not None and not _same(b, item, as_configured(b.device, item, shown[item.key]), expected):
+            if expected is not None and not same(b, item, as_configured(b.device, item, shown[item.key]), expected):
                 found.append(f"{item.place} is {shown[item.key]:#x}, told as applied")
         elif entry is None:
-            if not _same(b, item, after[item.key], before[item.key]) and not _owed(b, item):
+            if not same(b, item, after[item.key], before[item.key]) and not _owed(b, item):
                 found.append(f"{item.place} was {before[item.key]:#x} and is {after[item.key]:#x}, and nobody tells")
         else:
             now, is_ = entry["now"], item.row.decode(as_configured(b.device, item, shown[item.key]))
@@ -261,7 +261,7 @@ def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) ->
     return again | {mode: after[mode]}
 
 
-def _same(b: Bench, item: Item, one: int, other: int) -> bool:
+def same(b: Bench, item: Item, one: int, other: int) -> bool:
     """A module keeps whole units of its driver chip: a number may come back one of them off."""
     module = b.device.part(ModuleState)
     if module is None:
@@ -278,4 +278,4 @@ def _owed(b: Bench, item: Item) -> bool:
     return events is not None and item.row is tmc4361.EVENT_CLEAR_CONF and events._owed is not None
 
 
-__all__ = ["FAULTS", "NEEDS_READING", "Fault", "Injector", "Report", "TappedWire", "target_of", "try_fault"]
+__all__ = ["FAULTS", "NEEDS_READING", "Fault", "Injector", "Report", "TappedWire", "same", "target_of", "try_fault"]

@@ -124,6 +124,13 @@ BEFORE: dict[str, Callable[[sqlite3.Connection], object]] = {
             " 'done', '')"
         ),
     ),
+    "0003": lambda db: (
+        db.execute("INSERT INTO profiles VALUES (7, 'kept', 'tmc428', 1.5, 'n', '{\"x\": 1}', 1)"),
+        db.execute(
+            "INSERT INTO audit VALUES (3, 9.5, 'Ann', 'browser', '::1', 'bench', 0, 'write', 'v_max', '1', '2',"
+            " 'done', '', 17)"
+        ),
+    ),
 }
 """What each older version would have put into its file: a new step needs its own line here."""
 

@@ -9,13 +9,14 @@ from fastapi import Query
 from fastapi.responses import StreamingResponse
 from pydantic import BeforeValidator
 
-from ...audit.csv_text import PIECE, csv_pieces, time_of
+from ...audit.csv_text import PIECE, csv_pieces
 from ...errors import StoreUnavailable
-from ...store.audit_entries import Entry, EntryFilter
+from ...store.audit_entries import EntryFilter
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..router import subject_router
-from .schemas import AuditEntry, AuditFilters, AuditPage, Outcome
+from .schemas import AuditFilters, AuditPage, Outcome
+from .views import shown
 
 router = subject_router(prefix="/audit", tags=["audit"])
 
@@ -61,7 +62,7 @@ async def list_audit(
         pieces = csv_pieces(bench.audit, wanted, first)
         return StreamingResponse(pieces, media_type="text/csv", headers=named)  # type: ignore[return-value]  # no JSON
     entries = await bench.audit.search(wanted, limit + 1, before)
-    return AuditPage(entries=[_shown(entry) for entry in entries[:limit]], more=len(entries) > limit)
+    return AuditPage(entries=[shown(entry) for entry in entries[:limit]], more=len(entries) > limit)
 
 
 @router.get("/filters", responses=problems(StoreUnavailable))
@@ -74,22 +75,3 @@ def _unix_s(moment: datetime | None) -> float | None:
     if moment is None:
         return None
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-
-
-def _shown(entry: Entry) -> AuditEntry:
-    assert entry.id is not None
-    return AuditEntry(
-        id=entry.id,
-        time=time_of(entry),
-        who=entry.who,
-        kind=entry.kind,
-        address=entry.address,
-        device=entry.device,
-        axis=entry.axis,
-        action=entry.action,
-        subject=entry.subject,
-        old=entry.old,
-        new=entry.new,
-        outcome=entry.outcome,
-        detail=entry.detail,
-    )

@@ -27,6 +27,7 @@ class AuditEntry(Answer):
     old: int | float | str | None = Field(description="value before; null where there is none or nobody knows")
     new: int | float | str | None
     outcome: str = Field(description="done, not proven or refused; behind a colon why")
+    call: int | None = Field(description="what entries of one request have in common; null of those that have none")
     detail: str = Field(description="fields of a register that changed, units, what else was asked for")
 
 

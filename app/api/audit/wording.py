@@ -226,8 +226,18 @@ def edit_device(call: Call) -> Said:
 
 
 def apply_profile(call: Call) -> Said:
-    """By the profile's name."""
-    return Said("apply profile", str(call.body.get("name", "")))
+    """By the profile's name, and with the program that was stored, which no register tells."""
+    commands = call.answer.get("stored_commands") if isinstance(call.answer, dict) else None
+    stored = "" if commands is None else f"a program of {commands} commands is stored"
+    return Said("apply profile", str(call.body.get("name", "")), detail=stored)
+
+
+def undo(call: Call) -> Said:
+    """By what the device was put back to."""
+    for aim in ("since", "before", "without"):
+        if aim in call.body:
+            return Said("undo", f"{aim} {'entry ' if aim != 'since' else ''}{call.body[aim]}")
+    return Said("undo")
 
 
 def tried_dry(call: Call) -> bool:

@@ -282,6 +282,11 @@ class ConfigurationRules(Protocol):
         del register
         return word
 
+    def as_written(self, register: Register, word: int, /) -> int:
+        """`word`, read from `register` at any time, as one would have to write it to read it again."""
+        del register
+        return word
+
     def unread(self, register: Register, /) -> int | None:
         """What a register that cannot be read holds; None where nobody knows."""
         del register

@@ -20,6 +20,9 @@ class RampConfiguration(ConfigurationRules):
         self._writes = writes
 
     def as_set(self, register: Register, word: int, /) -> int:
+        return self.as_written(register, word)
+
+    def as_written(self, register: Register, word: int, /) -> int:
         return self._writes.as_written(register, word)
 
     def commanded_bits(self, register: Register, word: int, /) -> int:

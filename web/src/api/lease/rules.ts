@@ -2,7 +2,7 @@ import free from "./free.json";
 
 const SAFE = new Set(["GET", "HEAD", "OPTIONS"]);
 /** Calls that only look where their query says so. */
-const DRY_RUN = /^(PUT \/api\/v1\/devices\/[^/]+\/profile|POST \/api\/v1\/devices\/[^/]+\/start-up)$/;
+const DRY_RUN = /^(PUT \/api\/v1\/devices\/[^/]+\/profile|POST \/api\/v1\/devices\/[^/]+\/(start-up|undo))$/;
 
 /** The server's own list of calls that need no lease; templates as in its schema. */
 const FREE = free.map((call) => new RegExp(`^${call.replace(/\{[^}]*\}/g, "[^/]+")}$`));

@@ -17,6 +17,7 @@ const ENTRY: Entry = {
   new: 1500,
   outcome: "done",
   detail: "",
+  call: null,
 };
 
 describe("what is asked for", () => {
