@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..devices.core.changes import DONE
 from ..profiles.earlier import changes_something
-from ..store.audit import WRITTEN, AuditLog
+from ..store.audit import ADDED, WRITTEN, AuditLog
 from ..store.audit_entries import Entry, EntryFilter
 
 LOOKED_THROUGH = 5000
@@ -38,10 +39,13 @@ async def changes_of(audit: AuditLog, device: str, limit: int, before: int | Non
     """The latest changes of a device; with `before` those with lower ids. Raises StoreUnavailable."""
     entries = await audit.search(EntryFilter(device=device), LOOKED_THROUGH, before)
     groups: dict[int, list[Entry]] = {}
+    cut_off = len(entries) == LOOKED_THROUGH
     for entry in entries:
         assert entry.id is not None
         groups.setdefault(-entry.id if entry.call is None else entry.call, []).append(entry)
-    cut_off = len(entries) == LOOKED_THROUGH
+        if entry.action == ADDED and entry.outcome == DONE:  # what is older is of another device of that name
+            cut_off = False
+            break
     found = [_change(group) for group in groups.values()]
     if cut_off and len(found) > 1:
         found.pop()  # more of it may lie behind what was looked through

@@ -18,6 +18,7 @@ from .arrival import POLL_PERIOD_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
 from .errors import ClientError, NoServer, SearchEnded
+from .history import Place
 from .http import TIMEOUT_S, answer_of, content_of, headers, options, server_url, socket_url, timeout, token_of, told
 from .lease import AsyncLease, OnVanish
 from .profiles import SavedProfile
@@ -479,7 +480,7 @@ class AsyncBench:
         since: datetime | None = None,
         before: int | None = None,
         without: int | None = None,
-        registers: Sequence[history.Place] | None = None,
+        registers: Sequence[Place] | None = None,
         seen: int | None = None,
         dry_run: bool = False,
     ) -> Json:

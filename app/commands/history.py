@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import datetime
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from .audit import moment
 from .shared import AsJson, DeviceName, Token, Url, connected, print_json, print_table
-
-if TYPE_CHECKING:
-    from ..client import Bench
 
 LEFT = 1
 """Exit code of `undo` where something is not as it was then."""
@@ -49,13 +47,14 @@ def undo(
     """Put a device's registers back to what they were, as one transaction; 1 where some stay as they are."""
     if sum(each is not None for each in (since, before, without)) != 1:
         raise typer.BadParameter("say exactly one of --since, --before and --without")
-    aim = {"since": None if since is None else moment(since), "before": before, "without": without}
+    then = None if since is None else moment(since)
     with connected(url, token) as bench:
-        told = bench.undo(device, dry_run=True, **aim)
+        told = bench.undo(device, since=then, before=before, without=without, dry_run=True)
         wanted = ("ready", "ask") if others else ("ready",)
         chosen = [each for each in told["registers"] if each["state"] in wanted]
         if chosen and not dry_run:
-            told = _put_back(bench, device, aim, chosen, told["seen"])
+            places = [(each["name"], each["axis"]) for each in chosen]
+            told = bench.undo(device, since=then, before=before, without=without, registers=places, seen=told["seen"])
     if as_json:
         print_json(told)
     else:
@@ -64,12 +63,7 @@ def undo(
         raise typer.Exit(LEFT)
 
 
-def _put_back(bench: Bench, device: str, aim: dict[str, Any], chosen: list[dict[str, Any]], seen: int) -> Any:
-    places = [(each["name"], each["axis"]) for each in chosen]
-    return bench.undo(device, registers=places, seen=seen, **aim)
-
-
-def _print(told: dict[str, Any], *, dry_run: bool, wanted: tuple[str, ...]) -> None:
+def _print(told: Mapping[str, Any], *, dry_run: bool, wanted: tuple[str, ...]) -> None:
     done = "would be put back" if dry_run else "put back"
     rows = [
         (

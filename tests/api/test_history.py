@@ -179,3 +179,17 @@ async def test_an_order_says_one_thing_and_an_entry_of_this_device(client: httpx
     assert (await client.post("devices/bench/undo", json={"before": 1, "without": 1})).status_code == 422
     missing = await client.post("devices/bench/undo", params=DRY, json={"without": 999_999})
     assert (missing.status_code, missing.json()["type"]) == (404, "/problems/unknown-thing")
+
+
+async def test_the_history_begins_where_the_device_was_added(client: httpx.AsyncClient) -> None:
+    for value_ in (300, 400):
+        added = await client.post("devices", json={"name": "Again", "model": "tmc428", "link": {"kind": "emulator"}})
+        assert added.status_code == 201, added.text
+        await client.put("devices/again/registers/v_max", params={"axis": 0}, json={"value": value_}, headers=ANN)
+        told = (await client.get("devices/again/history")).json()
+        assert [each["entry"]["action"] for each in told["changes"]] == ["write", "add device"]
+        assert (told["changes"][0]["entry"]["new"], told["more"]) == (value_, False)
+        before = told["changes"][-1]["first"]
+        refused = await client.post("devices/again/undo", params=DRY, json={"before": before})
+        assert (refused.status_code, "is there since" in refused.json()["detail"]) == (422, True)
+        await client.delete("devices/again")

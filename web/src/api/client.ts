@@ -4,6 +4,7 @@ import createClient, {
   type ParamsOption,
   type RequestBodyOption,
 } from "openapi-fetch";
+import { enterWrite } from "../lib/history/aim";
 import { conditions } from "../live/conditions";
 import { gate } from "./lease/bench";
 import { changesBench } from "./lease/rules";
@@ -21,8 +22,10 @@ client.use({
   onRequest({ request }) {
     if (changesBench(request.method, request.url)) conditions.commanded();
   },
-  onResponse({ request }) {
-    if (changesBench(request.method, request.url)) conditions.commanded();
+  onResponse({ request, response }) {
+    if (!changesBench(request.method, request.url)) return;
+    conditions.commanded();
+    if (response.ok) enterWrite(request.method, request.url);
   },
 });
 

@@ -11,6 +11,7 @@ import { CopyLink } from "./CopyLink";
 import { DevicePicker } from "./DevicePicker";
 import { FirstStart } from "./FirstStart";
 import { HeldBack } from "./HeldBack";
+import { History } from "./History";
 import { LogOut } from "./LogOut";
 import { LeaseControl } from "./lease/LeaseControl";
 import { LeaseNews } from "./lease/LeaseNews";
@@ -70,6 +71,7 @@ export function Shell({ children }: PropsWithChildren) {
         <Group gap={6} wrap="nowrap">
           <LeaseControl />
           <Palette />
+          <History />
           <CopyLink />
           <Shortcuts />
           <ColorSchemeToggle />

@@ -6,6 +6,11 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
     [
       ["Esc", "Stop all axes of all devices while one moves, or may. While all stand: close what is open"],
       ["Ctrl K", "Find a page, register, field, axis, recording, profile, or a word of the help"],
+      [
+        "Ctrl Z",
+        "Undo a design or a staged edit; of what was written into a device, a preview. In a text, the text's own",
+      ],
+      ["Ctrl Shift Z", "Redo"],
       ["?", "This list"],
       ["Alt 1 … 9", "Go to a page, in the order of the menu"],
     ],

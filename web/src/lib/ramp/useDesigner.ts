@@ -62,41 +62,56 @@ export function useDesigner<Design, Lock, More>(
   const [unitKey, setUnits] = useSessionKept(`stepscope.${rules.name}.units`, "pps");
   const [motor, setMotor] = useSessionKept<Motor>(`stepscope.${rules.name}.motor.${own}`, MOTOR);
   const onMotor = useCallback((part: Partial<Motor>) => setMotor((before) => ({ ...before, ...part })), [setMotor]);
+  const whose = info?.name ?? "a ramp";
   const onChange = useCallback(
     (parameter: keyof Design, value: number) =>
-      change({ design: rules.changed(latest.current.design, parameter, value, latest.current.lock) }),
-    [rules, change, latest],
+      change(
+        { design: rules.changed(latest.current.design, parameter, value, latest.current.lock) },
+        `Design ${whose}: ${String(parameter)}`,
+      ),
+    [rules, change, latest, whose],
   );
   const onLock = useCallback(
-    (lock: Lock) => change({ lock, design: rules.locked(latest.current.design, lock) }),
-    [rules, change, latest],
+    (lock: Lock) =>
+      change({ lock, design: rules.locked(latest.current.design, lock) }, `Design ${whose}: what goes together`),
+    [rules, change, latest, whose],
   );
   const onMore = useCallback(
-    (part: Partial<More>) => change({ more: { ...latest.current.more, ...part } }),
-    [change, latest],
+    (part: Partial<More>) =>
+      change({ more: { ...latest.current.more, ...part } }, `Design ${whose}: ${Object.keys(part).join(", ")}`),
+    [change, latest, whose],
   );
-  const onDistance = useCallback((distance: number) => change({ distance }), [change]);
-  /** Begin anew with this design, at a distance that shows it. */
+  const onDistance = useCallback(
+    (distance: number) => change({ distance }, `Design ${whose}: distance`),
+    [change, whose],
+  );
+  /** Begin anew with this design, at a distance that shows it; `label` as of a change. */
   const take = useCallback(
-    (design: Design, more: More) =>
-      change({
-        design,
-        more,
-        lock: rules.lockOf(design),
-        distance: Math.sign(latest.current.distance || 1) * rules.showingDistance(design),
-      }),
-    [rules, change, latest],
+    (design: Design, more: More, label: string | null = `Design ${whose} anew`) =>
+      change(
+        {
+          design,
+          more,
+          lock: rules.lockOf(design),
+          distance: Math.sign(latest.current.distance || 1) * rules.showingDistance(design),
+        },
+        label,
+      ),
+    [rules, change, latest, whose],
   );
 
   const held = useMemo(
     () => (chip ? rules.read(chip, clockHz, sketch.more) : null),
     [rules, chip, clockHz, sketch.more],
   );
-  const read = useCallback(() => held && take(held.design, held.more), [held, take]);
+  const read = useCallback(
+    () => held && take(held.design, held.more, `Design ${whose}: as the chip has it`),
+    [held, take, whose],
+  );
   // The first look at a chip is its own setting, unless it is not known or has never been set.
   // biome-ignore lint/correctness/useExhaustiveDependencies: once, when the chip is known and nothing was kept
   useEffect(() => {
-    if (isFresh) read();
+    if (isFresh && held) take(held.design, held.more, null);
   }, [held === null]);
 
   const scale = useMemo(

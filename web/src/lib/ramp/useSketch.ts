@@ -1,4 +1,5 @@
 import { useCallback, useDeferredValue, useRef, useState } from "react";
+import { enter } from "../history/history";
 import { useSessionKept } from "../useKept";
 
 /**
@@ -10,12 +11,22 @@ export function useSketch<S extends object>(key: string, fresh: S) {
   const sketch = kept ?? fresh;
   const latest = useRef(sketch);
   latest.current = sketch;
-  const change = useCallback(
-    (part: Partial<S>) => {
-      latest.current = { ...latest.current, ...part };
-      keep(latest.current);
+  const put = useCallback(
+    (next: S) => {
+      latest.current = next;
+      keep(next);
     },
     [keep],
+  );
+  /** `label` is that of the change in the page's history; null for none */
+  const change = useCallback(
+    (part: Partial<S>, label: string | null) => {
+      const before = latest.current;
+      const next = { ...before, ...part };
+      if (label === null) put(next);
+      else enter({ put, before, next }, { label, of: key, merge: label });
+    },
+    [key, put],
   );
   return { sketch, latest, change, isFresh: kept === null };
 }

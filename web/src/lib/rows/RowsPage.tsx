@@ -11,8 +11,8 @@ import { ChangesPanel } from "./ChangesPanel";
 import { DeviceNotice } from "./DeviceNotice";
 import css from "./rows.module.css";
 import { StagedBar } from "./StagedBar";
-import { countChanges, type Key, unstage } from "./staging";
-import { updateStaged, useStaged } from "./store";
+import { countChanges, type Key } from "./staging";
+import { discardStaged, useStaged } from "./store";
 import { useApply } from "./useApply";
 import type { Live } from "./useRegisters";
 
@@ -49,8 +49,7 @@ export function RowsPage(props: Props) {
   const staged = useStaged(id);
   const apply = useApply(id);
   const count = countChanges(staged.edits);
-  const discard = (key: Key | null, field?: string) =>
-    updateStaged(id, (now) => ({ edits: key === null ? [] : unstage(now.edits, key, field) }));
+  const discard = (key: Key | null, field?: string) => discardStaged(id, key, field);
   const send = () =>
     apply.mutate(undefined, {
       onSuccess: ({ left }) => left > 0 && setTab("changes"),

@@ -1,8 +1,8 @@
 import { useMemo, useState } from "react";
 import { useAddressText } from "../address";
 import type { FieldRow, RegisterRow } from "./bits";
-import { type Key, stage, unstage } from "./staging";
-import { updateStaged } from "./store";
+import { type Key, keyOf, stage } from "./staging";
+import { discardStaged, editStaged } from "./store";
 
 /** What a row may ask of its page. Stable, so that rows render only for their own sake. */
 export interface RowActions {
@@ -30,8 +30,13 @@ export function useRowState(device: string) {
         }),
       edit: setEditing,
       stage: (row, field, value, chip) =>
-        updateStaged(device, (now) => ({ edits: stage(now.edits, row, field, value, chip) })),
-      unstage: (key, field) => updateStaged(device, (now) => ({ edits: unstage(now.edits, key, field) })),
+        editStaged(
+          device,
+          `Stage ${field?.name ?? row.name} ${value}`,
+          (edits) => stage(edits, row, field, value, chip),
+          `${keyOf(row)} ${field?.name ?? ""}`,
+        ),
+      unstage: (key, field) => discardStaged(device, key, field),
     }),
     [device, select],
   );

@@ -1,7 +1,8 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api } from "../../api/client";
+import { forget } from "../history/history";
 import { batchOf, merge, settle } from "./staging";
-import { stagedOf, updateStaged } from "./store";
+import { stagedOf, stagingOf, updateStaged } from "./store";
 import { rememberWritten } from "./written";
 
 /** Sends a device's staged edits in their order; what failed or was not tried stays staged. */
@@ -16,6 +17,7 @@ export function useApply(device: string) {
       });
       const { applied, left } = settle(sent, result);
       updateStaged(device, (now) => ({ edits: merge(now.edits, sent, left), applied, appliedAt: Date.now() }));
+      forget(stagingOf(device)); // what was sent is undone as a write
       rememberWritten(device, applied);
       return { applied: applied.length, left: left.length };
     },

@@ -1,8 +1,8 @@
 import { useMemo } from "react";
 import type { Device } from "../../api/queries";
 import { type FieldRow, type RegisterRow, readable, toSigned, unpackField } from "./bits";
-import { countChanges, type Key, keyOf, stage, stagedRaw, unstage } from "./staging";
-import { updateStaged, useStaged } from "./store";
+import { countChanges, type Edit, type Key, keyOf, stage, stagedRaw } from "./staging";
+import { discardStaged, editStaged, useStaged } from "./store";
 import { useApply } from "./useApply";
 import { useRegisters } from "./useRegisters";
 import { useWritten } from "./written";
@@ -88,18 +88,20 @@ export function useChipRows(device: Device | undefined, axis: number, groups: re
     if (at === null) return;
     const { row } = at;
     const raw = word(row);
-    updateStaged(id, (now) => {
-      let edits = stage(now.edits, row, at.field, value, readable(row.access) ? raw : null);
+    const name = at.field?.name ?? row.name;
+    const staging = (now: readonly Edit[]) => {
+      let edits = stage(now, row, at.field, value, readable(row.access) ? raw : null);
       // Of a word that cannot be read the chip keeps nothing: all its fields are written together.
       if (at.field !== null && !readable(row.access)) {
-        const before = now.edits.find((edit) => keyOf(edit) === keyOf(row));
+        const before = now.find((edit) => keyOf(edit) === keyOf(row));
         for (const other of row.fields) {
           if (other === at.field || other.when || (before && other.name in before.fields)) continue;
           edits = stage(edits, row, other, unpackField(raw ?? row.reset ?? 0, other), null);
         }
       }
-      return { edits };
-    });
+      return edits;
+    };
+    editStaged(id, `Stage ${name} ${value}`, staging, `${keyOf(row)} ${name}`);
   }
 
   return {
@@ -115,8 +117,7 @@ export function useChipRows(device: Device | undefined, axis: number, groups: re
     isStaged,
     origin,
     put,
-    discard: (key: Key | null, field?: string) =>
-      updateStaged(id, (now) => ({ edits: key === null ? [] : unstage(now.edits, key, field) })),
+    discard: (key: Key | null, field?: string) => discardStaged(id, key, field),
   };
 }
 

@@ -1,7 +1,9 @@
+import { UnstyledButton } from "@mantine/core";
 import { IconBan, IconHelpCircle } from "@tabler/icons-react";
 import { memo } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
+import { openHistory, withoutChange } from "../../lib/history/aim";
 import { dateTimeOf } from "../../lib/time";
 import { pageAbout } from "../../shell/pages";
 import classes from "./audit.module.css";
@@ -14,6 +16,9 @@ interface Props {
   device: Device | undefined;
   onSelect: (device: string, axis: number) => void;
 }
+
+/** What registers tell of. */
+const UNDONE = new Set(["write", "apply profile", "undo", "start up", "write table"]);
 
 /** One entry; on a phone two lines. */
 export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Props) {
@@ -56,6 +61,16 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
           <b className="inline gap-4 nowrap">
             {kind === "refused" ? <IconBan size={13} aria-hidden /> : <IconHelpCircle size={13} aria-hidden />} {kind}
           </b>
+        )}
+        {device && kind !== "refused" && UNDONE.has(entry.action) && (
+          <UnstyledButton
+            className="accent text-12 ml-8"
+            aria-label={`Undo ${entry.action} ${entry.subject}`}
+            title="See what putting it back would write"
+            onClick={() => openHistory(withoutChange(device.id, entry.id, `${entry.action} ${entry.subject}`.trim()))}
+          >
+            undo
+          </UnstyledButton>
         )}
         {why !== "" && <span className={`${classes.why} dim`}>{why}</span>}
       </td>

@@ -5,6 +5,7 @@ import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { fixed } from "../../lib/format";
+import { UndoRedo } from "../../lib/history/UndoRedo";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type Bar, Bars } from "./Bars";
@@ -16,7 +17,7 @@ import { Metrics } from "./Metrics";
 import classes from "./Microsteps.module.css";
 import { Transfer } from "./Transfer";
 import { type Draft, type Formula, SINE } from "./table";
-import { UndoRedo, useDraft } from "./useDraft";
+import { useDraft } from "./useDraft";
 import { useDesign, useHeld } from "./useTable";
 import { Waves } from "./Waves";
 import { XyFigure } from "./XyFigure";
@@ -42,7 +43,7 @@ export function QuarterEditor({
   choice?: ReactNode;
 }) {
   const connected = device?.state === "connected";
-  const drafting = useDraft<Draft>(`quarter ${device?.id}`, { kind: "formula", formula: SINE });
+  const drafting = useDraft<Draft>(`quarter ${device?.id}`, "Quarter wave", { kind: "formula", formula: SINE });
   const [tool, setTool] = useState<Tool>("drag");
   const [last, setLast] = useState<Formula>(SINE);
   const [view, setView] = useState<number | null>(null);
@@ -120,7 +121,7 @@ export function QuarterEditor({
                   onChange={(next) => setTool(next as Tool)}
                   data={optionsOf({ drag: "drag a point", draw: "draw freely" })}
                 />
-                <UndoRedo drafting={drafting} />
+                <UndoRedo />
               </>
             }
           >

@@ -1,5 +1,4 @@
 import { describe, expect, it } from "vitest";
-import { push, redo, settle, start, undo } from "./history";
 import {
   cArray,
   clamp,
@@ -65,26 +64,5 @@ describe("a table", () => {
     expect(sameTable(sine, [...sine])).toBe(true);
     expect(sameTable(sine, withEntry(sine, 9, 0))).toBe(false);
     expect(sameTable(sine, null)).toBe(false);
-  });
-});
-
-describe("undo", () => {
-  it("goes back and forth, and a new change ends what could be redone", () => {
-    let history = push(push(start("a"), "b"), "c");
-    history = undo(undo(history));
-    expect(history.present).toBe("a");
-    history = redo(history);
-    expect(history.present).toBe("b");
-    history = push(history, "d");
-    expect(redo(history).present).toBe("d");
-    expect(undo(history).present).toBe("b");
-    expect(undo(start(1)).present).toBe(1);
-  });
-
-  it("takes a gesture as one change, the next gesture as another", () => {
-    let history = push(push(start(0), 1, "drag 3"), 2, "drag 3");
-    expect(undo(history).present).toBe(0);
-    history = push(settle(history), 3, "drag 3");
-    expect(undo(history).present).toBe(2);
   });
 });

@@ -1,6 +1,8 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import type { PageEntry } from "../../families/family";
+import { minutesAgo } from "../../lib/history/aim";
+import type { Steps } from "../../lib/history/history";
 import { isFor, pageAbout } from "../pages";
 
 /** What can be found: where it leads, or what it does. */
@@ -21,7 +23,8 @@ export type Target =
   | { to: string }
   | { help: string }
   | { device: string; axis: number }
-  | { act: "stop" | "scheme" | "help" | "link" };
+  | { act: "stop" | "scheme" | "help" | "link" | "undo" | "redo" | "history" }
+  | { minutesAgo: number; of: string };
 
 type Catalog = Schemas["CatalogModel"];
 
@@ -113,6 +116,29 @@ export function helpEntries(items: readonly HelpItem[]): Entry[] {
     off: null,
     go: { help: location },
   }));
+}
+
+const MINUTES = [10, 60];
+
+/** What can be taken back, by what it is, and a device as it was. */
+export function historyEntries({ past, future }: Steps, device: Device | undefined): Entry[] {
+  const [back, forth] = [past.at(-1), future[0]];
+  const act = (id: "undo" | "redo" | "history", title: string, detail: string, off: string | null): Entry => ({
+    ...{ id: `act ${id}`, title, section: "Action", detail, off, go: { act: id } },
+  });
+  return [
+    act("history", "Open the history", "designs, staged edits and what was written", null),
+    act("undo", back ? `Undo: ${back.label}` : "Undo", "Ctrl Z", back ? null : "nothing was done on this page"),
+    act("redo", forth ? `Redo: ${forth.label}` : "Redo", "Ctrl Shift Z", forth ? null : "nothing was undone"),
+    ...MINUTES.map((minutes) => ({
+      id: `act ago ${minutes}`,
+      title: minutesAgo("", minutes).title,
+      section: "Action",
+      detail: device ? `a preview of what ${device.name} would be put back to` : "",
+      off: device ? null : "no device is chosen",
+      go: { minutesAgo: minutes, of: device?.id ?? "" },
+    })),
+  ];
 }
 
 export function actionEntries(scheme: "light" | "dark"): Entry[] {

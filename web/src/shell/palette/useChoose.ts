@@ -1,8 +1,10 @@
 import { useMantineColorScheme } from "@mantine/core";
 import { useLocation } from "wouter";
+import { minutesAgo, openHistory } from "../../lib/history/aim";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
 import { copyLink } from "../CopyLink";
+import { redoOne, undoOne } from "../History";
 import { stopEverything } from "../stopEverything";
 import type { Entry } from "./entries";
 import { useRecent } from "./useFound";
@@ -25,6 +27,10 @@ export function useChoose(): (entry: Entry) => void {
     if ("to" in target) go(target.to);
     else if ("help" in target) openHelp(target.help);
     else if ("device" in target) select(target.device, target.axis);
+    else if ("minutesAgo" in target) openHistory(minutesAgo(target.of, target.minutesAgo));
+    else if (target.act === "undo") undoOne();
+    else if (target.act === "redo") redoOne();
+    else if (target.act === "history") openHistory();
     else if (target.act === "stop") void stopEverything();
     else if (target.act === "help") openHelp("");
     else if (target.act === "link") void copyLink();

@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 import { useCatalogModel, useDevices } from "../../api/queries";
+import { useSteps } from "../../lib/history/history";
 import { useLocalKept } from "../../lib/useKept";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
@@ -13,6 +14,7 @@ import {
   type Entry,
   type HelpItem,
   helpEntries,
+  historyEntries,
   pageEntries,
   profileEntries,
   recordingEntries,
@@ -44,6 +46,7 @@ export function useFound(query: string): Found {
   const devices = useDevices();
   const { device } = useSelection();
   const scheme = useScheme();
+  const steps = useSteps();
   const catalog = useCatalogModel(device?.model);
   const recordings = useRecordings("", PAGE_MAX);
   const profiles = useProfiles("");
@@ -54,6 +57,7 @@ export function useFound(query: string): Found {
     () =>
       new Index([
         ...actionEntries(scheme),
+        ...historyEntries(steps, device),
         ...pageEntries(PAGES, device),
         ...axisEntries(devices.data ?? []),
         ...registerEntries(catalog.data, device),
@@ -61,7 +65,7 @@ export function useFound(query: string): Found {
         ...profileEntries(profiles.data ?? []),
         ...helpEntries(help.data ?? []),
       ]),
-    [scheme, device, devices.data, catalog.data, recordings.data, profiles.data, help.data],
+    [scheme, steps, device, devices.data, catalog.data, recordings.data, profiles.data, help.data],
   );
   const entries = useMemo(() => {
     if (query.trim() !== "") return index.find(query);

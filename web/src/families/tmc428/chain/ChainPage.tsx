@@ -5,6 +5,7 @@ import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
+import { enter } from "../../../lib/history/history";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useCalc } from "../../../lib/useCalc";
@@ -62,7 +63,7 @@ function Editor({ device }: { device: Device | undefined }) {
   const id = device?.id ?? "";
   const connected = device?.state === "connected";
   const queries = useQueryClient();
-  const [drivers, setDrivers] = useSessionKept<Driver[]>(`stepscope.chain.${id}`, START);
+  const [drivers, put] = useSessionKept<Driver[]>(`stepscope.chain.${id}`, START);
   const [selected, setSelected] = useState<number | null>(null);
   const [hovered, setHovered] = useState<number | null>(null);
   const [ownClk2Div, setClk2Div] = useState<number | null>(null);
@@ -111,6 +112,8 @@ function Editor({ device }: { device: Device | undefined }) {
   const place = bit ? bit.position - (motors[bit.motor]?.[0]?.position ?? 0) : 0;
   const owner = bit ? drivers[bit.motor] : undefined;
 
+  const setDrivers = (next: Driver[], what = "drivers") =>
+    enter({ put, before: drivers, next }, { label: `Design the driver chain: ${what}`, of: "chain", merge: null });
   const change = (motor: number, next: Driver) => setDrivers(drivers.map((old, at) => (at === motor ? next : old)));
   const edit = (motor: number, action: (driver: Driver) => Driver) => {
     const driver = drivers[motor];
@@ -200,7 +203,7 @@ function Editor({ device }: { device: Device | undefined }) {
                 variant="default"
                 leftSection={<IconDownload size={14} aria-hidden />}
                 disabled={adopt === null}
-                onClick={() => adopt && setDrivers(adopt)}
+                onClick={() => adopt && setDrivers(adopt, "as the chip has it")}
               >
                 Read from chip
               </Button>

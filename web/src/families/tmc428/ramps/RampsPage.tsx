@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
+import { enter } from "../../../lib/history/history";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useAxisRegisters } from "../../../lib/ramp/useAxisRegisters";
@@ -60,6 +61,13 @@ function useRamp(model: Model, body: { parameters: Record<string, number | strin
   );
 }
 
+/** What of a sketch a change is about, for people. */
+function changedOf(design: RampDesign, part: Partial<Sketch>): string {
+  const next = part.design;
+  const names = next ? (Object.keys(next) as (keyof RampDesign)[]).filter((name) => next[name] !== design[name]) : [];
+  return (names.length > 0 ? names : Object.keys(part)).join(", ");
+}
+
 function Designer({ device, axis }: Props) {
   const model: Model = modelOf(device) ?? "tmc428";
   const clockHz = device?.clock_hz ?? 16e6;
@@ -75,23 +83,29 @@ function Designer({ device, axis }: Props) {
   }, [model]);
   const sketch = kept ?? fallback;
   const { design, mode, distance } = sketch;
-  const change = (part: Partial<Sketch>) => setSketch({ ...sketch, ...part });
+  const change = (part: Partial<Sketch>, what = changedOf(design, part)) => {
+    const label = `Design ${info?.name ?? "a ramp"}: ${what}`;
+    enter({ put: setSketch, before: sketch, next: { ...sketch, ...part } }, { label, of: "ramps", merge: label });
+  };
 
-  function read() {
-    if (chip === null) return;
-    const wanted: RampMode = chip.mode === 1 ? "soft" : sketch.mode;
-    setSketch({
+  function asHeld(): Sketch | null {
+    if (chip === null) return null;
+    return {
       ...sketch,
       design: chip.design,
       own: { pair: chip.pair, p: idealP(chip.design) },
-      mode: wanted,
+      mode: chip.mode === 1 ? "soft" : sketch.mode,
       distance: chip.design.a_max > 0 && chip.design.v_max > 0 ? showingDistance(chip.design) : sketch.distance,
-    });
+    };
+  }
+  function read() {
+    const held = asHeld();
+    if (held) change(held, "as the chip has it");
   }
   // The first look at a chip is its own setting, unless it has never been set: then there is nothing to start from.
   // biome-ignore lint/correctness/useExhaustiveDependencies: once, when the chip is known and nothing was kept
   useEffect(() => {
-    if (kept === null && chip !== null && chip.design.v_max > 0 && chip.design.a_max > 0) read();
+    if (kept === null && chip !== null && chip.design.v_max > 0 && chip.design.a_max > 0) setSketch(asHeld());
   }, [chip === null]);
 
   const scale = useMemo<AxisScale>(

@@ -76,7 +76,8 @@ function Designer({ device, axis }: Props) {
   const onPreset = useCallback(
     (preset: Preset<Design>) => {
       const next = preset.of(latest.current.design);
-      change({ design: next, lock: lockOf(next), more: withRoom(latest.current.more, next) });
+      const more = withRoom(latest.current.more, next);
+      change({ design: next, lock: lockOf(next), more }, `Design ${preset.name}`);
     },
     [change, latest],
   );

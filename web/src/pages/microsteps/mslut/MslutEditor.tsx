@@ -7,13 +7,14 @@ import { can, type Device, useCatalog } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { optionsOf } from "../../../lib/choices";
 import { fixed } from "../../../lib/format";
+import { UndoRedo } from "../../../lib/history/UndoRedo";
 import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { Harmonics } from "../Harmonics";
-import { UndoRedo, useDraft } from "../useDraft";
+import { useDraft } from "../useDraft";
 import { useDesign, useHeld } from "../useTable";
 import { asHeld, Chip } from "./Chip";
 import { FigureTable } from "./Figures";
@@ -62,7 +63,7 @@ export function MslutEditor({
   const phases = phasesOf(about?.family, about?.name);
   const connected = device?.state === "connected";
   const scheme = useScheme();
-  const drafting = useDraft<Draft>(`mslut ${device?.id}`, { kind: "formula", formula: DEFAULT });
+  const drafting = useDraft<Draft>(`mslut ${device?.id}`, "Wave", { kind: "formula", formula: DEFAULT });
   const [tool, setTool] = useState<Tool>("bend");
   const [view, setView] = useState<View>("quarter");
   const [norm, setNorm] = useState<Norm>("least_squares");
@@ -155,7 +156,7 @@ export function MslutEditor({
                 onChange={(next) => setTool(next as Tool)}
                 data={optionsOf({ bend: "bend", point: "one entry", draw: "draw" })}
               />
-              <UndoRedo drafting={drafting} />
+              <UndoRedo />
               {device && can(device, "encoder") && (
                 <Anchor size="sm" component={Link} href="/tune?kind=microstep_calibration">
                   By the encoder
