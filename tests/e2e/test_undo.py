@@ -27,7 +27,7 @@ def held(chip: Chip, name: str) -> int:
 
 
 def open_history(page: Page) -> Locator:
-    page.get_by_role("button", name="History and undo").click()
+    page.get_by_role("button", name="History", exact=True).click()
     drawer = page.get_by_role("dialog", name="History")
     expect(drawer).to_be_visible()
     return drawer

@@ -68,8 +68,8 @@ export function History() {
   return (
     <>
       <ActionIcon
-        aria-label="History and undo"
-        title="History and undo (Ctrl Z)"
+        aria-label="History"
+        title="History: undo what was designed, staged or written (Ctrl Z)"
         onClick={() => openHistory()}
         visibleFrom="sm"
       >
