@@ -2432,6 +2432,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/studies/noticed-moves/{device}/{axis}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Notice Moves
+         * @description Notice, record and score each move of this axis from now on, whoever makes it. Nothing moves by it.
+         */
+        put: operations["notice_moves"];
+        post?: never;
+        /**
+         * Notice No More Moves
+         * @description Leave them be; what was noticed stays.
+         */
+        delete: operations["notice_no_more_moves"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/studies/{study}": {
         parameters: {
             query?: never;
@@ -10673,6 +10697,31 @@ export interface components {
             pre_s?: number;
         };
         /**
+         * MoveWatchInfo
+         * @description An axis whose moves are noticed, whoever makes them: each is recorded and scored.
+         */
+        MoveWatchInfo: {
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+            /**
+             * Noticed
+             * @description moves that were scored since
+             */
+            noticed: number;
+            /**
+             * Missed
+             * @description that could not be: stopped, to and fro without a rest, too short, or with gaps
+             */
+            missed: number;
+            /**
+             * Message
+             * @description why none is noticed now; empty while they are
+             */
+            message: string;
+        };
+        /**
          * Moves
          * @description Moves of several axes that start together (DS-TMC428 9.10): all targets in successive datagrams.
          */
@@ -12439,6 +12488,150 @@ export interface components {
              * @description in the last half to one minute; of all that wait, or waited
              */
             longest_wait_ms: number;
+        };
+        /**
+         * QuietStealthChop
+         * @description StealthChop: amplitudes (PWM_OFS, PWM_GRAD) that need no regulation, and up to which speed it may work before
+         *     SpreadCycle takes over with a jolt (TPWMTHRS).
+         */
+        "QuietStealthChop-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stealthchop";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at the rated current; null: PWM_GRAD is only tuned by the chip
+             */
+            holding_torque_nm?: number | null;
+            /**
+             * Rated Current A
+             * @description RMS of one coil at that torque; null: the run current
+             */
+            rated_current_a?: number | null;
+            /**
+             * Velocity Max Rps
+             * @description runs go through all speeds up to this one [turns of the motor a second]
+             * @default 3
+             */
+            velocity_max_rps?: number;
+            /**
+             * Jolt Max Fullsteps
+             * @description so far the shaft may swing as one chopper takes over from the other
+             * @default 0.5
+             */
+            jolt_max_fullsteps?: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what jolts less than this share less is no improvement
+             * @default 0.05
+             */
+            smallest_gain?: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be better
+             * @default false
+             */
+            keep?: boolean;
+        };
+        /**
+         * QuietStealthChop
+         * @description StealthChop: amplitudes (PWM_OFS, PWM_GRAD) that need no regulation, and up to which speed it may work before
+         *     SpreadCycle takes over with a jolt (TPWMTHRS).
+         */
+        "QuietStealthChop-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "stealthchop";
+            /**
+             * Resistance Ohm
+             * @description of one coil, by the motor's data sheet
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of one coil, by the motor's data sheet
+             */
+            inductance_h: number;
+            /**
+             * Run Current A
+             * @description RMS of one coil, as it is set now [A]
+             */
+            run_current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at the rated current; null: PWM_GRAD is only tuned by the chip
+             */
+            holding_torque_nm: number | null;
+            /**
+             * Rated Current A
+             * @description RMS of one coil at that torque; null: the run current
+             */
+            rated_current_a: number | null;
+            /**
+             * Velocity Max Rps
+             * @description runs go through all speeds up to this one [turns of the motor a second]
+             * @default 3
+             */
+            velocity_max_rps: number;
+            /**
+             * Jolt Max Fullsteps
+             * @description so far the shaft may swing as one chopper takes over from the other
+             * @default 0.5
+             */
+            jolt_max_fullsteps: number;
+            /**
+             * Pairs
+             * @description of the proof: runs with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what jolts less than this share less is no improvement
+             * @default 0.05
+             */
+            smallest_gain: number;
+            /**
+             * Keep
+             * @description leave the new setting where it is shown to be better
+             * @default false
+             */
+            keep: boolean;
         };
         /**
          * Ramp
@@ -15701,6 +15894,142 @@ export interface components {
             uncertainty_s: number;
         };
         /**
+         * StealthEffect
+         * @description A figure of the new setting against that of the one before, by pairs. Differences are new less old.
+         */
+        StealthEffect: {
+            /**
+             * Name
+             * @enum {string}
+             */
+            name: "jolt" | "added";
+            /** Unit */
+            unit: string;
+            /** Pairs */
+            pairs: number;
+            /** Baseline */
+            baseline: number;
+            /** Winner */
+            winner: number;
+            /** Difference */
+            difference: number;
+            /** @description of the mean difference, 95 % */
+            interval: components["schemas"]["Interval"];
+            /** @description of the new one's mean, 95 % */
+            winner_interval: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided, for both figures together
+             */
+            p: number;
+            /**
+             * Significant
+             * @description it is less by more than what counts
+             */
+            significant: boolean;
+        };
+        /**
+         * StealthFound
+         * @description A setting of StealthChop.
+         */
+        StealthFound: {
+            /** Velocity Max Rps */
+            velocity_max_rps: number;
+            /** Jolt Max Fullsteps */
+            jolt_max_fullsteps: number;
+            before: components["schemas"]["StealthTried"] | null;
+            /** @description from resistance, supply, current and torque */
+            calculated: components["schemas"]["StealthTried"] | null;
+            /**
+             * Offset Auto
+             * @description PWM_OFS_AUTO: what the chip has tuned at rest
+             */
+            offset_auto: number | null;
+            /**
+             * Gradient Auto
+             * @description PWM_GRAD_AUTO: what it has tuned in motion
+             */
+            gradient_auto: number | null;
+            /** Tried */
+            tried: components["schemas"]["StealthTried"][];
+            /** @description the one of the proof */
+            chosen: components["schemas"]["StealthTried"] | null;
+            /** Pairs */
+            pairs: components["schemas"]["StealthPair"][];
+            /** Effects */
+            effects: components["schemas"]["StealthEffect"][];
+        };
+        /**
+         * StealthPair
+         * @description The same run with the setting before and with the new one.
+         */
+        StealthPair: {
+            /** Baseline Jolt Fullsteps */
+            baseline_jolt_fullsteps: number;
+            /** Winner Jolt Fullsteps */
+            winner_jolt_fullsteps: number;
+            /** Baseline Added Share */
+            baseline_added_share: number | null;
+            /** Winner Added Share */
+            winner_added_share: number | null;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
+         * StealthTried
+         * @description A setting that was tried, and what was seen of it on the wire.
+         */
+        StealthTried: {
+            /**
+             * Offset
+             * @description PWM_OFS; null: the chip has none
+             */
+            offset: number | null;
+            /**
+             * Gradient
+             * @description PWM_GRAD; null: the chip has none of that meaning
+             */
+            gradient: number | null;
+            /**
+             * Switch Rps
+             * @description turns a second up to which StealthChop works; null: at every speed
+             */
+            switch_rps: number | null;
+            /**
+             * On
+             * @description false: SpreadCycle at every speed
+             */
+            on: boolean;
+            /**
+             * Jolt Fullsteps
+             * @description worst swing of encoder less position as one takes over from the other
+             */
+            jolt_fullsteps: number;
+            /**
+             * Added Share
+             * @description what the regulation had to add to the amplitude or take from it, over the amplitude, root mean square: how far the current would be off; null: not told by the chip
+             */
+            added_share: number | null;
+            /**
+             * Amplitude Share
+             * @description greatest amplitude seen, over the greatest there is
+             */
+            amplitude_share: number | null;
+            /**
+             * Lost Fullsteps
+             * @default 0
+             */
+            lost_fullsteps: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
+        };
+        /**
          * StepDirState
          * @description The step/direction output of one motor.
          */
@@ -15930,7 +16259,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["QuietStealthChop-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -15972,7 +16301,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["QuietStealthChop-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -15992,7 +16321,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -16030,6 +16359,11 @@ export interface components {
             };
             /** @description of a scored move: its figures */
             scored: components["schemas"]["Scored"] | null;
+            /**
+             * Noticed
+             * @description a move that somebody made, and that was noticed
+             */
+            noticed: boolean;
         };
         /**
          * StudyKindInfo
@@ -16040,7 +16374,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
@@ -16066,6 +16400,8 @@ export interface components {
             studies: components["schemas"]["StudyInfo"][];
             /** Kinds */
             kinds: components["schemas"]["StudyKindInfo"][];
+            /** Watches */
+            watches: components["schemas"]["MoveWatchInfo"][];
         };
         /**
          * StudyPlan
@@ -16192,6 +16528,8 @@ export interface components {
              * @description what the axis was set to before
              */
             baseline: components["schemas"]["Held"][];
+            /** @description what no profile holds, and the study switches */
+            switched: components["schemas"]["Switched"] | null;
             /** Baseline Setting */
             baseline_setting: {
                 [key: string]: number;
@@ -16270,12 +16608,20 @@ export interface components {
             least_current: components["schemas"]["LeastCurrentFound"] | null;
             /** @description of a study of the chopper */
             chopper: components["schemas"]["ChopperFound"] | null;
+            /** @description of a study of StealthChop */
+            stealthchop: components["schemas"]["StealthFound"] | null;
             /** @description of a study of torque over speed */
             torque: components["schemas"]["TorqueFound"] | null;
             /** @description of a resonance map */
             resonances: components["schemas"]["ResonanceFound"] | null;
             /** @description of a scored move */
             scored: components["schemas"]["Scored"] | null;
+            /**
+             * Noticed
+             * @description the scored move was made by somebody, and noticed
+             * @default false
+             */
+            noticed: boolean;
             /**
              * Next
              * @description what would be worth doing next
@@ -16308,6 +16654,22 @@ export interface components {
             right?: boolean | "auto" | null;
             /** Reference */
             reference?: boolean | "auto" | null;
+        };
+        /**
+         * Switched
+         * @description A field that no profile holds, as a study found it. off : what it holds while registers are set
+         */
+        Switched: {
+            /** Name */
+            name: string;
+            /** Field */
+            field: string;
+            /** Axis */
+            axis: number | null;
+            /** Before */
+            before: number;
+            /** Off */
+            off: number;
         };
         /**
          * TableDifference
@@ -30178,6 +30540,133 @@ export interface operations {
             };
             /** @description The device did not answer (/problems/no-reply) */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    notice_moves: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MoveWatchInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    notice_no_more_moves: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
