@@ -45,7 +45,8 @@ class StudyKind:
 
     channels : what its recording has of the axis
     sets_nothing : its setting is that of the axis; what was before is what there is when it is taken
-    on_twin : how one of its settings is tried on an emulated twin; None: its search runs on the axis alone
+    on_twin : how one of its settings is tried on an emulated twin; None: it runs on the axis alone
+    no_twin : why it does
     """
 
     kind: Kind
@@ -56,8 +57,11 @@ class StudyKind:
     plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
     on_twin: OnTwin | None = None
     sets_nothing: bool = False
+    no_twin: str = ""
 
 
+MADE_OF_IT = "a twin is made of what it finds"
+MEASURES = "it measures what this axis does, and searches nothing"
 POSITIONS = ("position", "encoder_position", "velocity")
 KINDS: dict[Kind, StudyKind] = {
     "first_look": StudyKind(
@@ -67,6 +71,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         FirstLookStudy,
         first_look.plan,
+        no_twin=MADE_OF_IT,
     ),
     "fastest_move": StudyKind(
         "fastest_move",
@@ -84,6 +89,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         IdentificationStudy,
         identification.plan,
+        no_twin=MADE_OF_IT,
     ),
     "least_current": StudyKind(
         "least_current",
@@ -92,6 +98,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         LeastCurrentStudy,
         least_current.plan,
+        no_twin="load and friction decide it, which is what a twin knows least",
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",
@@ -100,6 +107,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         MicrostepCalibrationStudy,
         microstep_calibration.plan,
+        no_twin="it mends the angle error of this very motor, which no twin has",
     ),
     "resonance_map": StudyKind(
         "resonance_map",
@@ -108,6 +116,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ResonanceMapStudy,
         resonance_map.plan,
+        no_twin=MEASURES,
     ),
     "chopper": StudyKind(
         "chopper",
@@ -116,6 +125,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ChopperStudy,
         chopper.plan,
+        no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "stealthchop": StudyKind(
         "stealthchop",
@@ -133,6 +143,7 @@ KINDS: dict[Kind, StudyKind] = {
         ScoredMoveStudy,
         scored_move.plan,
         sets_nothing=True,
+        no_twin="it moves with the setting as it is, and searches nothing",
     ),
     "closed_loop": StudyKind(
         "closed_loop",
@@ -141,6 +152,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         ClosedLoopStudy,
         closed_loop.plan,
+        no_twin="gains are worked out from what it measures, and not searched",
     ),
     "stallguard": StudyKind(
         "stallguard",
@@ -149,6 +161,7 @@ KINDS: dict[Kind, StudyKind] = {
         (*POSITIONS, "load_value"),
         StallGuardStudy,
         stallguard.plan,
+        no_twin="load values are those of this motor and driver, which no twin knows",
     ),
     "torque_curve": StudyKind(
         "torque_curve",
@@ -157,5 +170,6 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         TorqueCurveStudy,
         torque_curve.plan,
+        no_twin=MEASURES,
     ),
 }

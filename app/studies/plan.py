@@ -37,6 +37,7 @@ class StudyPlan(Part):
     time_s: float = Field(default=0.0, description="about, at most [s]")
     registers: list[str] = Field(default_factory=list, description="those that it sets, and sets back")
     unwatched: list[str] = Field(default_factory=list, description="what nothing of it would notice")
+    no_twin: str = Field(default="", description="why nothing of it can be tried on an emulated twin; empty: it can")
 
 
 @dataclass(slots=True)

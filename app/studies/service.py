@@ -114,7 +114,9 @@ class StudyService:
         """What a study would do. Nothing moves. Raises UnknownThing, WrongState where the device is not connected."""
         device, axis = self._of(document)
         device.session.require_connected()
-        plan = await KINDS[document.study.kind].plan(device, axis, document)
+        kind = KINDS[document.study.kind]
+        plan = await kind.plan(device, axis, document)
+        plan.no_twin = "" if kind.on_twin else kind.no_twin or "no twin is known to be like the axis in this"
         plan.missing += self._in_the_way(device, axis)
         return plan
 

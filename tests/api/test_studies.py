@@ -11,6 +11,7 @@ from fastapi import FastAPI
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings
+from app.studies.kinds import KINDS
 from app.studies.store import StudyStore
 
 LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
@@ -181,6 +182,18 @@ async def test_a_chip_without_an_encoder_is_told_so(client: httpx.AsyncClient) -
     assert len(plan["missing"]) == 1
     assert "TMC428" in plan["missing"][0]
     assert (await client.post("studies", json={"device": "bench", "study": MOVE})).status_code == 409
+
+
+async def test_a_plan_tells_why_nothing_is_tried_on_a_twin(client: httpx.AsyncClient, slide: str) -> None:
+    told = {}
+    for study in (MOVE, {"kind": "scored_move", "distance": 6400}, {"kind": "identification"}):
+        plan = await client.post("studies/plan", json={"device": slide, "study": study})
+        told[study["kind"]] = plan.json()["no_twin"]
+    assert told["fastest_move"] == ""
+    assert "searches nothing" in told["scored_move"]
+    assert "made of what it finds" in told["identification"]
+    for name, kind in KINDS.items():
+        assert not (kind.no_twin and kind.on_twin), name
 
 
 async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:

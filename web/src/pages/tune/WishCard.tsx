@@ -119,6 +119,11 @@ function WhatHappens({ plan }: { plan: Plan }) {
           It sets, and sets back: {plan.registers.join(", ")}.
         </Text>
       )}
+      {plan.no_twin && (
+        <Text size="sm" className="dim">
+          Not tried on an emulated twin first: {plan.no_twin}.
+        </Text>
+      )}
       {plan.unwatched.map((line) => (
         <Text key={line} size="sm" className="dim">
           Not watched: {line}.
