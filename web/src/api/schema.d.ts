@@ -1465,6 +1465,49 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List History
+         * @description What was done to the device, the newest first: entries of the audit log, those of one request together.
+         */
+        get: operations["list_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/undo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Undo
+         * @description Put registers back to what the audit log says that they held, as one transaction like that of a profile.
+         *
+         *     What others have written since, and what was changed past the log, is put back only where `registers` name it. What
+         *     cannot be put back (motion, flags, what nobody has seen) is told.
+         */
+        post: operations["undo"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/emulator": {
         parameters: {
             query?: never;
@@ -3223,6 +3266,11 @@ export interface components {
              * @description done, not proven or refused; behind a colon why
              */
             outcome: string;
+            /**
+             * Call
+             * @description what entries of one request have in common; null of those that have none
+             */
+            call: number | null;
             /**
              * Detail
              * @description fields of a register that changed, units, what else was asked for
@@ -5872,6 +5920,19 @@ export interface components {
             /** @description null for what is not emulated within this server */
             emulator: components["schemas"]["EmulatorHealth"] | null;
         };
+        /**
+         * DeviceHistory
+         * @description Changes of a device, the newest first.
+         */
+        DeviceHistory: {
+            /** Changes */
+            changes: components["schemas"]["HistoryChange"][];
+            /**
+             * More
+             * @description whether there are older ones: ask again with `before` the last one's `first`
+             */
+            more: boolean;
+        };
         /** DeviceInfo */
         DeviceInfo: {
             /** Id */
@@ -8141,6 +8202,29 @@ export interface components {
              * @default
              */
             note: string;
+        };
+        /**
+         * HistoryChange
+         * @description What one request did to a device: its entries of the audit log together.
+         */
+        HistoryChange: {
+            /** @description the one that tells it best */
+            entry: components["schemas"]["AuditEntry"];
+            /**
+             * First
+             * @description its lowest entry: undo `before` it is undo to there
+             */
+            first: number;
+            /**
+             * Last
+             * @description its highest entry
+             */
+            last: number;
+            /**
+             * Writes
+             * @description registers and settings that it has written; 0: there is nothing to put back
+             */
+            writes: number;
         };
         /**
          * HoldDelay
@@ -11074,6 +11158,28 @@ export interface components {
             pins: components["schemas"]["PinOfDevice"][];
         };
         /**
+         * NotPutBack
+         * @description Entries that nothing puts back, the same things together.
+         */
+        NotPutBack: {
+            /** Action */
+            action: string;
+            /** Subject */
+            subject: string;
+            /** Count */
+            count: number;
+            /**
+             * Time
+             * Format: date-time
+             * @description of the latest
+             */
+            time: string;
+            /** Who */
+            who: string;
+            /** Why */
+            why: string;
+        };
+        /**
          * NowTrigger
          * @description At once.
          */
@@ -11201,6 +11307,16 @@ export interface components {
             device: string;
             /** Pin */
             pin: string;
+        };
+        /**
+         * PlaceIn
+         * @description A register or setting by its name.
+         */
+        PlaceIn: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis?: number | null;
         };
         /** PmulPdiv */
         PmulPdiv: {
@@ -13593,6 +13709,13 @@ export interface components {
              * @default
              */
             unit: string;
+        };
+        /** RegisterPlace */
+        RegisterPlace: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
         };
         /** RegisterReading */
         RegisterReading: {
@@ -18033,6 +18156,119 @@ export interface components {
              * @description IFCNT: accepted writes, modulo 256
              */
             writes: number;
+        };
+        /**
+         * UndoAnswer
+         * @description What differs from then, and what was done about it.
+         */
+        UndoAnswer: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "dry run" | "applied" | "unchanged";
+            /**
+             * Registers
+             * @description in the order in which they are written
+             */
+            registers: components["schemas"]["UndoneRegister"][];
+            /** Rest */
+            rest: components["schemas"]["NotPutBack"][];
+            /**
+             * Same
+             * @description registers of the log that are as they were
+             */
+            same: number;
+            /**
+             * Unseen
+             * @description configuration of which the log tells nothing: whether it is as it was then nobody knows
+             */
+            unseen: components["schemas"]["RegisterPlace"][];
+            /**
+             * Seen
+             * @description the latest entry that this answer knows of
+             */
+            seen: number;
+            /** @description what was written and read back; null where nothing was */
+            applied: components["schemas"]["ProfileApplied"] | null;
+        };
+        /**
+         * UndoOrder
+         * @description To what the device shall be put back: one of `since`, `before` and `without`.
+         * @example {
+         *       "without": 1
+         *     }
+         */
+        UndoOrder: {
+            /**
+             * Since
+             * @description as it was at that time, ISO 8601 with its zone
+             */
+            since?: string | null;
+            /**
+             * Before
+             * @description as it was before that entry of the audit log
+             */
+            before?: number | null;
+            /**
+             * Without
+             * @description without that entry and all others of its request
+             */
+            without?: number | null;
+            /**
+             * Registers
+             * @description exactly these; null: those that are ready
+             */
+            registers?: components["schemas"]["PlaceIn"][] | null;
+            /**
+             * Seen
+             * @description `seen` of the preview on which they were chosen: refused if one was written since
+             */
+            seen?: number | null;
+        };
+        /**
+         * UndoneRegister
+         * @description A register or setting that is not as it was.
+         */
+        UndoneRegister: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "register" | "setting";
+            /**
+             * Was
+             * @description then; null where nobody knows
+             */
+            was: number | string | null;
+            /**
+             * Now
+             * @description as the device holds it now
+             */
+            now: number | string | null;
+            /** Unit */
+            unit: string;
+            /** Was Physical */
+            was_physical: string;
+            /** Now Physical */
+            now_physical: string;
+            /**
+             * State
+             * @description "ask": put back only where `registers` name it; "cannot": not at all
+             * @enum {string}
+             */
+            state: "ready" | "ask" | "cannot";
+            /** Why */
+            why: string;
+            /**
+             * Since
+             * @description writes of others that lie behind what would be undone, or among it
+             */
+            since: components["schemas"]["AuditEntry"][];
         };
         /**
          * UnfinishedProfile
@@ -26793,6 +27029,208 @@ export interface operations {
             };
             /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_history: {
+        parameters: {
+            query?: {
+                /** @description changes with lower entries */
+                before?: number | null;
+                /** @description changes of a page */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceHistory"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    undo: {
+        parameters: {
+            query?: {
+                /** @description only tell what would be put back: nothing is written */
+                dry_run?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UndoOrder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UndoAnswer"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request asks for what cannot be (/problems/unusable-request); This is no profile, or says what cannot be (/problems/unreadable-profile); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };
