@@ -226,6 +226,7 @@ def create_app(
         Pages(lease, clock, lambda: anything_moves(manager.devices, procedures)),
         vitals,
         preparation.progress,
+        preparation.compiled,
         Tokens(TokenStore(settings.data_dir), tokens_changed),
         sessions,
         MapShelf(settings.data_dir, manager),

@@ -21,13 +21,25 @@ from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.drive import DRIVE_JOB
 from .emulators.drive import warm_up as warm_up_drive
 from .emulators.families import FAMILIES
-from .kernels import Progress, all_compiled, can_keep, compiles_here, keep_in, kept_in, plain_meanwhile, tell_compiled
+from .kernels import (
+    Progress,
+    all_compiled,
+    can_keep,
+    compiles_here,
+    keep_in,
+    kept_in,
+    plain_meanwhile,
+    serves_plain,
+    tell_compiled,
+)
 
 log = logging.getLogger("stepscope.preparation")
 
 PAGE_FIRST_S = 2.0
 """How long a start leaves the core to the page, unless somebody waits for a kernel [s]: looking for machine code
 imports Numba, which is half a second in which little else is answered."""
+LOADED_WITHIN_S = 20.0
+"""How long who needs compiled code waits while it is taken from disk, some 2 s of work [s]."""
 JOB_WITHIN_S = 600.0
 """What takes longer to compile is given up, and compiled by whoever needs it [s]."""
 
@@ -82,6 +94,7 @@ class Preparation:
         self._processes = processes or os.cpu_count() or 1
         self._after_s = after_s
         self._wanted = asyncio.Event()
+        self._looked = asyncio.Event()
         self._compiling = asyncio.Event()
         self._pending = list(jobs)
         self._done = {name: asyncio.Event() for name in jobs}
@@ -102,6 +115,7 @@ class Preparation:
             self.progress.total = len(self._jobs)
             self._compiling.set()
             log.warning("the first start compiles emulators in the background, for a minute; the rest works already")
+        self._looked.set()
         # Taking one from disk is 0.2 s at most: nobody needs to be told, and one process is enough.
         count = self._processes if self._compiling.is_set() else 1
         self._workers = [asyncio.create_task(self._work()) for _ in range(count)]
@@ -122,6 +136,17 @@ class Preparation:
         if self.delays(name):
             self._wanted.set()
             await self._done[name].wait()
+
+    async def compiled(self) -> bool:
+        """Whether no plain Python serves any more. What is on disk is waited for; nobody waits for a compiler."""
+        if serves_plain():
+            self._wanted.set()
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(LOADED_WITHIN_S):
+                    await self._looked.wait()
+                    if not self._compiling.is_set():
+                        await asyncio.gather(*(done.wait() for done in self._done.values()))
+        return not serves_plain() and self.progress.done == self.progress.total
 
     def delays(self, name: str) -> bool:
         """Whether whoever needs what the job of that name compiles has to wait."""

@@ -195,6 +195,35 @@ async def test_what_cannot_be_compiled_keeps_nobody_waiting(
     await preparing.close()
 
 
+async def test_who_needs_compiled_code_waits_while_it_is_taken_from_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(preparation, "all_compiled", lambda: True)
+    may_go = threading.Event()
+
+    def wait() -> None:
+        may_go.wait(30)
+
+    preparing = Preparation(jobs={"a": wait}, plain={"a"}, after_s=3600.0)
+    starting = asyncio.create_task(preparing.start())
+    await settled()
+    waiting = asyncio.create_task(preparing.compiled())
+    async with asyncio.timeout(30):
+        await starting
+        await settled()
+        assert not waiting.done()
+        may_go.set()
+        assert await waiting
+    await preparing.close()
+
+
+async def test_who_needs_compiled_code_does_not_wait_for_a_compiler(children: Children) -> None:
+    preparing = Preparation(processes=1, jobs={"a": lambda: None}, plain={"a"})
+    await preparing.start()
+    async with asyncio.timeout(30):
+        assert not await preparing.compiled()
+    children.may_end.set()
+    await preparing.close()
+
+
 async def test_an_image_is_made_when_all_is_compiled_what_plain_python_could_serve_too(children: Children) -> None:
     told: list[str] = []
     jobs: dict[str, Callable[[], None]] = dict.fromkeys([*preparation.PLAIN, "ramps"], lambda: None)

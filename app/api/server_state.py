@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 
 from ..clock import BackgroundClock, Clock
@@ -65,6 +65,8 @@ class ServerState:
     vitals: Vitals
     kernels: Progress
     """Of what a first start compiles."""
+    compiled: Callable[[], Awaitable[bool]]
+    """Whether emulators are as fast as they get; waits while they are taken from disk."""
     tokens: Tokens
     sessions: Sessions
     maps: MapShelf

@@ -66,11 +66,11 @@ def _watch_info(watch: MoveWatch) -> MoveWatchInfo:
     )
 
 
-def _require_speed(bench: ServerState, device: str) -> None:
+async def _require_speed(bench: ServerState, device: str) -> None:
     """Raises WrongState for an emulator that plain Python runs until it is compiled: a trial would time how slow that
     is."""
     behind = bench.manager.get(device).config.link["kind"] == "emulator"
-    if behind and bench.kernels.done != bench.kernels.total:
+    if behind and not await bench.compiled():
         raise WrongState(
             "the emulators are still being compiled, and slower than real motors until then",
             "start the study again in a minute or two; GET /api/v1/health/details shows how far it is",
@@ -116,7 +116,7 @@ async def notice_no_more_moves(bench: CurrentBench, device: DeviceId, axis: Axis
 @policy(words=wording.named("start study"))
 async def start_study(bench: CurrentBench, body: StudyDocument) -> StudyRecord:
     """Begin a study. Answers when it has started; a stop, or any other command to the axis, ends it."""
-    _require_speed(bench, body.device)
+    await _require_speed(bench, body.device)
     return await bench.studies.start(body)
 
 
@@ -144,7 +144,7 @@ async def stop_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
 @policy(words=wording.named("resume study"))
 async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
     """Put the axis back as it was, and go on where the study was cut off."""
-    _require_speed(bench, bench.studies.get(study).document.device)
+    await _require_speed(bench, bench.studies.get(study).document.device)
     return await bench.studies.resume(study)
 
 
