@@ -134,6 +134,7 @@ KINDS: dict[Kind, StudyKind] = {
         POSITIONS,
         StealthChopStudy,
         stealthchop.plan,
+        no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "scored_move": StudyKind(
         "scored_move",

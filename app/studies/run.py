@@ -150,6 +150,10 @@ class StudyRun(Procedure):
             await self.clock.sleep(POLL_S)
 
     async def _left(self, error: Exception) -> list[str]:
-        """Which registers are not as before, as far as they can be read."""
-        names = ", ".join(self.record.before_told())
-        return [f"the setting could not be put back: {error}", f"look at {names}"]
+        """What is not as before, as far as it can be told."""
+        told = [f"the setting could not be put back: {error}", f"look at {', '.join(self.record.before_told())}"]
+        try:
+            moving = (await self.device.monitor.axis_state(self.axis)).moving
+        except BenchError:
+            return [*told, "the motor may still turn: stop it as soon as the device is there again"]
+        return [*told, "the motor still turns: stop it"] if moving else told

@@ -53,7 +53,8 @@ class StudyStore:
                 record.state, record.phase, record.left_s = "interrupted", "over", None
                 record.message = "the server ended in the middle of it"
                 before = ", ".join(record.before_told())
-                record.left = [f"the last setting that was tried may still be set: look at {before}"] if before else []
+                set_still = f"the last setting that was tried may still be set: look at {before}"
+                record.left = [set_still, "the motor may still turn: stop it first"] if before else []
             self._records[record.id] = record
         return list(self._records.values())
 

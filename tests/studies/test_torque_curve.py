@@ -100,6 +100,18 @@ async def test_a_stop_while_a_rotor_is_out_of_step_puts_the_ramp_back(tmp_path: 
         assert await s.settings(*NAMES) == before
 
 
+async def test_a_motor_that_a_dead_link_has_left_turning_is_told(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document(QUICK))
+        while abs((await s.device.monitor.axis_state(0)).velocity_pps) < 51_200:
+            await s.clock.advance(0.05)
+            assert run.running, run.record.message
+        s.b.fault(unplugged=True)
+        record = await s.finish(run, 120)
+        assert record.state == "failed", record.message
+        assert any("may still turn: stop it" in line for line in record.left), record.left
+
+
 async def test_the_plan_tells_of_room_and_of_an_inertia_that_is_not_known(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
         document = s.document({"kind": "torque_curve"})

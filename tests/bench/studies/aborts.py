@@ -189,7 +189,8 @@ class Bench:
         self.at_rest()
         if self.chip.model == "tmc5160":
             self.api.post("/devices/slide/axes/0/position-from-encoder").raise_for_status()
-        self.api.post("/devices/slide/axes/0/move", json={"target": 0}).raise_for_status()
+        answer = self.api.post("/devices/slide/axes/0/move", json={"target": 0})
+        assert answer.is_success, answer.text
         _until("back", lambda: self.api.get("/devices/slide/axes/0").json()["position"] == 0)
         self.at_rest()
 
@@ -258,6 +259,8 @@ def _abort(bench: Bench, number: int) -> Aborted:
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
     untold = [one for one in _other(before, bench.chip.setting()) if one not in " ".join(left)] if left else []
     if left:
+        if any("turn" in line for line in left):
+            bench.api.post("/devices/slide/axes/0/stop").raise_for_status()
         bench.at_rest()  # where the link was cut, the motor has gone on to its target
         answer = bench.api.post(f"/studies/{name}/take", json={"which": "baseline"})
         if not answer.is_success:
