@@ -66,6 +66,7 @@ from .settings import Settings
 from .store.audit import AuditLog
 from .store.connections import ConnectionStore
 from .store.database import Database
+from .store.layouts import LayoutStore
 from .store.motors import OwnMotors
 from .store.positions import PositionStore
 from .store.profiles import ProfileStore
@@ -231,6 +232,7 @@ def create_app(
         sessions,
         MapShelf(settings.data_dir, manager),
         OwnMotors(settings.data_dir),
+        LayoutStore(settings.data_dir),
         wiring,
         studies,
     )

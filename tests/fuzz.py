@@ -119,6 +119,7 @@ def with_real_names(schema: dict[str, Any], recording: str) -> dict[str, Any]:
         },
         "recording": {"type": "string", "enum": [recording]},
         "study": {"type": "string", "enum": ["20260101-120000"]},
+        "layout": {"type": "string", "enum": ["bench", "mine"]},
         "net": {"type": "string", "enum": ["start", "none"]},
         "profile": {"type": "integer", "enum": [1, 2]},
         "model": {"type": "string", "enum": ["tmc428", "tmc4210", *ADDED.values(), "tmc5160"]},

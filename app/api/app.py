@@ -32,6 +32,7 @@ from .http.page import WebUi
 from .http.policies import Policies
 from .http.roles import RoleGate
 from .http.stops_first import StopsFirst
+from .layouts import routes as layouts
 from .lease import routes as lease
 from .links import port_routes as ports
 from .links import routes as links
@@ -84,6 +85,7 @@ SUBJECTS = (
     catalog,
     register_maps,
     motors,
+    layouts,
     ports,
     recordings,
     profile_scripts,

@@ -21,6 +21,7 @@ from ..recording.service import RecordingService
 from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
+from ..store.layouts import LayoutStore
 from ..store.motors import OwnMotors
 from ..store.profiles import ProfileStore
 from ..store.saver import Saver
@@ -71,6 +72,7 @@ class ServerState:
     sessions: Sessions
     maps: MapShelf
     motors: OwnMotors
+    layouts: LayoutStore
     wiring: EmulatorWiring
     studies: StudyService
     probing: Probing = field(default_factory=Probing)

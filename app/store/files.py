@@ -91,6 +91,7 @@ OURS = (
     "emulators",
     "unfinished-*",
     "register-maps",
+    "layouts",
 )
 """What a data directory of stepscope holds, as patterns."""
 

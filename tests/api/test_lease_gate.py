@@ -55,6 +55,10 @@ FREE = {
     # What motors there are moves none.
     ("PUT", "/motors/{motor}"),
     ("DELETE", "/motors/{motor}"),
+    # Nor does where panels stand.
+    ("POST", "/layouts"),
+    ("PUT", "/layouts/{layout}"),
+    ("DELETE", "/layouts/{layout}"),
     # A profile that is only judged moves nothing.
     ("POST", f"{AXIS}/velocity-profile/check"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.

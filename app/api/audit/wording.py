@@ -17,6 +17,8 @@ from ...store.tables import Value
 from ..policy import Call, Policy, Said
 
 TEXT_MAX = 200
+NAMED = ("recordings", "profiles", "tokens", "register-maps", "studies", "wiring", "motors", "layouts")
+"""Below these in an address is the name of one."""
 
 
 def taken_apart(method: str, path: str, query: bytes, plain: Container[tuple[str, str]]) -> Call:
@@ -33,10 +35,7 @@ def taken_apart(method: str, path: str, query: bytes, plain: Container[tuple[str
             axis = int(number) if re.fullmatch("[0-9]{1,2}", number) else None
         elif parts[2:3] == ["registers"] and len(parts) > 3:
             _name(parts, 3, names)
-    elif (
-        parts[:1] in (["recordings"], ["profiles"], ["tokens"], ["register-maps"], ["studies"], ["wiring"], ["motors"])
-        and len(parts) > 1
-    ):
+    elif len(parts) > 1 and parts[0] in NAMED:
         _name(parts, 1, names)
     asked = dict(parse_qsl(query.decode("latin-1"), keep_blank_values=True))
     if axis is None and re.fullmatch("[0-9]{1,2}", asked.get("axis", "")):

@@ -43,6 +43,7 @@ from ...procedures.start_together import NotReady
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.scripts.errors import ScriptFailed
 from ...registers.maps.findings import UnreadableMap
+from ...store.layouts import LayoutChanged
 from ...twin.process import TwinFailed
 from ..conditions.views import condition_out, remedy_out
 from ..schemas import AxisProblem, Condition, Problem, Remedy
@@ -76,6 +77,7 @@ KINDS: dict[type[Exception], Kind] = {
     UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
     ForeignPage: FOREIGN,
     RoleTooLow: Kind(403, "/problems/role-too-low", "This token may not do that"),
+    LayoutChanged: Kind(409, "/problems/layout-changed", "The layout was saved by somebody else meanwhile"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     CannotMove: Kind(409, "/problems/wrong-state", "Not possible now"),  # with the remedy beside it
     NotReady: Kind(409, "/problems/wrong-state", "Not possible now"),  # of a start together that a stop has ended

@@ -1,0 +1,95 @@
+"""Layouts of the page's panels: kept on the server, so that every browser has them."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query
+
+from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...store.layouts import LayoutChanged, Revision, SavedLayout
+from ..audit import wording
+from ..deps import CurrentBench
+from ..http.problems import problems
+from ..policy import policy
+from .schemas import (
+    LayoutDetail,
+    LayoutDocument,
+    LayoutInfo,
+    LayoutList,
+    LayoutNew,
+    LayoutRevision,
+    LayoutSave,
+)
+
+router = APIRouter(prefix="/layouts", tags=["layouts"])
+
+LayoutId = Annotated[
+    str, Path(description="as in the list", min_length=1, max_length=40, pattern="^[a-z0-9][a-z0-9-]*$")
+]
+
+
+@router.get("", responses=problems(StoreUnavailable))
+async def list_layouts(bench: CurrentBench) -> LayoutList:
+    """All kept layouts, by id."""
+    return LayoutList(layouts=[_info(saved) for saved in await asyncio.to_thread(bench.layouts.all)])
+
+
+@router.post("", status_code=201, responses=problems(UsageError, StoreUnavailable))
+@policy(lease="free", words=wording.named("keep layout"))
+async def add_layout(bench: CurrentBench, body: LayoutNew) -> LayoutDetail:
+    """Keep a new layout; its id is made of its name."""
+    return _detail(await asyncio.to_thread(bench.layouts.add, body.document.model_dump()))
+
+
+@router.get("/{layout}", responses=problems(UnknownThing, WrongState, StoreUnavailable))
+async def get_layout(
+    bench: CurrentBench,
+    layout: LayoutId,
+    revision: Annotated[int | None, Query(ge=1, le=1 << 53, description="an earlier one; the latest without")] = None,
+) -> LayoutDetail:
+    """A kept layout with its document."""
+    saved = await asyncio.to_thread(bench.layouts.get, layout)
+    if revision is None:
+        return _detail(saved)
+    for each in saved.revisions:
+        if each.revision == revision:
+            return _detail(saved, each)
+    known = [str(each.revision) for each in reversed(saved.revisions)]
+    raise UnknownThing(f"revision of layout {layout!r}", str(revision), known)
+
+
+@router.put("/{layout}", responses=problems(UnknownThing, LayoutChanged, WrongState, UsageError, StoreUnavailable))
+@policy(lease="free", words=wording.named("save layout"))
+async def put_layout(bench: CurrentBench, layout: LayoutId, body: LayoutSave) -> LayoutDetail:
+    """Keep a further revision, made from `based_on`. Another one that was saved since is never written over."""
+    return _detail(await asyncio.to_thread(bench.layouts.put, layout, body.based_on, body.document.model_dump()))
+
+
+@router.delete("/{layout}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@policy(lease="free", words=wording.named("delete layout"))
+async def delete_layout(bench: CurrentBench, layout: LayoutId) -> None:
+    """Forget a layout with its revisions."""
+    await asyncio.to_thread(bench.layouts.delete, layout)
+
+
+def _info(saved: SavedLayout) -> LayoutInfo:
+    latest = saved.latest
+    return LayoutInfo(
+        id=saved.id, name=latest.document["name"], revision=latest.revision, saved_unix_s=latest.saved_unix_s
+    )
+
+
+def _detail(saved: SavedLayout, of: Revision | None = None) -> LayoutDetail:
+    shown = of or saved.latest
+    return LayoutDetail(
+        id=saved.id,
+        name=str(shown.document["name"]),
+        revision=shown.revision,
+        saved_unix_s=shown.saved_unix_s,
+        revisions=[
+            LayoutRevision(revision=each.revision, saved_unix_s=each.saved_unix_s) for each in reversed(saved.revisions)
+        ],
+        document=LayoutDocument.model_validate(shown.document),
+    )
