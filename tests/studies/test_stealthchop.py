@@ -41,7 +41,7 @@ OFFSET, GRADIENT = 36, 12
 
 
 def conf(offset: int, gradient: int) -> int:
-    return offset | gradient << 8 | 1 << 16 | TUNES | 8 << 24 | 12 << 28
+    return offset | gradient << 8 | TUNES | 8 << 24 | 12 << 28
 
 
 async def with_stealthchop(s: Studied, *, pwmconf: int, switch_rps: float | None, on: bool = True) -> None:

@@ -356,8 +356,8 @@ class StealthChopStudy(StudyRun):
         if not held:
             return None
         told = [each.added_share for _, (_, each) in held if each.added_share is not None]
-        # Where nothing is regulated nothing tells of the amplitudes: the calculated ones are taken.
-        near = [each for each in held if told and (each[1][1].added_share or 0.0) <= min(told) + ALIKE]
+        # Where nothing is regulated, which shows by nothing that is added to any, the calculated ones are taken.
+        near = [each for each in held if any(told) and (each[1][1].added_share or 0.0) <= min(told) + ALIKE]
         by_sheet = [each for each in held if each[0] == calculated]
         setting, (trial, found.chosen) = (near or by_sheet or held)[0]
         self.record.best = trial.number

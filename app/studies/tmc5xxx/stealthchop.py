@@ -11,6 +11,8 @@ from ..stealthchop.setting import Motor, StealthPlaces
 
 PWM_HZ = 20e3, 50e3
 """What suits most motors (DS-TMC5160 7.2)."""
+SURE = 1.15
+"""By so much: resistance and supply are not known better than within a tenth or so."""
 
 
 class SheetCalculator:
@@ -30,7 +32,7 @@ class SheetCalculator:
     def regulates(self, motor: Motor, blank: int, frequency: int) -> bool:
         """t_blank f_PWM V / R against the peak (DS-TMC5160 7.3.1)."""
         winding = _winding(motor)
-        return winding.peak_a >= winding.lowest_current_a(blank, frequency)
+        return winding.peak_a >= SURE * winding.lowest_current_a(blank, frequency)
 
     def threshold(self, rps: float, motor: Motor) -> int:
         """TPWMTHRS, as TSTEP."""
