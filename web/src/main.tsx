@@ -11,6 +11,7 @@ import { App } from "./App";
 import { askAccess } from "./api/access";
 import { watchLease } from "./api/lease/bench";
 import { inter } from "./font";
+import { followDensity } from "./lib/look";
 import { conditions } from "./live/conditions";
 import { RootBoundary } from "./shell/RootBoundary";
 import { Toasts } from "./shell/Toasts";
@@ -24,6 +25,7 @@ const queries = new QueryClient({
   },
 });
 
+followDensity(document.documentElement);
 void askAccess();
 watchLease();
 conditions.start();

@@ -7,8 +7,10 @@ import { useScheme } from "../lib/useScheme";
 import { drawingPlugin } from "./drawing";
 import { guttersOf } from "./gutters";
 import { handleKey, type InteractionHost, pointerPlugin } from "./interaction";
-import { buildOptions } from "./options";
+import { type Build, buildOptions } from "./options";
 import classes from "./Plot.module.css";
+import type { Subject } from "./picture";
+import { SaveButton } from "./SaveButton";
 import { aligned, type PlotData } from "./series";
 import type { Level, Mark, Overlay, PlotHandle, PlotScale, PlotSeries, WindowChange } from "./types";
 
@@ -73,6 +75,7 @@ export function Plot(props: PlotProps) {
   const frame = useRef<HTMLDivElement>(null);
   const host = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
+  const subject = useRef<(() => Subject) | null>(null);
   const held = useRef<PlotData | null>(null);
   const values = useRef<(HTMLSpanElement | null)[]>([]);
   const spoken = useRef<HTMLDivElement>(null);
@@ -148,27 +151,27 @@ export function Plot(props: PlotProps) {
       });
       latest.current.onCursor?.(off ? null : { x: current.posToVal(current.cursor.left ?? 0, "x"), row });
     };
+    const overlays = () => list(latest.current.overlays);
+    const drawing = drawingPlugin(
+      overlays,
+      () => list(latest.current.marks),
+      () => list(latest.current.levels),
+    );
+    const build: Build = {
+      size: { width: Math.max(80, box.clientWidth), height: Math.max(40, box.clientHeight) },
+      scheme,
+      series: latest.current.series,
+      x: latest.current.x ?? EMPTY,
+      scales: latest.current.scales ?? NO_SCALES,
+      syncKey: group,
+      gutters,
+      overlays,
+      selects: true,
+      plugins: [drawing, pointerPlugin(interaction.current)],
+    };
     const instance = new uPlot(
       {
-        ...buildOptions({
-          size: { width: Math.max(80, box.clientWidth), height: Math.max(40, box.clientHeight) },
-          scheme,
-          series: latest.current.series,
-          x: latest.current.x ?? EMPTY,
-          scales: latest.current.scales ?? NO_SCALES,
-          syncKey: group,
-          gutters,
-          overlays: () => list(latest.current.overlays),
-          selects: true,
-          plugins: [
-            drawingPlugin(
-              () => list(latest.current.overlays),
-              () => list(latest.current.marks),
-              () => list(latest.current.levels),
-            ),
-            pointerPlugin(interaction.current),
-          ],
-        }),
+        ...buildOptions(build),
         hooks: {
           setCursor: [showValues],
           setData: [showValues],
@@ -190,6 +193,18 @@ export function Plot(props: PlotProps) {
       box,
     );
     plot.current = instance;
+    subject.current = () => ({
+      title: [latest.current.title, latest.current.label].filter(Boolean).join(": "),
+      plot: instance,
+      build: {
+        ...build,
+        size: { width: instance.width, height: instance.height },
+        syncKey: undefined,
+        gutters: guttersOf(undefined),
+        selects: false,
+        plugins: [drawing],
+      },
+    });
     if (old?.min != null && old.max != null) instance.setScale("x", { min: old.min, max: old.max });
     if (group !== undefined) {
       const members = groups.get(group) ?? new Set();
@@ -285,6 +300,7 @@ export function Plot(props: PlotProps) {
           }
         }}
       />
+      {!props.scenery && <SaveButton name={label} subject={() => subject.current?.() ?? null} />}
       <span id={help} className="unseen nowrap">
         Arrow keys move the cursor, plus and minus zoom, Page up and Page down pan, 0 shows all.
       </span>

@@ -3,8 +3,9 @@ import { useHotkeys } from "@mantine/hooks";
 import { IconHelpCircle, IconSearch } from "@tabler/icons-react";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
+import { look } from "../lib/look";
+import { useShared } from "../lib/shared";
 import { useSelectionInAddress } from "../live/selection";
-import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { CopyLink } from "./CopyLink";
@@ -13,6 +14,7 @@ import { FirstStart } from "./FirstStart";
 import { HeldBack } from "./HeldBack";
 import { History } from "./History";
 import { LogOut } from "./LogOut";
+import { LookButton } from "./LookButton";
 import { LeaseControl } from "./lease/LeaseControl";
 import { LeaseNews } from "./lease/LeaseNews";
 import { LeaseQuestion } from "./lease/LeaseQuestion";
@@ -34,6 +36,7 @@ const HELP = "/help/";
 export function Shell({ children }: PropsWithChildren) {
   const [location, go] = useLocation();
   const pages = pagesFor(useAbilities());
+  const { clock } = useShared(look);
   useSelectionInAddress();
   // ten keys: the tenth is 0
   useHotkeys(pages.slice(0, 10).map(({ path }, index) => [`alt+${(index + 1) % 10}`, () => go(path)]));
@@ -74,7 +77,7 @@ export function Shell({ children }: PropsWithChildren) {
           <History />
           <CopyLink />
           <Shortcuts />
-          <ColorSchemeToggle />
+          <LookButton />
           <LogOut />
           <StopAll />
         </Group>
@@ -101,7 +104,7 @@ export function Shell({ children }: PropsWithChildren) {
         <FirstStart />
         <HeldBack />
         <RunsUnderWay />
-        <PageBoundary key={location}>{children}</PageBoundary>
+        <PageBoundary key={`${location} ${clock}`}>{children}</PageBoundary>
       </main>
       <footer className={classes.footer}>
         <nav ref={bar} className={classes.bar} aria-label="Pages">

@@ -99,22 +99,19 @@ export function ValueText({ row, raw }: { row: RegisterRow; raw: number | null }
 export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
   const staged = edit?.value ?? null;
   const value = staged ?? (raw === null ? null : row.signed ? toSigned(raw, row.width) : raw);
-  const more = value === null ? [] : (also?.(value) ?? []);
+  const parts =
+    value === null
+      ? []
+      : [...scales.map((scale) => withUnit(value * scale.perChip, scale.unit, 3)), ...(also?.(value) ?? [])];
   return (
-    <span className={`${css.physicals} hint flex`}>
+    <span className={`${css.physicals} hint flex`} title={parts.length > 1 ? parts.join(" · ") : undefined}>
       {staged !== null && (
         <span className="num rigid accent bold">
           <span className="mx-4 accent">→</span>
           {enumName(row, staged) ?? fixed(staged)}
         </span>
       )}
-      {value !== null &&
-        scales.map((scale) => (
-          <span key={scale.unit} className={css.physicalPart}>
-            {withUnit(value * scale.perChip, scale.unit, 3)}
-          </span>
-        ))}
-      {more.map((part) => (
+      {parts.map((part) => (
         <span key={part} className={css.physicalPart}>
           {part}
         </span>

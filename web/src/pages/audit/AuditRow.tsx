@@ -4,7 +4,7 @@ import { memo } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
 import { openHistory, withoutChange } from "../../lib/history/aim";
-import { dateTimeOf } from "../../lib/time";
+import { fullTimeOf } from "../../lib/time";
 import { pageAbout } from "../../shell/pages";
 import classes from "./audit.module.css";
 import type { Entry } from "./filters";
@@ -30,7 +30,7 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
   return (
     <tr data-outcome={kind} data-testid="audit-entry">
       <td className="num nowrap">
-        <time dateTime={entry.time} title={dateTimeOf(Date.parse(entry.time))}>
+        <time dateTime={entry.time} title={fullTimeOf(Date.parse(entry.time))}>
           {timeText(entry.time)}
         </time>
       </td>

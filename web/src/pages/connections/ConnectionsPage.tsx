@@ -1,4 +1,4 @@
-import { Button, Group, Skeleton, Text } from "@mantine/core";
+import { Button, Group, Skeleton, Text, TextInput } from "@mantine/core";
 import { IconPlugConnected, IconPlus } from "@tabler/icons-react";
 import { useEffect, useRef, useState } from "react";
 import { type Device, useCatalog, useDevices } from "../../api/queries";
@@ -11,7 +11,7 @@ import { DeviceForm } from "./DeviceForm";
 import { type Draft, draftOf, newDraft } from "./draft";
 import { Found } from "./Found";
 import { RegisterMaps } from "./RegisterMaps";
-import { freeName } from "./words";
+import { freeName, linkText } from "./words";
 
 /** What the form works on: a new device, or one that exists. `serial` tells one opening from the next. */
 interface Open {
@@ -19,6 +19,9 @@ interface Open {
   device: Device | null;
   draft: Draft;
 }
+
+/** From so many devices on they are searched. */
+const MANY = 6;
 
 /** All devices: what state their links are in, and how to get more of them. */
 export default function ConnectionsPage() {
@@ -38,6 +41,12 @@ export default function ConnectionsPage() {
 
   const show = (draft: Draft, device: Device | null = null) =>
     setOpen((now) => ({ serial: (now?.serial ?? 0) + 1, draft, device }));
+  const [filter, setFilter] = useState("");
+  const words = filter.toLowerCase().split(/\s+/);
+  const shown = (devices.data ?? []).filter((device) => {
+    const said = [device.name, device.model, device.state, linkText(device.link)].join(" ").toLowerCase();
+    return words.every((word) => said.includes(word));
+  });
   const names = (devices.data ?? []).filter((device) => device.id !== open?.device?.id).map((device) => device.name);
 
   return (
@@ -86,7 +95,21 @@ export default function ConnectionsPage() {
               </EmptyState>
             </div>
           )}
-          {devices.data?.map((device) => (
+          {(devices.data?.length ?? 0) >= MANY && (
+            <TextInput
+              type="search"
+              aria-label="Filter the devices"
+              placeholder="Words of name, model, link or state"
+              value={filter}
+              onChange={(event) => setFilter(event.currentTarget.value)}
+            />
+          )}
+          {filter !== "" && shown.length === 0 && (
+            <Text size="sm" className="dim" role="status">
+              No device has all of these words.
+            </Text>
+          )}
+          {shown.map((device) => (
             <DeviceEntry
               key={device.id}
               device={device}

@@ -1,18 +1,30 @@
-import { Button, FileButton, Group, Skeleton, Text, TextInput } from "@mantine/core";
+import { Button, FileButton, Group, NativeSelect, Skeleton, Text, TextInput } from "@mantine/core";
 import { useDebouncedValue, useHotkeys } from "@mantine/hooks";
 import { IconCamera, IconFileImport, IconFileStack } from "@tabler/icons-react";
 import { useRef, useState } from "react";
 import { Link } from "wouter";
 import type { Problem, Schemas } from "../../api/client";
 import { can } from "../../api/queries";
+import { Ago } from "../../lib/Ago";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { dateTimeOf } from "../../lib/time";
+import { useLocalKept } from "../../lib/useKept";
 import { useSelection } from "../../live/selection";
 import css from "./profiles.module.css";
 import { type Saved, useProfiles, useSave, useTry } from "./useProfiles";
+
+type Order = "newest" | "name" | "device";
+
+/** As the server has them, the newest first; and by what people call them. */
+const ORDERS: Record<Order, (all: readonly Saved[]) => readonly Saved[]> = {
+  newest: (all) => all,
+  name: (all) => [...all].sort((one, other) => one.name.localeCompare(other.name)),
+  device: (all) =>
+    [...all].sort((one, other) => one.device.localeCompare(other.device) || one.name.localeCompare(other.name)),
+};
 
 interface Props {
   selected: number | null;
@@ -51,7 +63,8 @@ export function SavedProfiles({ selected, onSelect }: Props) {
     }
   };
   const connected = device?.state === "connected";
-  const found = profiles.data ?? [];
+  const [order, setOrder] = useLocalKept<Order>("stepscope.profiles.order", "newest");
+  const found = ORDERS[order](profiles.data ?? []);
   const none = profiles.isSuccess && found.length === 0;
 
   return (
@@ -121,15 +134,27 @@ export function SavedProfiles({ selected, onSelect }: Props) {
       )}
       {save.isError && <ProblemAlert error={save.error} doing="Keeping the profile" onClose={() => save.reset()} />}
       {unreadable && <ProblemAlert error={unreadable} doing="Importing" onClose={() => setUnreadable(null)} />}
-      <TextInput
-        ref={field}
-        mb={8}
-        type="search"
-        aria-label="Search profiles"
-        placeholder="Words of name, note, model or device"
-        value={search}
-        onChange={(event) => setSearch(event.currentTarget.value)}
-      />
+      <Group gap={6} mb={8} wrap="nowrap">
+        <TextInput
+          ref={field}
+          flex={1}
+          type="search"
+          aria-label="Search profiles"
+          placeholder="Words of name, note, model or device"
+          value={search}
+          onChange={(event) => setSearch(event.currentTarget.value)}
+        />
+        <NativeSelect
+          aria-label="Order of the profiles"
+          data={[
+            { value: "newest", label: "newest first" },
+            { value: "name", label: "by name" },
+            { value: "device", label: "by device" },
+          ]}
+          value={order}
+          onChange={(event) => setOrder(event.currentTarget.value as Order)}
+        />
+      </Group>
       {profiles.isError && (
         <ProblemAlert error={profiles.error} doing="Listing profiles" retry={() => void profiles.refetch()} />
       )}
@@ -177,7 +202,7 @@ function Entry({ profile, current, onSelect }: { profile: Saved; current: boolea
       <span className="lines-8 hint">
         <span>{profile.title}</span>
         {profile.device !== "" && profile.device !== profile.name && <span>{profile.device}</span>}
-        <span className="num">{dateOf(profile.created_unix_s)}</span>
+        <Ago unixS={profile.created_unix_s} />
       </span>
       {profile.note !== "" && <span className="clip hint">{profile.note}</span>}
     </button>

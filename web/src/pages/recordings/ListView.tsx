@@ -3,9 +3,10 @@ import { useDebouncedValue, useDisclosure } from "@mantine/hooks";
 import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconReportAnalytics, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import { Link, useLocation } from "wouter";
+import { Ago } from "../../lib/Ago";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
-import { sizeText } from "../../lib/format";
+import { fixed, sizeText } from "../../lib/format";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
@@ -13,7 +14,8 @@ import { REPORTED_MAX } from "./ReportView";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { StartForm } from "./StartForm";
-import { order, type Sort, type SortKey, stateText, whenText } from "./words";
+import { Thumbnail } from "./Thumbnail";
+import { order, type Sort, type SortKey, stateText } from "./words";
 
 const COLUMNS: readonly { key: SortKey; label: string; wide?: boolean; right?: boolean }[] = [
   { key: "name", label: "Name" },
@@ -126,6 +128,7 @@ export function ListView() {
                 <th className={classes.tick}>
                   <span className="unseen">Compare</span>
                 </th>
+                <th className={classes.wide}>Shape</th>
                 {COLUMNS.map(({ key, label, wide, right }) => (
                   <th
                     key={key}
@@ -217,9 +220,12 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
           onChange={(event) => onPick(event.currentTarget.checked)}
         />
       </td>
+      <td className={classes.wide}>
+        <Thumbnail recording={recording} />
+      </td>
       <td className="anywhere">
         {readable ? (
-          <Link href={`/recordings/${recording.id}`} className={classes.link}>
+          <Link href={`/recordings/${recording.id}`} className={`${classes.link} bold`}>
             {title}
           </Link>
         ) : (
@@ -231,12 +237,16 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
       <td className={classes.wide}>
         {recording.device ?? "–"} <span className="dim">{recording.model}</span>
       </td>
-      <td className="num">{whenText(recording.started_unix_s)}</td>
+      <td>
+        <Ago unixS={recording.started_unix_s} />
+      </td>
       <td className={classes.wide} title={recording.channels.map(({ name }) => name).join(", ")}>
-        {recording.channels.length} <span className="dim">at {recording.rate_hz ?? "–"} Hz</span>
+        {recording.channels.length} <span className="dim">at {fixed(recording.rate_hz, 0, "Hz")}</span>
       </td>
       <td className="num right">{sizeText(recording.size_bytes)}</td>
-      <td className={classes.wide}>{stateText(recording)}</td>
+      <td className={`${classes.wide} ${recording.state === "failed" ? "fault bold" : "dim"}`}>
+        {stateText(recording)}
+      </td>
       <td className="right nowrap">
         {isRunning(recording) && (
           <Button
