@@ -37,7 +37,7 @@ def test_a_plot_is_saved_as_a_picture(page: Page, tmp_path: Path) -> None:
     assert kept["PNG"].name == "phase-currents-over-a-full-period.png"
     assert kept["PNG"].read_bytes().startswith(b"\x89PNG")
     svg = kept["SVG"].read_text()
-    for text in ("Phase currents over a full period", "Phase B (cosine)", "−63"):
+    for text in ("Phase currents over a full period", "Phase B (cosine)", "\N{MINUS SIGN}63"):
         assert f">{text}</text>" in svg
     # both phases over 64 microsteps, one of them dashed
     lines = [line for line in svg.splitlines() if line.startswith("<path") and line.count("L") > 100]

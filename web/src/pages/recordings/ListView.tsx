@@ -122,7 +122,7 @@ export function ListView() {
             )}
           </EmptyState>
         ) : (
-          <table className="table text-13" data-testid="recordings">
+          <table className={`table text-13 ${classes.list}`} data-testid="recordings">
             <thead>
               <tr>
                 <th className={classes.tick}>

@@ -23,12 +23,13 @@ export function sparkline({ x, columns }: Pick<Piece, "x" | "columns">, column: 
   if (!(last > first) || !(high >= low)) return "";
   const perX = WIDTH / (last - first);
   const perY = high > low ? (HEIGHT - 4) / (high - low) : 0;
+  const bottom = high > low ? HEIGHT - 2 : HEIGHT / 2;
   let path = "";
   let pen = false;
   values.forEach((value, row) => {
     const drawn = !Number.isNaN(value);
     if (drawn) {
-      const place = `${coordinate(((x[row] ?? 0) - first) * perX, 1)} ${coordinate(HEIGHT - 2 - (value - low) * perY, 1)}`;
+      const place = `${coordinate(((x[row] ?? 0) - first) * perX, 1)} ${coordinate(bottom - (value - low) * perY, 1)}`;
       path += `${pen ? "L" : "M"}${place}`;
     }
     pen = drawn;

@@ -11,7 +11,7 @@ describe("the thumbnail of a recording", () => {
   });
 
   it("is level where nothing changes, and nothing where there is nothing", () => {
-    expect(of([7, 7])).toBe("M0.0 24.0L120.0 24.0");
+    expect(of([7, 7])).toBe("M0.0 13.0L120.0 13.0");
     expect(of([7])).toBe("");
     expect(of([Number.NaN, Number.NaN])).toBe("");
     expect(sparkline({ x: new Float64Array(), columns: [] }, 3)).toBe("");
