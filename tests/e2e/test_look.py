@@ -39,7 +39,7 @@ def test_a_plot_is_saved_as_a_picture(page: Page, tmp_path: Path) -> None:
     svg = kept["SVG"].read_text()
     for text in ("Phase currents over a full period", "Phase B (cosine)", "\N{MINUS SIGN}63"):
         assert f">{text}</text>" in svg
-    # both phases over 64 microsteps, one of them dashed
+    # both phases over 64 microsteps, now and (where they were read) before: one of each two is dashed
     lines = [line for line in svg.splitlines() if line.startswith("<path") and line.count("L") > 100]
-    assert len(lines) == 2
-    assert sum("stroke-dasharray" in line for line in lines) == 1
+    assert len(lines) in (2, 4)
+    assert sum("stroke-dasharray" in line for line in lines) == len(lines) / 2
