@@ -103,8 +103,10 @@ class MoveFinder:
         time_s, columns = self._time_s[begin:end], self._columns[:, begin:end]
         off = columns[ENCODER] - columns[POSITION]
         at_rest = time_s >= time_s[-1] - ENDS_S
+        began_s = float(self._time_s[first])
         sampled = Sampled(
-            time_s - self._time_s[first],
+            began_s,
+            time_s - began_s,
             columns[POSITION],
             columns[ENCODER],
             start,
