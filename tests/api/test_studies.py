@@ -126,11 +126,16 @@ async def test_a_loop_that_a_killed_server_has_left_on_is_told_and_switched_off(
         found: int = read.json()["fields"]["regulation_modus"]
         return found
 
+    async def ramp() -> list[int]:
+        read = [await client.get(f"devices/loop/registers/{name}", params={"axis": 0}) for name in ("RAMPMODE", "VMAX")]
+        return [one.json()["value"] for one in read]
+
     link = {"kind": "emulator", "motor": {"viscous_nms": 4e-4}}
     answer = await client.post("devices", json={"name": "Loop", "model": "tmc4361", "link": link})
     assert answer.status_code == 201, answer.text
     start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
     assert (await client.post("devices/loop/start-up", json=start)).status_code == 200
+    before = await ramp()
     begun = await client.post("studies", json={"device": "loop", "study": {"kind": "closed_loop", "hops": 6}})
     assert begun.status_code == 201, begun.text
     study = begun.json()["id"]
@@ -141,11 +146,18 @@ async def test_a_loop_that_a_killed_server_has_left_on_is_told_and_switched_off(
         await clock.advance(0.05)
     assert await modus() == 2, studies.get(study).message
     text = studies.get(study).model_dump_json()  # as it is on disk
+    # its steps go by another ramp and speed, which are put back as well
+    assert {"RAMPMODE", "VMAX"} <= {each.name for each in studies.get(study).baseline}
     await client.post("stop")
     await over(client, clock, study, 30)
     # the server is killed with the loop on: the next one finds this record, and this chip
-    on = {"fields": {"regulation_modus": 2}}
-    assert (await client.put("devices/loop/registers/ENC_IN_CONF", params={"axis": 0}, json=on)).status_code == 200
+    for name, body in (
+        ("ENC_IN_CONF", {"fields": {"regulation_modus": 2}}),
+        ("VMAX", {"value": before[1] // 2}),
+        ("RAMPMODE", {"value": 4}),
+    ):
+        written = await client.put(f"devices/loop/registers/{name}", params={"axis": 0}, json=body)
+        assert written.status_code == 200, written.text
     folder = bench_of(app).settings.data_dir / "studies" / study
     (folder / "study.json").write_text(text)
     later = StudyStore(bench_of(app).settings.data_dir, aside=False)
@@ -158,6 +170,7 @@ async def test_a_loop_that_a_killed_server_has_left_on_is_told_and_switched_off(
     taken = await client.post(f"studies/{study}/take", json={"which": "baseline"})
     assert taken.status_code == 200, taken.text
     assert await modus() == 0
+    assert await ramp() == before
 
 
 @pytest.mark.parametrize(

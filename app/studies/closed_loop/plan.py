@@ -13,6 +13,7 @@ from ..document import ClosedLoop, StudyDocument
 from ..families import loop_of
 from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import SPEED, RampSpace
+from ..record import Held
 from ..ringing import HOP_PPS, HOPS, RING_S
 from .setting import LoopSpace, regulation_now
 
@@ -23,7 +24,8 @@ SHOWN = 4
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """What is known before the first move [microsteps]. jump_pps : of hops and steps [pps]"""
+    """What is known before the first move [microsteps]. jump_pps : of hops and steps [pps]; moving : shape and speed of
+    the ramp, which these replace until the next move"""
 
     ramp: RampSpace
     loop: LoopSpace
@@ -32,6 +34,7 @@ class Ground:
     step: int
     jump_pps: float
     most_pps: float
+    moving: list[Held]
 
 
 async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
@@ -63,7 +66,9 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
             say(f"it would turn to {end}, and the soft limits end before: begin elsewhere")
     looked.warnings += room_told(limits)
     most = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED))
-    looked.ground = Ground(found.space, loop, state.position, full_step, step, min(HOP_PPS, most), most)
+    speed = [each for each in found.space.before if each.name in found.space.names(SPEED)]
+    jump_pps = min(HOP_PPS, most)
+    looked.ground = Ground(found.space, loop, state.position, full_step, step, jump_pps, most, [loop.shape, *speed])
     return looked
 
 

@@ -20,8 +20,8 @@ P_PARTS, SUM_PARTS = 256, 65_536
 
 @dataclass(frozen=True, slots=True)
 class LoopPlaces:
-    """Registers of the gains, of what bounds the sum (a field) and the velocity, of a deviation that counts as none,
-    and the field that switches it on."""
+    """Registers of the gains, of what bounds the sum (a field) and the velocity, of a deviation that counts as none, of
+    the ramp's shape, and the field that switches it on."""
 
     proportional: str
     integral: str
@@ -30,6 +30,7 @@ class LoopPlaces:
     sum_clip: str
     most: str
     tolerance: str
+    shape: str
     mode: str
     modus: str
     off: int
@@ -50,7 +51,8 @@ class LoopSpace:
         held could not be put back."""
         self._device, self._axis, self._places = device, axis, places
         self._rate_hz = device.clock_hz / places.cycle_clocks
-        names = (places.proportional, places.integral, places.derivative, places.clip, places.most, places.tolerance)
+        gains = (places.proportional, places.integral, places.derivative, places.clip, places.most, places.tolerance)
+        names = (*gains, places.shape)
         self._rows: dict[str, Register] = {}
         self._words: dict[str, int] = {}
         for name in names:
@@ -59,7 +61,8 @@ class LoopSpace:
             if found is None or word is None or key_of(found[0]) not in items_by_key(device.model):
                 raise WrongState(f"what {name} holds is not known, so it could not be put back", "write it once")
             self._rows[name], self._words[name] = found[0], word
-        self.before = [self._held(name, self._words[name]) for name in names]
+        self.before = [self._held(name, self._words[name]) for name in gains]
+        self.shape = self._held(places.shape, self._words[places.shape])
         clip = self._rows[places.clip].field_named(places.sum_clip)
         assert clip is not None
         self._clip = clip

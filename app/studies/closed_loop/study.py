@@ -82,7 +82,7 @@ class ClosedLoopStudy(StudyRun):
         now = ground.loop.now
         record.baseline_setting = {PROPORTIONAL: now.proportional, INTEGRAL: now.integral}
         if not record.baseline:
-            record.baseline, record.switched = ground.loop.before, ground.loop.switched
+            record.baseline, record.switched = [*ground.moving, *ground.loop.before], ground.loop.switched
         await self.keeper.save(record)
         rings = await self._rings()
         gains, found = self._worked_out(rings)

@@ -12,6 +12,7 @@ POSITION_LOOP = LoopPlaces(
     sum_clip="PID_I_CLIP",
     most="PID_DV_CLIP",
     tolerance="PID_TOLERANCE",
+    shape="RAMPMODE",
     mode="ENC_IN_CONF",
     modus="regulation_modus",
     off=0,
