@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...store.layouts import LayoutChanged, Revision, SavedLayout
@@ -13,6 +13,7 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..router import subject_router
 from .schemas import (
     LayoutDetail,
     LayoutDocument,
@@ -23,7 +24,7 @@ from .schemas import (
     LayoutSave,
 )
 
-router = APIRouter(prefix="/layouts", tags=["layouts"])
+router = subject_router(prefix="/layouts", tags=["layouts"])
 
 LayoutId = Annotated[
     str, Path(description="as in the list", min_length=1, max_length=40, pattern="^[a-z0-9][a-z0-9-]*$")
