@@ -2055,7 +2055,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/layouts": {
+    "/api/v1/layouts": {
         parameters: {
             query?: never;
             header?: never;
@@ -2066,20 +2066,20 @@ export interface paths {
          * List Layouts
          * @description All kept layouts, by id.
          */
-        get: operations["list_layouts_layouts_get"];
+        get: operations["list_layouts"];
         put?: never;
         /**
          * Add Layout
          * @description Keep a new layout; its id is made of its name.
          */
-        post: operations["add_layout_layouts_post"];
+        post: operations["add_layout"];
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/layouts/{layout}": {
+    "/api/v1/layouts/{layout}": {
         parameters: {
             query?: never;
             header?: never;
@@ -2090,18 +2090,18 @@ export interface paths {
          * Get Layout
          * @description A kept layout with its document.
          */
-        get: operations["get_layout_layouts__layout__get"];
+        get: operations["get_layout"];
         /**
          * Put Layout
          * @description Keep a further revision, made from `based_on`. Another one that was saved since is never written over.
          */
-        put: operations["put_layout_layouts__layout__put"];
+        put: operations["put_layout"];
         post?: never;
         /**
          * Delete Layout
          * @description Forget a layout with its revisions.
          */
-        delete: operations["delete_layout_layouts__layout__delete"];
+        delete: operations["delete_layout"];
         options?: never;
         head?: never;
         patch?: never;
@@ -29168,7 +29168,7 @@ export interface operations {
             };
         };
     };
-    list_layouts_layouts_get: {
+    list_layouts: {
         parameters: {
             query?: never;
             header?: never;
@@ -29206,7 +29206,7 @@ export interface operations {
             };
         };
     };
-    add_layout_layouts_post: {
+    add_layout: {
         parameters: {
             query?: never;
             header?: never;
@@ -29246,15 +29246,6 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
                 headers: {
@@ -29284,7 +29275,7 @@ export interface operations {
             };
         };
     };
-    get_layout_layouts__layout__get: {
+    get_layout: {
         parameters: {
             query?: {
                 /** @description an earlier one; the latest without */
@@ -29355,7 +29346,7 @@ export interface operations {
             };
         };
     };
-    put_layout_layouts__layout__put: {
+    put_layout: {
         parameters: {
             query?: never;
             header?: never;
@@ -29407,7 +29398,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The layout was saved by somebody else meanwhile (/problems/layout-changed); Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description The layout was saved by somebody else meanwhile (/problems/layout-changed); Not possible now (/problems/wrong-state) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -29445,7 +29436,7 @@ export interface operations {
             };
         };
     };
-    delete_layout_layouts__layout__delete: {
+    delete_layout: {
         parameters: {
             query?: never;
             header?: never;
@@ -29475,15 +29466,6 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
-            409: {
                 headers: {
                     [name: string]: unknown;
                 };
