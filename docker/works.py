@@ -94,13 +94,15 @@ LEFT_OUT = ("cv2", "imageio", "PIL", "trimesh")
 
 def draw_a_scene() -> None:
     """The process of the 3D view, told as the server tells it."""
-    from stepscope.twin.shape import AxisPose, Shape
-
+    shape = importlib.import_module("stepscope.twin.shape")
     child = (
         f"import runpy, sys; sys.modules.update(dict.fromkeys({LEFT_OUT})); "
         "runpy.run_module('stepscope.twin.child', run_name='__main__')"
     )
-    told = ({"shape": Shape("bench", 0, "motor").message(), "scheme": "dark"}, {"look": AxisPose().message()})
+    told = (
+        {"shape": shape.Shape("bench", 0, "motor").message(), "scheme": "dark"},
+        {"look": shape.AxisPose().message()},
+    )
     done = subprocess.run(
         [sys.executable, "-B", "-c", child],
         input="".join(f"{json.dumps(message)}\n" for message in told),
