@@ -52,6 +52,7 @@ from .registers import routes as registers
 from .router import BASE
 from .server_state import ServerState
 from .start_up import routes as start_up
+from .studies import noticed as noticed_moves
 from .studies import routes as studies
 from .tables import routes as tables
 from .telemetry import routes as telemetry
@@ -90,6 +91,7 @@ SUBJECTS = (
     recordings,
     profile_scripts,
     studies,
+    noticed_moves,
     telemetry,
     conditions,
     twin,

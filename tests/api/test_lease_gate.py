@@ -96,8 +96,8 @@ FREE = {
     ("POST", "/studies/{study}/stop"),
     ("POST", "/studies/{study}/profiles"),
     # To notice the moves of others moves nothing.
-    ("PUT", "/studies/noticed-moves/{device}/{axis}"),
-    ("DELETE", "/studies/noticed-moves/{device}/{axis}"),
+    ("PUT", "/devices/{device}/axes/{axis}/noticed-moves"),
+    ("DELETE", "/devices/{device}/axes/{axis}/noticed-moves"),
     ("POST", "/twin"),
     ("DELETE", "/twin"),
     ("POST", "/twin/cursor"),

@@ -241,7 +241,7 @@ async def test_moves_of_anybody_are_noticed_recorded_and_scored(
         found = (await client.get("studies")).json()
         return [one for one in found["studies"] if one["noticed"]], found["watches"]
 
-    watch = f"studies/noticed-moves/{slide}/0"
+    watch = f"devices/{slide}/axes/0/noticed-moves"
     await move(3_200)
     assert await noticed() == ([], [])
     begun = await client.put(watch)

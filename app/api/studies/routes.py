@@ -16,7 +16,7 @@ from ...studies.record import StudyRecord
 from ...studies.report import html_of
 from ...studies.scored_move.watch import MoveWatch
 from ..audit import wording
-from ..deps import CurrentBench, DeviceId
+from ..deps import CurrentBench
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
 from ..profiles.views import info as profile_info
@@ -27,7 +27,6 @@ from .schemas import MoveWatchInfo, StudyInfo, StudyKindInfo, StudyLeft, StudyLi
 router = subject_router(prefix="/studies", tags=["studies"])
 
 StudyId = Annotated[str, Path(description="as in the list", max_length=60)]
-AxisIndex = Annotated[int, Path(ge=0, le=31)]
 LOOK = problems(UnknownThing)
 BEGIN = problems(*DEVICE_PROBLEMS, SoftLimit, UsageError, OutOfRange, StoreUnavailable)
 TAKE = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileMisfit, ProfileTakenBack, ProfileLeft, StoreUnavailable)
@@ -56,7 +55,7 @@ def _info(record: StudyRecord) -> StudyInfo:
     )
 
 
-def _watch_info(watch: MoveWatch) -> MoveWatchInfo:
+def watch_info(watch: MoveWatch) -> MoveWatchInfo:
     return MoveWatchInfo(
         device=watch.device.id,
         axis=watch.axis,
@@ -81,7 +80,7 @@ async def _require_speed(bench: ServerState, device: str) -> None:
 async def list_studies(bench: CurrentBench) -> StudyList:
     """All studies, the latest first, and which kinds there are."""
     kinds = [StudyKindInfo(kind=kind.kind, title=kind.title, purpose=kind.purpose) for kind in KINDS.values()]
-    watches = [_watch_info(watch) for watch in bench.studies.watches]
+    watches = [watch_info(watch) for watch in bench.studies.watches]
     return StudyList(studies=[_info(record) for record in bench.studies.all()], kinds=kinds, watches=watches)
 
 
@@ -96,20 +95,6 @@ async def plan_study(bench: CurrentBench, body: StudyDocument) -> StudyPlan:
 async def no_study_is_called_plan() -> None:
     """Keep `/studies/{study}` from taking this address for a study."""
     raise HTTPException(405, headers={"Allow": "POST"})
-
-
-@router.put("/noticed-moves/{device}/{axis}", responses=problems(*DEVICE_PROBLEMS))
-@policy(lease="free", words=wording.named("notice moves"))
-async def notice_moves(bench: CurrentBench, device: DeviceId, axis: AxisIndex) -> MoveWatchInfo:
-    """Notice, record and score each move of this axis from now on, whoever makes it. Nothing moves by it."""
-    return _watch_info(bench.studies.watch(bench.manager.get(device), axis))
-
-
-@router.delete("/noticed-moves/{device}/{axis}", status_code=204, responses=LOOK)
-@policy(lease="free", words=wording.named("notice no more moves"))
-async def notice_no_more_moves(bench: CurrentBench, device: DeviceId, axis: AxisIndex) -> None:
-    """Leave them be; what was noticed stays."""
-    await bench.studies.unwatch(bench.manager.get(device), axis)
 
 
 @router.post("", status_code=201, responses=BEGIN)

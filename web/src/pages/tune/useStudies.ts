@@ -41,8 +41,8 @@ export function useWatch(device: string, axis: number) {
   return useMutation({
     mutationFn: async (on: boolean): Promise<unknown> =>
       on
-        ? api.PUT("/api/v1/studies/noticed-moves/{device}/{axis}", at)
-        : api.DELETE("/api/v1/studies/noticed-moves/{device}/{axis}", at),
+        ? api.PUT("/api/v1/devices/{device}/axes/{axis}/noticed-moves", at)
+        : api.DELETE("/api/v1/devices/{device}/axes/{axis}/noticed-moves", at),
     onSettled: () => queries.invalidateQueries({ queryKey: ["studies"] }),
   });
 }
