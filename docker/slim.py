@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 TESTS = {"tests"}
-SOURCES = {".a", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
+SOURCES = {".a", ".c", ".cpp", ".h", ".hpp", ".pxd", ".pxi", ".pyi", ".pyx"}
 UNUSED = {
     "pyarrow": (
         *("*flight*", "*_s3*", "_pyarrow_cpp_tests*", "include", "src"),
@@ -29,16 +29,19 @@ UNUSED = {
     "alembic": ("testing",),
     "zstandard": ("_cffi*", "backend_cffi.py"),
     "optuna": ("visualization", "testing"),
+    "pydantic": ("v1",),
 }
 """Of recordings: Arrow Flight, stores in clouds, data sets, Substrait, ORC, Feather, JSON, encryption, tests and
 headers; what the page of viser is built of, and icons for its own panels; graphics cards; NumPy's tests of itself;
 parts of SciPy that its statistics stand without; databases but SQLite; a second way into Zstandard; plots
-of Optuna's own."""
+of Optuna's own; Pydantic as it was before."""
 NAMED_ONLY = ("pyarrow", "libarrow.so.*", ("libarrow_substrait.so.*", "libarrow_dataset.so.*", "libarrow_acero.so.*"))
 """Libraries that each module of a package names and none of those that are left calls: they become links to one that is
 loaded anyway, else the loader would miss them."""
 LEXERS = ("pygments/lexers", {"__init__.py", "_mapping.py", "python.py", "special.py"})
 """Python alone is shown in colours, in tracebacks."""
+PACKED = ("stepscope", ".gz")
+"""What the build has packed is kept only so: the server unpacks it for who takes no gzip."""
 ELF = b"\x7fELF"
 SHARED_BYTES_MIN = 100_000
 REPACKED = ".libs"
@@ -69,6 +72,9 @@ def unused(packages: Path) -> Iterator[Path]:
     for package, patterns in UNUSED.items():
         for pattern in patterns:
             yield from sorted((packages / package).glob(pattern))
+    package, packed = PACKED
+    for path in sorted((packages / package).rglob(f"*{packed}")):
+        yield path.with_name(path.name.removesuffix(packed))
     lexers, kept = LEXERS
     yield from (path for path in sorted((packages / lexers).glob("*.py")) if path.name not in kept)
 

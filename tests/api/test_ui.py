@@ -76,6 +76,36 @@ async def test_other_words_for_gzip(pages: httpx.AsyncClient, packed: bytes, acc
     assert (answer.headers["content-encoding"], answer.content) == ("gzip", packed)
 
 
+@pytest.mark.parametrize("accepted", ["gzip", "identity"])
+async def test_what_is_kept_packed_only_goes_to_everybody(
+    pages: httpx.AsyncClient, packed: bytes, settings: Settings, accepted: str
+) -> None:
+    (settings.web_dir / "assets/big-abc123.js").unlink()
+    asked = {"accept-encoding": accepted}
+    answer = await pages.get("/assets/big-abc123.js", headers=asked)
+    assert (answer.status_code, answer.content) == (200, packed)
+    assert answer.headers.get("content-encoding", "identity") == accepted
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert "immutable" in answer.headers["cache-control"]
+    assert answer.headers["vary"] == "Accept-Encoding"
+    tag = answer.headers["etag"]
+    assert (await pages.get("/assets/big-abc123.js", headers={**asked, "if-none-match": tag})).status_code == 304
+    other = {"accept-encoding": "identity" if accepted == "gzip" else "gzip", "if-none-match": tag}
+    assert (await pages.get("/assets/big-abc123.js", headers=other)).status_code == 200
+
+
+@pytest.mark.parametrize("path", ["/", "/registers"])
+async def test_a_page_that_is_kept_packed_only_is_found(
+    pages: httpx.AsyncClient, settings: Settings, path: str
+) -> None:
+    (settings.web_dir / "index.html.gz").write_bytes(gzip.compress(b"<title>the packed page</title>"))
+    (settings.web_dir / "index.html").unlink()
+    for accepted in ("gzip", "identity"):
+        answer = await pages.get(path, headers={"accept-encoding": accepted})
+        assert answer.headers["content-type"].startswith("text/html")
+        assert "the packed page" in answer.text
+
+
 async def test_the_page_itself_is_packed_too(pages: httpx.AsyncClient, settings: Settings) -> None:
     (settings.web_dir / "index.html.gz").write_bytes(gzip.compress(b"<title>the packed page</title>"))
     answer = await pages.get("/registers", headers={"accept-encoding": "gzip"})

@@ -33,6 +33,8 @@ def test_tests_headers_and_unused_libraries_go_and_what_is_imported_stays(
         "pyarrow/parquet.py",
         "pygments/lexers/python.py",
         "sqlalchemy/dialects/sqlite/base.py",
+        "stepscope/_web/assets/index-abc.js.gz",
+        "stepscope/_web/logo.png",
     )
     gone: tuple[str, ...] = (
         "numpy/tests/test_core.py",
@@ -41,6 +43,7 @@ def test_tests_headers_and_unused_libraries_go_and_what_is_imported_stays(
         "pyarrow/libarrow_flight.so.2600",
     )
     gone += ("pygments/lexers/perl.py", "scipy/io/matlab.py", "sqlalchemy/testing/engines.py")
+    gone += ("stepscope/_web/assets/index-abc.js", "numba/_lapack.c")
     gone += ("pyarrow/include/arrow/api.h", "pyarrow/libarrow_s3.so.2600", "pyarrow/_s3fs.cpython-312.so")
     for name in (*kept, *gone):
         path = tmp_path / "lib/python3.12/site-packages" / name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import html
 import mimetypes
 import os
@@ -38,8 +39,10 @@ HEADERS = {
 HASHED = "public, max-age=31536000, immutable"
 REVALIDATED = "no-cache"
 GZIP = ".gz"
-"""What the build has packed lies beside its file, under its name and this (`scripts/web.py`)."""
+"""What the build has packed lies under its file's name and this (`scripts/built_folder.py`), beside that file or, in an
+image, alone."""
 
+INDEX = "/index.html"
 HELP = "/help"
 
 MISSING_HELP = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepscope help</title>
@@ -61,7 +64,11 @@ class BuiltFiles:
         self.directory = directory.resolve()
 
     def find(self, path: str) -> Path | None:
-        """The file under the directory that `path` names, or None; `..` and links never lead out."""
+        """The file under the directory that `path` names, packed where it is kept so only, or None."""
+        return self._inside(path) or self._inside(path + GZIP)
+
+    def _inside(self, path: str) -> Path | None:
+        """The file of that very name; `..` and links never lead out."""
         if "\0" in path:
             return None
         try:
@@ -74,15 +81,18 @@ class BuiltFiles:
     def send(self, path: str, found: Path, cache: str, scope: Scope) -> Response:
         """The answer that carries `found`, which lies at `path`."""
         headers = {**HEADERS, "cache-control": cache}
-        kind = mimetypes.guess_type(found.name)[0] or "application/octet-stream"
-        packed = self.find(path + GZIP)
+        packed = self._inside(path + GZIP)
         if packed is not None:
             headers["vary"] = "Accept-Encoding"
             if _takes_gzip(scope):
                 # Of another length and time than the plain file, so with another ETag.
                 headers["content-encoding"] = "gzip"
                 found = packed
-        response = FileResponse(found, stat_result=os.stat(found), media_type=kind, headers=headers)
+        kind = mimetypes.guess_type(path)[0] or "application/octet-stream"
+        response: Response = FileResponse(found, stat_result=os.stat(found), media_type=kind, headers=headers)
+        if found == packed and "content-encoding" not in headers:
+            headers["etag"] = response.headers["etag"].removesuffix('"') + '-plain"'
+            response = Response(gzip.decompress(found.read_bytes()), media_type=kind, headers=headers)
         return NotModifiedResponse(response.headers) if _unchanged(response, scope) else response
 
     def missing(self, page: str) -> Response:
@@ -116,8 +126,8 @@ class WebUi:
             return self._ui.send(path, found, HASHED if path.startswith("/assets/") else REVALIDATED, scope)
         if "." in path.rpartition("/")[2]:
             raise HTTPException(404, "no such file")
-        index = self._ui.find("/index.html")
-        return self._ui.missing(MISSING) if index is None else self._ui.send("/index.html", index, REVALIDATED, scope)
+        index = self._ui.find(INDEX)
+        return self._ui.missing(MISSING) if index is None else self._ui.send(INDEX, index, REVALIDATED, scope)
 
     def _help_page(self, path: str, scope: Scope) -> Response:
         if path == "":  # links of its pages count from the folder
@@ -126,7 +136,7 @@ class WebUi:
         found = self._help.find(path)
         if found is not None:
             return self._help.send(path, found, REVALIDATED, scope)
-        if self._help.find("/index.html") is None:
+        if self._help.find(INDEX) is None:
             return self._help.missing(MISSING_HELP)
         raise HTTPException(404, f"no such page: {HELP}/ has the list")
 
@@ -140,6 +150,6 @@ def _takes_gzip(scope: Scope) -> bool:
     return weights.get("gzip", weights.get("*", "0")).strip("0.") != ""
 
 
-def _unchanged(response: FileResponse, scope: Scope) -> bool:
+def _unchanged(response: Response, scope: Scope) -> bool:
     tags = next((value.decode("latin-1") for key, value in scope["headers"] if key == b"if-none-match"), "")
     return response.headers["etag"] in [tag.strip().removeprefix("W/") for tag in tags.split(",")]
