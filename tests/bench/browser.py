@@ -20,7 +20,7 @@ def measure(*, quick: bool) -> Row:
     with demo_server() as (server, _, _), sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
         page = browser.new_page(viewport={"width": 1440, "height": 900}, base_url=server.url)
-        blank_fps = _idle_fps(page)
+        blank_fps = idle_fps(page)
         page.goto("/bench/plots")
         page.get_by_test_id("plot-speed").wait_for()
         time.sleep(3.0)  # loading and compiling are over
@@ -48,7 +48,7 @@ def _figures(page: Page) -> dict[str, Any]:
     return figures
 
 
-def _idle_fps(page: Page) -> float:
+def idle_fps(page: Page) -> float:
     page.goto("about:blank")
     rate: float = page.evaluate(
         """() => new Promise((resolve) => {

@@ -1,16 +1,16 @@
-"""Samples on their way to the scope: one socket a device, whatever the page shows of it."""
+"""Channels of the scope: one socket a device, any channel in any plot, formulas, figures of a stretch, its address."""
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from urllib.parse import parse_qs, urlparse
 
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import Locator, Page, WebSocket, expect
 
 
 class Sockets:
@@ -88,6 +88,129 @@ def test_another_channel_takes_over_from_a_socket_that_goes_on_until_then(bench:
     expect(readout).to_contain_text("live")
 
 
+def test_any_channel_goes_into_any_plot(bench: Page, check_axe: Callable[[Page], None]) -> None:
+    """Ticked or dragged; a second unit has the other axis, and a third is refused with the reason."""
+    bench.get_by_role("button", name="Channels and plots of your own").click()
+    tree = bench.get_by_test_id("channel-tree")
+    tree.get_by_label("Find a channel").fill("position")
+    line(tree, "bench:position.0").get_by_role("checkbox").check()
+    plot = bench.get_by_test_id("free-plot-1")
+    expect(plot.locator("canvas")).to_be_visible()
+    expect(plot.locator("[data-path='bench:position.0']")).to_have_text(re.compile(r"\d"))
+    tree.get_by_label("Find a channel").fill("slider velocity")
+    line(tree, "slider:velocity.0").drag_to(plot)
+    expect(plot.locator("[data-path='slider:velocity.0']")).to_have_text(re.compile(r"\d"))
+    tree.get_by_label("Find a channel").fill("bench acceleration")
+    line(tree, "bench:acceleration.0").drag_to(plot)
+    expect(plot.get_by_role("status")).to_have_text(
+        "pps² has no axis here: its two y axes are µsteps and pps. Put it into another plot"
+    )
+    line(tree, "bench:acceleration.0").get_by_role("checkbox").click()
+    expect(tree.get_by_role("status")).to_contain_text("pps² has no axis here")
+    plot.get_by_role("combobox", name="Kind of plot 1").click()
+    bench.get_by_role("option", name="XY").click()
+    expect(plot).to_contain_text("x: ")
+    check_axe(bench)
+    bench.reload()
+    expect(bench.get_by_test_id("free-plot-1").locator("[data-path='slider:velocity.0']")).to_be_visible()
+    bench.get_by_role("button", name="Close plot 1").click()
+    expect(bench.get_by_test_id("free-plot-1")).to_have_count(0)
+
+
+def test_a_formula_is_a_channel_with_a_unit(bench: Page) -> None:
+    bench.get_by_role("button", name="Channels and plots of your own").click()
+    tree = bench.get_by_test_id("channel-tree")
+    tree.get_by_role("button", name="Derive by a formula").click()
+    form = tree.get_by_role("form", name="Derive by a formula")
+    for letter, channel in (("a", "bench velocity.0"), ("b", "bench position.0")):
+        form.get_by_label(letter, exact=True).fill(channel)
+        bench.get_by_role("option", name=re.compile(re.escape(channel) + "$")).first.click()
+    verdict = form.get_by_test_id("formula-verdict")
+    formula = form.get_by_label("Formula", exact=True)
+    expect(verdict).to_have_text("what is subtracted has two units: pps and µsteps")
+    for hostile in ("a.constructor", "(()=>a)()", "a = 1", "mean(" * 30, "a" * 400, "__proto__"):
+        formula.fill(hostile)
+        expect(form.get_by_role("button", name="Add")).to_be_disabled()
+        expect(verdict).not_to_have_text(re.compile("^In "))
+    formula.fill("a - d(b) + 1000")
+    expect(verdict).to_have_text("In pps")
+    form.get_by_label("Name").fill("slip")
+    form.get_by_role("button", name="Add").click()
+    line(tree, "=:slip").get_by_role("checkbox").check()
+    value = bench.get_by_test_id("free-plot-1").locator("[data-path='=:slip']")
+    expect(value).to_have_text(re.compile("^1000$"))  # at rest there is no difference
+    bench.get_by_role("button", name="Close plot 1").click()
+
+
+def test_figures_between_cursors_are_those_of_a_recording(bench: Page, api: httpx.Client) -> None:
+    """The same samples, on the scope and recorded: the page and the server work the same figures out."""
+    bench.goto("/?d=bench&t=-2s")
+    expect(bench.get_by_test_id("link-readout").first).to_contain_text("live")
+    asked = {"device": "bench", "channels": ["position.0", "velocity.0"], "rate_hz": 100}
+    recording = api.post("/recordings", json=asked).raise_for_status().json()["id"]
+    api.post("/devices/bench/axes/0/move", json={"target": 3000, "relative": True}).raise_for_status()
+    wait(bench, lambda: not api.get("/devices/bench/axes/0").json()["moving"])
+    wait(bench, lambda: api.get(f"/recordings/{recording}").json()["duration_s"] > 3)
+    bench.get_by_role("button", name="Pause").click()
+    api.post(f"/recordings/{recording}/stop").raise_for_status()
+    try:
+        bench.get_by_role("button", name="Measuring cursors").click()
+        bench.get_by_role("button", name="Figures", exact=True).click()
+        detail = api.get(f"/recordings/{recording}").raise_for_status().json()
+        begin_s = detail["zero_s"]
+        wait(bench, lambda: "c=" in bench.url)
+        cursors_from, cursors_to = map(float, parse_qs(urlparse(bench.url).query)["c"][0].split("~"))
+        table = bench.get_by_test_id("cursor-table")
+        stretch = {"from_s": cursors_from - begin_s, "to_s": cursors_to - begin_s}
+        server = api.get(f"/recordings/{recording}/figures", params=stretch).raise_for_status().json()["figures"]
+        for channel in ("position.0", "velocity.0"):
+            row = table.locator(f"[data-channel='bench:{channel}']")
+            expect(row.locator("[data-figure]")).to_have_count(12)
+            figures = server[channel]
+            assert figures["samples"] > 50
+            shown = {
+                cell.get_attribute("data-figure"): float(cell.get_attribute("data-value") or "nan")
+                for cell in row.locator("[data-figure]").all()
+            }
+            assert shown["samples"] == figures["samples"]
+            assert shown["missing"] == figures["missing"]
+            for name, of in (("min", "minimum"), ("max", "maximum"), ("mean", "mean"), ("RMS", "rms")):
+                assert shown[name] == pytest.approx(figures[of], rel=1e-9, abs=1e-9), (channel, name)
+            assert shown["peak to peak"] == pytest.approx(figures["maximum"] - figures["minimum"])
+            assert shown["SD"] == pytest.approx((figures["rms"] ** 2 - figures["mean"] ** 2) ** 0.5, rel=1e-6, abs=1e-3)
+    finally:
+        api.delete(f"/recordings/{recording}").raise_for_status()
+
+
+def test_a_stretch_and_its_cursors_are_in_the_address(bench: Page) -> None:
+    bench.get_by_role("button", name="Pause").click()
+    bench.get_by_role("button", name="Measuring cursors").click()
+    wait(bench, lambda: "t=" in bench.url and "c=" in bench.url)
+    bench.wait_for_timeout(400)
+    said = parse_qs(urlparse(bench.url).query)
+    other = bench.context.new_page()
+    other.goto(bench.url)
+    expect(other.get_by_test_id("scope")).to_have_attribute("data-paused", "true")
+    wait(other, lambda: parse_qs(urlparse(other.url).query).get("c") == said["c"])
+    assert parse_qs(urlparse(other.url).query)["t"] == said["t"]
+    assert other.get_by_test_id("cursor-readout").inner_text() == bench.get_by_test_id("cursor-readout").inner_text()
+    other.get_by_role("button", name="Run").click()
+    wait(other, lambda: "~" not in other.url)
+    other.close()
+
+
+def test_what_was_written_is_marked(bench: Page, api: httpx.Client) -> None:
+    bench.get_by_role("button", name="Plots and further axes").click()
+    bench.get_by_role("checkbox", name="Writes, stops and events as marks").check()
+    api.put("/devices/bench/registers/V_MAX", params={"axis": 0}, json={"value": 1234}).raise_for_status()
+    expect(bench.get_by_test_id("program-mark")).to_have_text(re.compile(r"v_max 1234 \(", re.IGNORECASE))
+
+
+def line(tree: Locator, path: str) -> Locator:
+    """The line of a channel in the tree."""
+    return tree.locator(f"li[data-path='{path}']")
+
+
 def times_of(data: str | bytes) -> list[float]:
     """The device times of a binary frame [s]; none of a text."""
     if isinstance(data, str):
@@ -96,7 +219,7 @@ def times_of(data: str | bytes) -> list[float]:
     return list(np.frombuffer(data, "<f8", rows, 24))
 
 
-def wait(page: Page, condition: object, seconds: float = 10.0) -> None:
+def wait(page: Page, condition: object, seconds: float = 30.0) -> None:
     """Until it is so; the page's own events are heard meanwhile."""
     for _ in range(int(seconds / 0.05)):
         if condition():  # type: ignore[operator]

@@ -5,7 +5,6 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
 import { can, type Device, useDevices } from "../../api/queries";
-import { putIntoAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { later } from "../../lib/later";
@@ -19,7 +18,7 @@ import { MotionCard } from "./motion/MotionCard";
 import { useSearch } from "./motion/useSearch";
 import { StageDrawing } from "./StageDrawing";
 import { ScopeCard } from "./scope/ScopeCard";
-import { textsOf, useScopeSettings } from "./scope/settings";
+import { putSettings, useScopeSettings } from "./scope/settings";
 import { useEmulator } from "./useEmulator";
 
 const EmulatorPanel = later(() => import("./EmulatorPanel").then((part) => part.EmulatorPanel));
@@ -71,7 +70,7 @@ function Bench({ devices, lost }: BenchProps) {
   const { device, axis, select } = useSelection();
   const [settings, change] = useScopeSettings();
   // biome-ignore lint/correctness/useExhaustiveDependencies: as it was left; each change of it says so by itself
-  useEffect(() => putIntoAddress(textsOf(settings), "replace"), []);
+  useEffect(() => putSettings(settings), []);
   const [panel, { toggle, close }] = useDisclosure();
   const asKnown = (each: Device): Device => (lost ? { ...each, state: "disconnected" } : each);
   const entry = device?.axes.find((candidate) => candidate.index === axis) ?? device?.axes[0];
@@ -103,7 +102,7 @@ function Bench({ devices, lost }: BenchProps) {
                 <Link href="/registers">Registers</Link>, and any of it on the scope.
               </Text>
             </Card>
-            <ScopeCard devices={devices} main={main} axisName={device.name} />
+            <ScopeCard devices={devices} main={main} axisName={device.name} settings={settings} change={change} />
           </>
         )}
         {device && entry && (
@@ -118,7 +117,13 @@ function Bench({ devices, lost }: BenchProps) {
               />
             )}
             <Limits key={`limits/${device.id}/${axis}`} device={asKnown(device)} axis={entry} unit={settings.unit} />
-            <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
+            <ScopeCard
+              devices={devices}
+              main={main}
+              axisName={`${device.name} ${entry.name}`}
+              settings={settings}
+              change={change}
+            >
               {(scope) =>
                 can(device, "events") && (
                   <div className={classes.events}>

@@ -1,10 +1,11 @@
-import { NativeSelect, SegmentedControl, Text } from "@mantine/core";
+import { Button, NativeSelect, SegmentedControl, Text } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
 import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
 import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { EmptyState } from "../../../lib/EmptyState";
+import { later } from "../../../lib/later";
 import { symbolOf } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
 import { Plot } from "../../../plots/Plot";
@@ -17,19 +18,29 @@ import type { AxisRef, ScopeRow } from "./model";
 import type { RowId } from "./rows";
 import { ScopeToolbar } from "./ScopeToolbar";
 import classes from "./scope.module.css";
-import { type Trigger, useScopeSettings } from "./settings";
+import type { ScopeSettings, Trigger } from "./settings";
 import { type Scope, TIME_AXIS, useScope } from "./useScope";
+import { useStretchInAddress } from "./useStretchInAddress";
+
+const FreePlots = later(() => import("./free/FreePlots").then((part) => part.FreePlots));
+const ChannelTree = later(() => import("./free/ChannelTree").then((part) => part.ChannelTree));
+const CursorTable = later(() => import("./free/CursorTable").then((part) => part.CursorTable));
 
 interface Props {
   devices: readonly Device[];
   main: AxisRef;
   axisName: string;
+  /** what it shows; whoever keeps that also keeps what `change` says */
+  settings: ScopeSettings;
+  change: (part: Partial<ScopeSettings>) => void;
   /** what stands below the plots, on their time axis */
   children?: (scope: Scope) => ReactNode;
 }
 
 const TRIGGERS: readonly Trigger[] = ["roll", "auto", "single"];
 const NO_SERIES = [] as const;
+/** the least height of a plot that the user has put together */
+const FREE_PX = 134;
 
 function yScaleOf({ row, unit, traces }: ScopeRow): PlotScale {
   if (row.id === "switches") {
@@ -48,15 +59,19 @@ function yScaleOf({ row, unit, traces }: ScopeRow): PlotScale {
 }
 
 /** The scope: what the selected axis does, against what it was to do. */
-export function ScopeCard({ devices, main, axisName, children }: Props) {
-  const [settings, change] = useScopeSettings();
+export function ScopeCard({ devices, main, axisName, settings, change, children }: Props) {
   const [cursors, setCursors] = useState(false);
+  const [figures, setFigures] = useState(false);
+  const [tree, setTree] = useState(false);
   const phone = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const [phoneRow, setPhoneRow] = useState("position");
   const scope = useScope(devices, main, settings, cursors);
+  useStretchInAddress(scope, settings, cursors, setCursors);
   const [box, heightPx] = useHeight();
   const folded: ReadonlySet<RowId> =
-    phone || heightPx === null ? new Set() : foldedRows(scope.rows, heightPx, settings.folds, cursors);
+    phone || heightPx === null
+      ? new Set()
+      : foldedRows(scope.rows, heightPx - settings.free.length * FREE_PX, settings.folds, cursors);
   const rows = scope.rows.filter(({ row }) => (phone ? row.id === phoneRow : !folded.has(row.id)));
   const fold = (id: RowId, on: boolean) => change({ folds: { ...settings.folds, [id]: on } });
 
@@ -95,6 +110,8 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
           change={change}
           cursors={cursors}
           setCursors={setCursors}
+          tree={tree}
+          setTree={setTree}
         />
         <div className="stack shrink">
           {scope.sources.map((source, index) => {
@@ -110,74 +127,88 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
               )
             );
           })}
-          <LiveText className="num hint" data-testid="program-mark" read={scope.programNow} />
+          <LiveText className="num hint" data-testid="program-mark" read={scope.latestTold} />
         </div>
       </div>
-      {cursors && <CursorReadout scope={scope} />}
+      {cursors && (
+        <div className="lines-8 mid">
+          <CursorReadout scope={scope} />
+          <Button size="compact-xs" variant="subtle" aria-expanded={figures} onClick={() => setFigures(!figures)}>
+            Figures
+          </Button>
+        </div>
+      )}
+      {cursors && figures && <CursorTable scope={scope} />}
       {phone && scope.rows.length > 1 && <PlotChoice rows={scope.rows} value={phoneRow} onChange={setPhoneRow} />}
-      {scope.rows.length === 0 && (
+      {scope.rows.length === 0 && settings.free.length === 0 && (
         <EmptyState title="No plot is chosen" icon={<IconActivity size={22} />}>
           <Text size="sm" className="dim">
             The sliders button above has plots, registers and parameters.
           </Text>
         </EmptyState>
       )}
-      <div ref={box} className={`${classes.rows} stack gap-2`}>
-        {rows.map((scopeRow, index) => {
-          const { row, unit, traces } = scopeRow;
-          const px = leastHeight(scopeRow, cursors);
-          return (
-            <div
-              key={row.id}
-              className={classes.row}
-              style={phone ? undefined : { flex: row.grow > 0 ? `${row.grow} 0 ${px}px` : `0 0 ${px}px` }}
-            >
+      <div className={classes.body}>
+        <div ref={box} className={`${classes.rows} stack gap-2`}>
+          {rows.map((scopeRow, index) => {
+            const { row, unit, traces } = scopeRow;
+            const px = leastHeight(scopeRow, cursors);
+            return (
+              <div
+                key={row.id}
+                className={classes.row}
+                style={phone ? undefined : { flex: row.grow > 0 ? `${row.grow} 0 ${px}px` : `0 0 ${px}px` }}
+              >
+                <Plot
+                  label={`${row.title} of ${axisName} over time${unit ? ` in ${symbolOf(unit)}` : ""}`}
+                  series={traces.map((trace) => trace.series)}
+                  x={{ label: "time", unit: "s", axis: phone === true }}
+                  scales={{ y: yScaleOf(scopeRow) }}
+                  height="100%"
+                  group="scope"
+                  legend={false}
+                  handle={(plot) => scope.setPlot(row.id, plot)}
+                  overlays={() => scope.overlays(row.id)}
+                  levels={scope.levels(scopeRow)}
+                  marks={scope.marks(index === 0)}
+                  onMark={scope.moveMark}
+                  onWindow={scope.changeWindow}
+                  onCursor={(at) => scope.setHover(at?.x ?? null)}
+                />
+                <ChannelPanel
+                  scopeRow={scopeRow}
+                  scope={scope}
+                  cursors={cursors}
+                  onToggle={toggle}
+                  {...(phone || scope.rows.length === 1 ? {} : { onFold: () => fold(row.id, true) })}
+                />
+              </div>
+            );
+          })}
+          {settings.free.length > 0 && (
+            <FreePlots scope={scope} devices={devices} settings={settings} change={change} />
+          )}
+          {!phone && rows.length + settings.free.length > 0 && (
+            <div className={classes.timeAxis} data-testid="time-axis">
               <Plot
-                label={`${row.title} of ${axisName} over time${unit ? ` in ${symbolOf(unit)}` : ""}`}
-                series={traces.map((trace) => trace.series)}
-                x={{ label: "time", unit: "s", axis: phone === true }}
-                scales={{ y: yScaleOf(scopeRow) }}
-                height="100%"
+                label="Time"
+                scenery
+                series={NO_SERIES}
+                x={{ label: "time", unit: "s" }}
+                height={TIME_AXIS_PX}
                 group="scope"
-                legend={false}
-                handle={(plot) => scope.setPlot(row.id, plot)}
-                overlays={() => scope.overlays(row.id)}
-                levels={scope.levels(scopeRow)}
-                marks={scope.marks(index === 0)}
-                onMark={scope.moveMark}
-                onWindow={scope.changeWindow}
-                onCursor={(at) => scope.setHover(at?.x ?? null)}
-              />
-              <ChannelPanel
-                scopeRow={scopeRow}
-                scope={scope}
-                cursors={cursors}
-                onToggle={toggle}
-                {...(phone || scope.rows.length === 1 ? {} : { onFold: () => fold(row.id, true) })}
+                handle={(plot) => scope.setPlot(TIME_AXIS, plot)}
               />
             </div>
-          );
-        })}
-        {!phone && rows.length > 0 && (
-          <div className={classes.timeAxis} data-testid="time-axis">
-            <Plot
-              label="Time"
-              scenery
-              series={NO_SERIES}
-              x={{ label: "time", unit: "s" }}
-              height={TIME_AXIS_PX}
-              group="scope"
-              handle={(plot) => scope.setPlot(TIME_AXIS, plot)}
+          )}
+          {folded.size > 0 && (
+            <FoldedPlots
+              rows={scope.rows.filter(({ row }) => folded.has(row.id))}
+              scope={scope}
+              onOpen={(id) => fold(id, false)}
             />
-          </div>
-        )}
-        {folded.size > 0 && (
-          <FoldedPlots
-            rows={scope.rows.filter(({ row }) => folded.has(row.id))}
-            scope={scope}
-            onOpen={(id) => fold(id, false)}
-          />
-        )}
+          )}
+        </div>
+        {tree && <ChannelTree devices={devices} settings={settings} change={change} onClose={() => setTree(false)} />}
       </div>
       {children?.(scope)}
     </Card>

@@ -15,10 +15,12 @@ interface Props {
   further: readonly string[];
   more: string[];
   onMore: (more: string[]) => void;
+  marks: boolean;
+  onMarks: (marks: boolean) => void;
 }
 
 /** What the scope shows: its plots, and further axes. */
-export function ScopeChoices({ rows, others, further, more, onMore }: Props) {
+export function ScopeChoices({ rows, others, further, more, onMore, marks, onMarks }: Props) {
   return (
     <Stack gap={6}>
       {rows.length > 0 && <Choices title="Plots" choices={rows} />}
@@ -37,6 +39,12 @@ export function ScopeChoices({ rows, others, further, more, onMore }: Props) {
           comboboxProps={{ withinPortal: false }}
         />
       )}
+      <Divider />
+      <Checkbox
+        label="Writes, stops and events as marks"
+        checked={marks}
+        onChange={(event) => onMarks(event.currentTarget.checked)}
+      />
       {others.length > 0 && (
         <>
           <Divider />

@@ -1,5 +1,11 @@
 import { ActionIcon, Box, Button, Group, Popover, SegmentedControl } from "@mantine/core";
-import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
+import {
+  IconAdjustmentsHorizontal,
+  IconListTree,
+  IconPlayerPause,
+  IconPlayerPlay,
+  IconRulerMeasure,
+} from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { Choice } from "../../../lib/Choice";
 import { namesOf, optionsOf } from "../../../lib/choices";
@@ -23,6 +29,9 @@ interface Props {
   change: (part: Partial<ScopeSettings>) => void;
   cursors: boolean;
   setCursors: (on: boolean) => void;
+  /** the channels beside the plots */
+  tree: boolean;
+  setTree: (on: boolean) => void;
 }
 
 function spanLabel(seconds: number): string {
@@ -31,7 +40,7 @@ function spanLabel(seconds: number): string {
 }
 
 /** Run and pause, trigger, time base, rate, units, cursors, channels. */
-export function ScopeToolbar({ scope, devices, main, settings, change, cursors, setCursors }: Props) {
+export function ScopeToolbar({ scope, devices, main, settings, change, cursors, setCursors, tree, setTree }: Props) {
   const device = devices.find((candidate) => candidate.id === main.device);
   const scale = scaleOf(
     device?.axes.find((axis) => axis.index === main.axis),
@@ -139,6 +148,8 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
               chosen: settings.rows.includes(id),
               toggle: () => toggleRow(id),
             }))}
+            marks={settings.marks}
+            onMarks={(marks) => change({ marks })}
             further={furtherOf(device, main.axis)}
             more={settings.more}
             onMore={(more) => change({ more })}
@@ -146,6 +157,17 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           />
         </Popover.Dropdown>
       </Popover>
+      <ActionIcon
+        color="accent"
+        variant={tree ? "filled" : "default"}
+        size={30}
+        aria-label="Channels and plots of your own"
+        aria-pressed={tree}
+        title="Channels of all devices, into plots of your own"
+        onClick={() => setTree(!tree)}
+      >
+        <IconListTree size={17} />
+      </ActionIcon>
       {device && (
         <Box component="span" miw={30}>
           <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} further={settings.more} />

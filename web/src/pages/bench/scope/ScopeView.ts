@@ -49,10 +49,10 @@ export class ScopeView {
 
   /** The samples to show of a source: the live ones, or those of the moment of the pause. */
   bufferOf(source: TelemetrySource): TraceBuffer {
+    if (!this.paused) return source.buffer;
     const frozen = this.frozen.get(source);
-    if (!frozen) return source.buffer;
-    if (frozen.live === source.buffer) return frozen.copy;
-    // what is wanted since then has its past in another buffer
+    if (frozen?.live === source.buffer) return frozen.copy;
+    // what is wanted since the pause has its past in another buffer
     this.frozen.set(source, frozenOf(source));
     return this.bufferOf(source);
   }
@@ -147,6 +147,12 @@ export class ScopeView {
     const [from, to] = this.window;
     if (this.cursorTimes) this.cursorTimes = { ...this.cursorTimes, [id]: time };
     else this.cursorPlaces = { ...this.cursorPlaces, [id]: (time - from) / (to - from) };
+    this.revision += 1;
+  }
+
+  /** Where the cursors of a picture that stands are. */
+  setCursors(cursors: CursorPair): void {
+    if (this.cursorTimes) this.cursorTimes = cursors;
     this.revision += 1;
   }
 

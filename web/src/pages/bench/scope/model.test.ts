@@ -72,6 +72,9 @@ const SETTINGS: ScopeSettings = {
   extras: [{ device: "b", axis: 0 }],
   more: [],
   folds: {},
+  free: [],
+  derived: {},
+  marks: false,
 };
 
 describe("the scope's model", () => {

@@ -32,7 +32,7 @@ export interface ScopeRow {
 }
 
 /** Dashes tell further axes apart: a quantity keeps its colour on every page. */
-const DASHES: readonly number[][] = [
+export const DASHES: readonly number[][] = [
   [6, 3],
   [2, 2],
   [9, 3, 2, 3],

@@ -1,5 +1,7 @@
+import { useRef } from "react";
 import { putIntoAddress, useAddress } from "../../../lib/address";
 import { useLocalKept } from "../../../lib/useKept";
+import { windowOf } from "../../recordings/useView";
 import type { Folds } from "./folding";
 import { ROWS, type RowId } from "./rows";
 
@@ -9,6 +11,20 @@ export type Trigger = "roll" | "auto" | "single";
 export interface ExtraAxis {
   device: string;
   axis: number;
+}
+
+/** A plot that the user has put together: channels by path, `xy:velocity.1` or `=:slip`. */
+export interface FreePlot {
+  id: string;
+  /** over time; all over the first of them; or what they swing at */
+  kind: "time" | "xy" | "spectrum";
+  y: string[];
+}
+
+/** A channel that is worked out of others: the letters of a formula, and the channels that they are. */
+export interface Derived {
+  formula: string;
+  inputs: Record<string, string>;
 }
 
 export interface ScopeSettings {
@@ -23,6 +39,10 @@ export interface ScopeSettings {
   /** further registers or parameters, by name */
   more: string[];
   folds: Folds;
+  free: FreePlot[];
+  derived: Record<string, Derived>;
+  /** what was written, and how motors stopped, as marks */
+  marks: boolean;
 }
 
 export const SPANS_S = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300] as const;
@@ -38,6 +58,9 @@ const DEFAULTS: ScopeSettings = {
   extras: [],
   more: [],
   folds: {},
+  free: [],
+  derived: {},
+  marks: false,
 };
 
 /** What the page keeps of samples [s]: less when they come fast. */
@@ -65,13 +88,25 @@ export function settingsOf({ t, rows, unit }: ReturnType<typeof textsOf>): Parti
   return { ...(spanS && { spanS }), ...(known && { rows: shown }), ...(unit !== "" && { unit }) };
 }
 
+/** Puts what is seen into the address; where that holds a stretch of time, this stays. */
+export function putSettings(settings: ScopeSettings): void {
+  const { t, ...others } = textsOf(settings);
+  const stretch = windowOf(new URLSearchParams(location.search).get("t") ?? "");
+  putIntoAddress(stretch === null ? { t, ...others } : others, "replace");
+}
+
 /** How the scope is set: by the address, else as it was last in this browser. */
 export function useScopeSettings() {
   const [stored, setStored] = useLocalKept<Partial<ScopeSettings>>("stepscope.scope", {});
-  const settings: ScopeSettings = { ...DEFAULTS, ...stored, ...settingsOf(useAddress("t", "rows", "unit")) };
+  const address = useAddress("t", "rows", "unit");
+  const settings: ScopeSettings = { ...DEFAULTS, ...stored, ...settingsOf(address) };
+  // a paused scope has its stretch in the place of its span, which it goes on with
+  const span = useRef(settings.spanS);
+  if (windowOf(address.t) === null) span.current = settings.spanS;
+  else settings.spanS = span.current;
   const change = (part: Partial<ScopeSettings>) => {
     setStored({ ...settings, ...part });
-    putIntoAddress(textsOf({ ...settings, ...part }), "replace");
+    putSettings({ ...settings, ...part });
   };
   return [settings, change] as const;
 }

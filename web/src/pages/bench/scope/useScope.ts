@@ -5,15 +5,25 @@ import { useScheme } from "../../../lib/useScheme";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
 import { cut, type Trace } from "../../../live/window";
-import { type PlotData, resampled } from "../../../plots/series";
+import { lowerBound, type PlotData, resampled } from "../../../plots/series";
 import type { Level, Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
 import { flagsOf } from "../../recordings/flags";
 import { useCompareCount } from "../../rotary/useExtended";
+import type { Samples } from "./free/feed";
 import { type AxisRef, buildRows, requestsFor, type ScopeRow, type ScopeTrace } from "./model";
 import { PredictionKeeper } from "./predictions";
 import type { RowId } from "./rows";
 import { ScopeView } from "./ScopeView";
 import type { ScopeSettings } from "./settings";
+import { useMarks } from "./useMarks";
+
+/** A channel that is on the scope besides those of its rows: what the cursors' table measures. */
+export interface Measured {
+  key: string;
+  label: string;
+  unit: string;
+  samples: (window: readonly [number, number]) => Samples;
+}
 
 const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8", b: "#9d8cff" } };
 /** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
@@ -41,6 +51,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   const keeper = useMemo(() => new PredictionKeeper(main.device, main.axis), [main.device, main.axis]);
   const source = sources[0];
   const mainDevice = devices.find(({ id }) => id === main.device);
+  const told = useMarks(mainDevice, main.axis, source, settings.marks);
   const compared = useCompareCount(main, can(mainDevice, "position_compare") && mainDevice?.state === "connected");
 
   useEffect(() => view.set(settings.spanS, settings.trigger), [view, settings.spanS, settings.trigger]);
@@ -98,6 +109,24 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     [sourceOf, shiftOf, view],
   );
 
+  /** All samples of a trace in a window of the main device's time, in its unit. */
+  const samplesOf = (trace: ScopeTrace, [from, to]: readonly [number, number]): Samples => {
+    const source = sourceOf(trace);
+    const buffer = source && view.bufferOf(source);
+    const column = buffer?.column(trace.channel);
+    if (!buffer || !column) return { times: new Float64Array(), values: new Float64Array() };
+    const shift = shiftOf(trace.device);
+    const [first, end] = [lowerBound(buffer.times(), from - shift), lowerBound(buffer.times(), to - shift)];
+    return {
+      times: buffer
+        .times()
+        .subarray(first, end)
+        .map((time) => time + shift),
+      values: column.subarray(first, end).map((value) => value / trace.divisor),
+    };
+  };
+  const measured = useRef<readonly Measured[]>([]);
+
   const drawn = useRef("");
   useFrame((nowMs) => {
     if (!source) return;
@@ -109,7 +138,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     }
     const predicted = predictedOverlays(rows, buffer.lastTime, buffer.last(`predicted_position.${main.axis}`), nowMs);
     const revision = sources.map((each) => view.bufferOf(each).revision).join();
-    const state = `${window.join()} ${revision} ${view.revision} ${shape.length} ${predicted} ${cursors} ${source.program.at(-1)?.time_s}`;
+    const state = `${window.join()} ${revision} ${view.revision} ${shape.length} ${predicted} ${cursors} ${source.program.at(-1)?.time_s} ${told.current.length}`;
     if (drawn.current === state && !fresh.current) return;
     drawn.current = state;
     fresh.current = false;
@@ -172,17 +201,11 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     return ramp.startedAtS + from;
   }
 
-  /** What the program did, in the window on show; `named`: in words, too. */
-  const programMarks = (named: boolean): readonly Mark[] => {
-    const done = source?.program ?? [];
-    if (done.length === 0) return [];
-    const [from, to] = view.current();
-    const flags = flagsOf(
-      done.map(({ time_s, text }) => ({ time_s, text, kind: "program" })),
-      0,
-      scheme,
-    );
-    return flags([from, to], named);
+  /** What the program did, and what else was told, in the window on show; `named`: in words, too. */
+  const toldMarks = (named: boolean): readonly Mark[] => {
+    const done = (source?.program ?? []).map(({ time_s, text }) => ({ time_s, text, kind: "program" }));
+    const all = [...done, ...told.current];
+    return all.length === 0 ? [] : flagsOf(all, 0, scheme)(view.current(), named);
   };
   /** Where the chip tells that the axis comes by. */
   const levels = ({ row, traces }: ScopeRow): readonly Level[] => {
@@ -195,7 +218,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     const colors = MARK_COLORS[scheme];
     const at = view.triggerTime;
     const trigger: Mark[] = at === null ? [] : [{ id: "t", x: at, color: "#7a828c", label: "T", fixed: true }];
-    const fixed = [...programMarks(named), ...trigger];
+    const fixed = [...toldMarks(named), ...trigger];
     if (!cursors) return fixed;
     const { a, b } = view.cursors();
     return [...fixed, { id: "a", x: a, color: colors.a, label: "A" }, { id: "b", x: b, color: colors.b, label: "B" }];
@@ -210,13 +233,18 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     run,
     pause,
     valueAt,
+    samplesOf,
+    shiftOf,
+    measured,
     marks,
     levels,
     markColors: MARK_COLORS[scheme],
     overlays: (row: RowId): readonly Overlay[] => now.current.overlays.get(row) ?? [],
-    /** the latest thing that the program did, as its mark says it */
-    programNow: (): string => {
-      const latest = source?.program.at(-1);
+    /** the latest thing that was told, as its mark says it */
+    latestTold: (): string => {
+      const latest = [...(source?.program ?? []), ...told.current]
+        .sort((one, other) => one.time_s - other.time_s)
+        .at(-1);
       return latest ? `${latest.text} (${fixed(latest.time_s, 3, "s")})` : "";
     },
     hover: () => hover.current,
