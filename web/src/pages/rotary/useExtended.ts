@@ -44,15 +44,14 @@ export type ExtendedAxis = ReturnType<typeof useExtended>;
  * Where the axis' compare register tells, as its counter counts; null where it does not. Asked for once, and again and
  * again only while a compare is armed: its place moves with the counter. One that is armed on this page is known at once.
  */
-export function useCompareCount({ device, axis }: AxisAddress, enabled: boolean): number | null {
+export function useCompareCount({ device, axis }: AxisAddress): number | null {
   const query = useQuery({
     queryKey: ["extended-position", device, axis],
     queryFn: () => api.GET(ROUTE, { path: { device, axis } }),
-    enabled,
     refetchInterval: (asked) => (asked.state.data?.compare?.armed === true ? COMPARE_PERIOD_MS : false),
     retry: false,
   });
-  return enabled && query.data ? compareCount(query.data) : null;
+  return query.data ? compareCount(query.data) : null;
 }
 
 /** What was seen of it in the last `seconds`; asked for less often the longer that is. */

@@ -1,8 +1,9 @@
-import { Button, NativeSelect, SegmentedControl, Text } from "@mantine/core";
+import { NativeSelect, SegmentedControl, Text } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
 import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
 import type { Device } from "../../../api/queries";
+import { useAddress } from "../../../lib/address";
 import { Card } from "../../../lib/Card";
 import { EmptyState } from "../../../lib/EmptyState";
 import { later } from "../../../lib/later";
@@ -18,13 +19,15 @@ import type { AxisRef, ScopeRow } from "./model";
 import type { RowId } from "./rows";
 import { ScopeToolbar } from "./ScopeToolbar";
 import classes from "./scope.module.css";
-import type { ScopeSettings, Trigger } from "./settings";
+import { isStretch, type ScopeSettings, type Trigger } from "./settings";
 import { type Scope, TIME_AXIS, useScope } from "./useScope";
-import { useStretchInAddress } from "./useStretchInAddress";
 
+const ComparedCount = later(() => import("./ComparedCount").then((part) => part.ComparedCount));
 const FreePlots = later(() => import("./free/FreePlots").then((part) => part.FreePlots));
 const ChannelTree = later(() => import("./free/ChannelTree").then((part) => part.ChannelTree));
-const CursorTable = later(() => import("./free/CursorTable").then((part) => part.CursorTable));
+const CursorFigures = later(() => import("./free/CursorTable").then((part) => part.CursorFigures));
+const StretchInAddress = later(() => import("./free/StretchInAddress").then((part) => part.StretchInAddress));
+const ToldMarks = later(() => import("./free/ToldMarks").then((part) => part.ToldMarks));
 
 interface Props {
   devices: readonly Device[];
@@ -61,12 +64,11 @@ function yScaleOf({ row, unit, traces }: ScopeRow): PlotScale {
 /** The scope: what the selected axis does, against what it was to do. */
 export function ScopeCard({ devices, main, axisName, settings, change, children }: Props) {
   const [cursors, setCursors] = useState(false);
-  const [figures, setFigures] = useState(false);
   const [tree, setTree] = useState(false);
   const phone = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const [phoneRow, setPhoneRow] = useState("position");
   const scope = useScope(devices, main, settings, cursors);
-  useStretchInAddress(scope, settings, cursors, setCursors);
+  const stretch = isStretch(useAddress("t").t);
   const [box, heightPx] = useHeight();
   const folded: ReadonlySet<RowId> =
     phone || heightPx === null
@@ -133,12 +135,9 @@ export function ScopeCard({ devices, main, axisName, settings, change, children 
       {cursors && (
         <div className="lines-8 mid">
           <CursorReadout scope={scope} />
-          <Button size="compact-xs" variant="subtle" aria-expanded={figures} onClick={() => setFigures(!figures)}>
-            Figures
-          </Button>
+          <CursorFigures scope={scope} />
         </div>
       )}
-      {cursors && figures && <CursorTable scope={scope} />}
       {phone && scope.rows.length > 1 && <PlotChoice rows={scope.rows} value={phoneRow} onChange={setPhoneRow} />}
       {scope.rows.length === 0 && settings.free.length === 0 && (
         <EmptyState title="No plot is chosen" icon={<IconActivity size={22} />}>
@@ -210,6 +209,11 @@ export function ScopeCard({ devices, main, axisName, settings, change, children 
         </div>
         {tree && <ChannelTree devices={devices} settings={settings} change={change} onClose={() => setTree(false)} />}
       </div>
+      {(scope.paused || stretch) && (
+        <StretchInAddress scope={scope} settings={settings} cursors={cursors} setCursors={setCursors} />
+      )}
+      {scope.compares && <ComparedCount at={main} onCount={scope.setCompared} />}
+      {settings.marks && <ToldMarks device={main.device} axis={main.axis} scope={scope} />}
       {children?.(scope)}
     </Card>
   );

@@ -1,7 +1,6 @@
 import { useRef } from "react";
 import { putIntoAddress, useAddress } from "../../../lib/address";
 import { useLocalKept } from "../../../lib/useKept";
-import { windowOf } from "../../recordings/useView";
 import type { Folds } from "./folding";
 import { ROWS, type RowId } from "./rows";
 
@@ -88,11 +87,16 @@ export function settingsOf({ t, rows, unit }: ReturnType<typeof textsOf>): Parti
   return { ...(spanS && { spanS }), ...(known && { rows: shown }), ...(unit !== "" && { unit }) };
 }
 
+/** Whether `t` of the address is the stretch of a scope that stands still: `3.2~4.9`. */
+export function isStretch(t: string): boolean {
+  return t.includes("~");
+}
+
 /** Puts what is seen into the address; where that holds a stretch of time, this stays. */
 export function putSettings(settings: ScopeSettings): void {
   const { t, ...others } = textsOf(settings);
-  const stretch = windowOf(new URLSearchParams(location.search).get("t") ?? "");
-  putIntoAddress(stretch === null ? { t, ...others } : others, "replace");
+  const said = new URLSearchParams(location.search).get("t") ?? "";
+  putIntoAddress(isStretch(said) ? others : { t, ...others }, "replace");
 }
 
 /** How the scope is set: by the address, else as it was last in this browser. */
@@ -102,8 +106,8 @@ export function useScopeSettings() {
   const settings: ScopeSettings = { ...DEFAULTS, ...stored, ...settingsOf(address) };
   // a paused scope has its stretch in the place of its span, which it goes on with
   const span = useRef(settings.spanS);
-  if (windowOf(address.t) === null) span.current = settings.spanS;
-  else settings.spanS = span.current;
+  if (isStretch(address.t)) settings.spanS = span.current;
+  else span.current = settings.spanS;
   const change = (part: Partial<ScopeSettings>) => {
     setStored({ ...settings, ...part });
     putSettings({ ...settings, ...part });

@@ -5,17 +5,16 @@ import { useScheme } from "../../../lib/useScheme";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
 import { cut, type Trace } from "../../../live/window";
-import { lowerBound, type PlotData, resampled } from "../../../plots/series";
+import { type PlotData, resampled } from "../../../plots/series";
 import type { Level, Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
 import { flagsOf } from "../../recordings/flags";
-import { useCompareCount } from "../../rotary/useExtended";
 import type { Samples } from "./free/feed";
+import type { Told } from "./free/ToldMarks";
 import { type AxisRef, buildRows, requestsFor, type ScopeRow, type ScopeTrace } from "./model";
 import { PredictionKeeper } from "./predictions";
 import type { RowId } from "./rows";
 import { ScopeView } from "./ScopeView";
 import type { ScopeSettings } from "./settings";
-import { useMarks } from "./useMarks";
 
 /** A channel that is on the scope besides those of its rows: what the cursors' table measures. */
 export interface Measured {
@@ -51,8 +50,9 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   const keeper = useMemo(() => new PredictionKeeper(main.device, main.axis), [main.device, main.axis]);
   const source = sources[0];
   const mainDevice = devices.find(({ id }) => id === main.device);
-  const told = useMarks(mainDevice, main.axis, source, settings.marks);
-  const compared = useCompareCount(main, can(mainDevice, "position_compare") && mainDevice?.state === "connected");
+  const told = useRef<readonly Told[]>([]);
+  const compares = can(mainDevice, "position_compare") && mainDevice?.state === "connected";
+  const [compared, setCompared] = useState<number | null>(null);
 
   useEffect(() => view.set(settings.spanS, settings.trigger), [view, settings.spanS, settings.trigger]);
 
@@ -109,22 +109,6 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     [sourceOf, shiftOf, view],
   );
 
-  /** All samples of a trace in a window of the main device's time, in its unit. */
-  const samplesOf = (trace: ScopeTrace, [from, to]: readonly [number, number]): Samples => {
-    const source = sourceOf(trace);
-    const buffer = source && view.bufferOf(source);
-    const column = buffer?.column(trace.channel);
-    if (!buffer || !column) return { times: new Float64Array(), values: new Float64Array() };
-    const shift = shiftOf(trace.device);
-    const [first, end] = [lowerBound(buffer.times(), from - shift), lowerBound(buffer.times(), to - shift)];
-    return {
-      times: buffer
-        .times()
-        .subarray(first, end)
-        .map((time) => time + shift),
-      values: column.subarray(first, end).map((value) => value / trace.divisor),
-    };
-  };
   const measured = useRef<readonly Measured[]>([]);
 
   const drawn = useRef("");
@@ -233,9 +217,12 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     run,
     pause,
     valueAt,
-    samplesOf,
+    sourceOf,
     shiftOf,
     measured,
+    told,
+    compares,
+    setCompared,
     marks,
     levels,
     markColors: MARK_COLORS[scheme],

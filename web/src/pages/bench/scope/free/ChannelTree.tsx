@@ -2,9 +2,9 @@ import { ActionIcon, Button, Checkbox, Select, Text, TextInput } from "@mantine/
 import { IconMathFunction, IconX } from "@tabler/icons-react";
 import { type DragEvent, useMemo, useState } from "react";
 import type { Device } from "../../../../api/queries";
-import classes from "../scope.module.css";
 import type { ScopeSettings } from "../settings";
 import { FormulaForm } from "./FormulaForm";
+import classes from "./free.module.css";
 import { added, Channels, DRAGGED, derivedPath, pathOf, without } from "./plan";
 
 const NEW = "new";

@@ -1,8 +1,11 @@
 import { Button, Table } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
 import { IconCopy } from "@tabler/icons-react";
 import { useEffect, useRef, useState } from "react";
 import { compact } from "../../../../lib/format";
 import { symbolOf } from "../../../../lib/units";
+import { lowerBound } from "../../../../plots/series";
+import type { ScopeTrace } from "../model";
 import type { Scope } from "../useScope";
 import type { Samples } from "./feed";
 import { statisticsOf } from "./statistics";
@@ -30,8 +33,20 @@ interface Line {
   values: number[];
 }
 
-/** What is between the cursors, of every channel that is shown. */
-export function CursorTable({ scope }: { scope: Scope }) {
+/** What is between the cursors, of every channel that is shown: unfolded by its button. */
+export function CursorFigures({ scope }: { scope: Scope }) {
+  const [open, { toggle }] = useDisclosure();
+  return (
+    <>
+      <Button size="compact-xs" variant="subtle" aria-expanded={open} onClick={toggle}>
+        Figures
+      </Button>
+      {open && <CursorTable scope={scope} />}
+    </>
+  );
+}
+
+function CursorTable({ scope }: { scope: Scope }) {
   const [lines, setLines] = useState<Line[]>([]);
   const [copied, setCopied] = useState(false);
   const look = useRef(() => {});
@@ -46,7 +61,7 @@ export function CursorTable({ scope }: { scope: Scope }) {
     void navigator.clipboard.writeText(text.map((cells) => cells.join("\t")).join("\n")).then(() => setCopied(true));
   };
   return (
-    <div style={{ overflowX: "auto" }} data-testid="cursor-table">
+    <div style={{ flex: "1 0 100%", overflowX: "auto" }} data-testid="cursor-table">
       <Table className="text-12 num" horizontalSpacing={6} verticalSpacing={1}>
         <Table.Thead>
           <Table.Tr>
@@ -97,7 +112,7 @@ function linesOf(scope: Scope): Line[] {
           .map((trace) => ({
             key: `${trace.device}:${trace.channel}`,
             name: `${trace.main ? trace.quantity.replaceAll("_", " ") : trace.label} [${symbolOf(trace.unit) || "1"}]`,
-            samples: scope.samplesOf(trace, reach),
+            samples: samplesOf(scope, trace, reach),
           })),
   );
   const free = scope.measured.current.map(({ key, label, unit, samples }) => ({
@@ -128,6 +143,21 @@ function linesOf(scope: Scope): Line[] {
     ];
     return [{ key, name, values }];
   });
+}
+
+/** All samples of a trace in a window of the main device's time, in its unit. */
+function samplesOf(scope: Scope, trace: ScopeTrace, [from, to]: readonly [number, number]): Samples {
+  const source = scope.sourceOf(trace);
+  const buffer = source && scope.view.bufferOf(source);
+  const column = buffer?.column(trace.channel);
+  if (!buffer || !column) return { times: new Float64Array(), values: new Float64Array() };
+  const shift = scope.shiftOf(trace.device);
+  const times = buffer.times();
+  const [first, end] = [lowerBound(times, from - shift), lowerBound(times, to - shift)];
+  return {
+    times: times.subarray(first, end).map((time) => time + shift),
+    values: column.subarray(first, end).map((value) => value / trace.divisor),
+  };
 }
 
 /** Of the sample nearest to a time, among those between the cursors. */

@@ -16,6 +16,7 @@ import scopeClasses from "../scope.module.css";
 import type { FreePlot, ScopeSettings } from "../settings";
 import type { Scope } from "../useScope";
 import { Feed } from "./feed";
+import classes from "./free.module.css";
 import { added, Channels, DRAGGED, derivedName, placeOf, refusal, requestsFor, unitsOf, without } from "./plan";
 import { spectrumOf } from "./spectrum";
 
@@ -236,10 +237,9 @@ function FreeRow(props: RowProps) {
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging is one way; the tree's checkboxes are the other
     <div
-      className={scopeClasses.row}
+      className={`${scopeClasses.row} ${over ? classes.over : ""}`}
       style={{ flex: "2 0 132px" }}
       data-testid={`free-plot-${number}`}
-      data-over={over}
       onDragOver={takes}
       onDragEnter={takes}
       onDragLeave={() => setOver(false)}

@@ -1,10 +1,10 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useRef } from "react";
-import { api, type Schemas } from "../../../api/client";
-import type { Device } from "../../../api/queries";
-import type { TelemetrySource } from "../../../live/TelemetrySource";
+import { api, type Schemas } from "../../../../api/client";
+import type { Scope } from "../useScope";
 
-interface Told {
+/** A mark of the scope: when something happened, in words. */
+export interface Told {
   time_s: number;
   text: string;
   kind: string;
@@ -15,23 +15,28 @@ const LOOK_MS = 1500;
 const ENTRIES_MAX = 100;
 const TOLD_MAX = 200;
 
+interface Props {
+  device: string;
+  axis: number;
+  scope: Scope;
+}
+
 /** What happened at the device's own times, for marks: what was written to it, how its axis stopped, what it told. */
-export function useMarks(device: Device | undefined, axis: number, source: TelemetrySource | undefined, on: boolean) {
-  const marks = useRef<readonly Told[]>([]);
+export function ToldMarks({ device, axis, scope: { sources, told: marks } }: Props) {
+  const source = sources[0];
   const told = useRef<readonly Told[]>([]);
-  const id = device?.id ?? "";
   const log = useQuery({
-    queryKey: ["audit", "marks", id],
+    queryKey: ["audit", "marks", device],
     queryFn: async ({ signal }) => {
-      const query = { device: id, limit: ENTRIES_MAX };
+      const query = { device, limit: ENTRIES_MAX };
       return (await api.GET("/api/v1/audit", { query, signal })) as unknown as Schemas["AuditPage"];
     },
-    enabled: on && id !== "",
+    enabled: device !== "",
     refetchInterval: LOOK_MS,
   });
   useEffect(() => {
     told.current = [];
-    if (!source || !on) return;
+    if (!source) return;
     const tell = (mark: Told) => {
       told.current = [...told.current, mark].slice(-TOLD_MAX);
       marks.current = [...marks.current, mark];
@@ -46,15 +51,16 @@ export function useMarks(device: Device | undefined, axis: number, source: Telem
     ];
     return () => {
       for (const end of ends) end();
+      marks.current = [];
     };
-  }, [source, axis, on]);
+  }, [source, axis, marks]);
   const entries = log.data?.entries;
   useEffect(() => {
     const originS = source?.link().timeOriginUnixS;
-    const written = on && originS != null ? (entries ?? []).flatMap((entry) => markOf(entry, axis, originS)) : [];
-    marks.current = on ? [...written.reverse(), ...told.current] : [];
-  }, [entries, source, axis, on]);
-  return marks;
+    const written = originS == null ? [] : (entries ?? []).flatMap((entry) => markOf(entry, axis, originS));
+    marks.current = [...written.reverse(), ...told.current];
+  }, [entries, source, axis, marks]);
+  return null;
 }
 
 function markOf(entry: Schemas["AuditEntry"], axis: number, originS: number): Told[] {
