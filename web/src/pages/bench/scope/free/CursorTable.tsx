@@ -8,6 +8,7 @@ import { lowerBound } from "../../../../plots/series";
 import type { ScopeTrace } from "../model";
 import type { Scope } from "../useScope";
 import type { Samples } from "./feed";
+import classes from "./free.module.css";
 import { statisticsOf } from "./statistics";
 
 /** So often the figures follow samples that go on [ms]. */
@@ -61,7 +62,7 @@ function CursorTable({ scope }: { scope: Scope }) {
     void navigator.clipboard.writeText(text.map((cells) => cells.join("\t")).join("\n")).then(() => setCopied(true));
   };
   return (
-    <div style={{ flex: "1 0 100%", overflowX: "auto" }} data-testid="cursor-table">
+    <div className={classes.figures} data-testid="cursor-table">
       <Table className="text-12 num" horizontalSpacing={6} verticalSpacing={1}>
         <Table.Thead>
           <Table.Tr>

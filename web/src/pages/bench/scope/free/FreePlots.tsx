@@ -237,8 +237,7 @@ function FreeRow(props: RowProps) {
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging is one way; the tree's checkboxes are the other
     <div
-      className={`${scopeClasses.row} ${over ? classes.over : ""}`}
-      style={{ flex: "2 0 132px" }}
+      className={`${scopeClasses.row} ${classes.plot} ${over ? classes.over : ""}`}
       data-testid={`free-plot-${number}`}
       onDragOver={takes}
       onDragEnter={takes}
