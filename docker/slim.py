@@ -22,19 +22,29 @@ UNUSED = {
         *("_feather*", "_json*"),
     ),
     "viser": ("client/src", "client/package-lock.json", "_icons/*.zip"),
-    "numba": ("cuda",),
+    "numba": ("cuda", "pycc", "testing"),
     "numpy": ("_core/_simd.*", "_core/*_tests.*"),
-    "scipy": ("cluster", "datasets", "fftpack", "io", "misc", "odr", "signal", "stats/_unuran"),
-    "sqlalchemy": ("testing", "ext", *(f"dialects/{name}" for name in ("mssql", "mysql", "oracle", "postgresql"))),
+    "scipy": (
+        *("cluster", "datasets", "fftpack", "io", "misc", "odr", "signal", "stats/_unuran", "_lib/cobyqa"),
+        *("_lib/pyprima", "stats/_sobol_direction_numbers.npz", "special/_test_internal.*"),
+    ),
+    "sqlalchemy": (
+        "testing",
+        "ext/asyncio",
+        "ext/mypy",
+        *(f"dialects/{name}" for name in ("mssql", "mysql", "oracle")),
+    ),
     "alembic": ("testing",),
     "zstandard": ("_cffi*", "backend_cffi.py"),
     "optuna": ("visualization", "testing"),
     "pydantic": ("v1",),
+    "": ("*.dist-info/RECORD",),
 }
 """Of recordings: Arrow Flight, stores in clouds, data sets, Substrait, ORC, Feather, JSON, encryption, tests and
-headers; what the page of viser is built of, and icons for its own panels; graphics cards; NumPy's tests of itself;
-parts of SciPy that its statistics stand without; databases but SQLite; a second way into Zstandard; plots
-of Optuna's own; Pydantic as it was before."""
+headers; what the page of viser is built of, and icons for its own panels; graphics cards and compilers ahead of time;
+NumPy's tests of itself; parts of SciPy that its statistics stand without; databases but SQLite and one that alembic
+imports; a second way into Zstandard; plots of Optuna's own; Pydantic as it was before; what an uninstallation would
+need."""
 NAMED_ONLY = ("pyarrow", "libarrow.so.*", ("libarrow_substrait.so.*", "libarrow_dataset.so.*", "libarrow_acero.so.*"))
 """Libraries that each module of a package names and none of those that are left calls: they become links to one that is
 loaded anyway, else the loader would miss them."""

@@ -1,6 +1,6 @@
 """Whether an environment still works after slim.py: imports all of stepscope, and uses what its packages are there for.
 
-In the image this runs before anybody has the chance to miss a part. It writes nothing.
+In the image this runs before anybody has the chance to miss a part. It leaves nothing behind.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import json
 import pkgutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 BY_ALEMBIC = ".store.migrations."
 """Scripts that alembic runs; they are no modules of their own."""
@@ -24,7 +26,15 @@ def main() -> int:
     for name in names:
         if BY_ALEMBIC not in name:
             importlib.import_module(name)
-    for use in (compile_something, try_statistics, try_studies, write_files, colour_a_traceback, draw_a_scene):
+    for use in (
+        compile_something,
+        try_statistics,
+        try_studies,
+        keep_a_database,
+        write_files,
+        colour_a_traceback,
+        draw_a_scene,
+    ):
         use()
     print(f"{len(names)} modules, and all that they use, work")
     return 0
@@ -58,6 +68,16 @@ def try_studies() -> None:
     for sampler in (optuna.samplers.TPESampler(seed=1, multivariate=True), optuna.samplers.CmaEsSampler(seed=1)):
         study = optuna.create_study(sampler=sampler)
         study.optimize(lambda trial: trial.suggest_float("x", 0, 1) + trial.suggest_float("y", 0, 1), n_trials=12)
+
+
+def keep_a_database() -> None:
+    """As a first start makes it, by alembic's scripts."""
+    database = importlib.import_module("stepscope.store.database")
+    with tempfile.TemporaryDirectory() as folder:
+        kept = database.Database(Path(folder))
+        kept.open()
+        kept.close()
+        assert kept.problem is None, kept.problem
 
 
 def write_files() -> None:
