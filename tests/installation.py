@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
@@ -50,12 +50,19 @@ def server(venv: Path, home: Path, read_only: bool = False) -> Iterator[tuple[st
         command = ["unshare", "--mount", "sh", "-c", READ_ONLY, str(venv), *command]
     else:
         subprocess.run(["chmod", "-R", "u-w" if read_only else "u+w", str(venv)], check=True)
+    with running(command, home) as began_s:
+        yield f"http://127.0.0.1:{port}", began_s
+
+
+@contextmanager
+def running(command: Sequence[str], home: Path) -> Iterator[float]:
+    """A process of a user with that home, ended by Ctrl-C, and when it was started (perf_counter, [s])."""
     mine = re.compile("STEPSCOPE_|XDG_|NUMBA_|PYTHON")
     environment = {name: value for name, value in os.environ.items() if not mine.match(name)} | {"HOME": str(home)}
     began_s = time.perf_counter()
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     try:
-        yield f"http://127.0.0.1:{port}", began_s
+        yield began_s
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(30)
