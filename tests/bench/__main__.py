@@ -77,7 +77,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "get": lambda quick: [serving.measure_get(quick=quick)],
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
-    "scope": scope.measure,
+    "scope": lambda quick: scope.measure(quick=quick),
     "cold-start": cold_start.measure,
     "undo": undo.measure,
     "palette": lambda quick: [palette.measure(quick=quick)],
