@@ -114,5 +114,5 @@ def _moves(quantity: str) -> bool:
 
 
 def _keys(page: Page, count: int) -> list[float]:
-    page.get_by_test_id("free-plot-1").get_by_role("img").focus()
+    page.get_by_role("img", name="Plot 1: ").focus()
     return [page.evaluate(KEY) for _ in range(count)]
