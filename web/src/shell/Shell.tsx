@@ -72,6 +72,7 @@ export function Shell({ children }: PropsWithChildren) {
           <ServerStatus />
         </Group>
         <Group gap={6} wrap="nowrap">
+          <div id="page-tools" className="row gap-6" />
           <LeaseControl />
           <Palette />
           <History />

@@ -32,11 +32,7 @@ export default function ConsolePage() {
       <DeviceNotice device={device} />
       <div className={`${css.columns} columns until-75`}>
         <div className="grid shrink gap-8">
-          {can(device, "parameters") ? (
-            <DirectMode key={device.id} device={device} />
-          ) : (
-            <Datagrams key={device.id} device={device} />
-          )}
+          <Commands key={device.id} device={device} />
         </div>
         <div className="grid shrink gap-8">
           <WirePanel device={device} />
@@ -47,7 +43,11 @@ export default function ConsolePage() {
   );
 }
 
-/** A chip takes no commands, but datagrams. */
+/** What a device is told word by word: commands to a module, datagrams to a chip. */
+export function Commands({ device }: { device: Device }) {
+  return can(device, "parameters") ? <DirectMode device={device} /> : <Datagrams device={device} />;
+}
+
 function Datagrams({ device }: { device: Device }) {
   const catalog = useCatalogModel(device.model);
   return (

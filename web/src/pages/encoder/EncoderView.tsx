@@ -24,8 +24,8 @@ import { ACCELERATION, LIMIT } from "./settings";
 import { channelsFor, ENCODERS, encoderName, useAngleMaps, type Which } from "./useEncoder";
 
 /** Odd on purpose: at a round rate and a round speed every turn would be sampled at the same few angles. */
-const RATE_HZ = 193.2;
-const KEEP_S = 120;
+export const RATE_HZ = 193.2;
+export const KEEP_S = 120;
 
 /** What the panels at the side get of the page. */
 export interface Tools {
@@ -185,6 +185,6 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
 }
 
 /** Where in its turn a position is, 0..1. */
-function turnShare(position: number, perTurn: number): number {
+export function turnShare(position: number, perTurn: number): number {
   return position / perTurn - Math.floor(position / perTurn);
 }

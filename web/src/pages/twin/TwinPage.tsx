@@ -16,7 +16,7 @@ import { stroboscope } from "./numbers";
 import { TwinFrame } from "./TwinFrame";
 import { TwinNumbers } from "./TwinNumbers";
 import classes from "./twin.module.css";
-import { type TwinState, useTwin } from "./useTwin";
+import { othersAxis, type TwinState, useTwin } from "./useTwin";
 import { hasWebGl } from "./webgl";
 
 const OFF = "stepscope.twin.off";
@@ -119,10 +119,6 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
       )}
     </Page>
   );
-}
-
-function othersAxis(state: TwinState, device: string, axis: number): boolean {
-  return state.state === "on" && state.viewers > 0 && (state.device !== device || state.axis !== axis);
 }
 
 /** How many pictures a second, and of how many. */

@@ -46,3 +46,8 @@ export function useTwin(): Twin {
     again: () => void query.refetch(),
   };
 }
+
+/** Whether somebody looks at another axis: there is one view for everybody. */
+export function othersAxis(state: TwinState, device: string, axis: number): boolean {
+  return state.state === "on" && state.viewers > 0 && (state.device !== device || state.axis !== axis);
+}

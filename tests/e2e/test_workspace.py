@@ -1,0 +1,260 @@
+"""Layouts in a browser: arranged by mouse, by menu and by keys, kept here and on the server, and shown on a phone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Locator, Page, expect
+
+from tests.e2e.conftest import PHONE, Errors
+
+KEPT = "() => JSON.parse(localStorage.getItem('stepscope.layouts') ?? '{}')"
+
+
+@pytest.fixture(autouse=True)
+def no_layouts(api: httpx.Client) -> Iterator[None]:
+    """Each test finds a server that keeps none."""
+    yield
+    for layout in api.get("/layouts").raise_for_status().json()["layouts"]:
+        api.delete(f"/layouts/{layout['id']}").raise_for_status()
+
+
+def opened(page: Page, address: str = "/") -> Page:
+    page.goto(address)
+    expect(page.get_by_test_id("motion-card")).to_be_visible()
+    expect(page.get_by_test_id("layout-menu")).to_be_visible()
+    return page
+
+
+def choose(page: Page, *names: str) -> None:
+    page.get_by_test_id("layout-menu").click()
+    for name in names:
+        page.get_by_role("menuitem", name=name, exact=True).click()
+
+
+def arrange(page: Page) -> Locator:
+    choose(page, "Arrange the panels")
+    dock = page.get_by_test_id("dock")
+    expect(dock.get_by_role("tab", name="Scope", exact=True)).to_be_visible()
+    expect(dock.get_by_test_id("motion-card")).to_be_visible()
+    return dock
+
+
+def places(page: Page, layout: str = "bench") -> Any:
+    """Where the panels of a layout stand, without their sizes."""
+
+    def bare(part: dict[str, Any]) -> Any:
+        if "tabs" in part:
+            return part["tabs"]
+        way = "row" if "row" in part else "col"
+        return {way: [bare(each) for each in part[way]]}
+
+    return bare(page.evaluate(KEPT)[layout]["screens"]["desktop"])
+
+
+def test_by_mouse_by_menu_and_by_keys_comes_the_same_layout(new_context: Callable[..., BrowserContext]) -> None:
+    found = []
+    for way in ("mouse", "menu", "keys"):
+        page = opened(new_context().new_page())
+        dock = arrange(page)
+        if way == "mouse":
+            target = dock.get_by_role("tabpanel", name="Scope").bounding_box()
+            assert target
+            tab = dock.get_by_role("tab", name="Devices and axes")
+            place = {"x": target["width"] - 12, "y": target["height"] / 2}
+            tab.drag_to(dock.get_by_role("tabpanel", name="Scope"), target_position=place)  # type: ignore[arg-type]
+        elif way == "menu":
+            dock.get_by_role("button", name="Menu of Devices and axes").click()
+            page.get_by_role("menuitem", name="Move right of").hover()
+            page.get_by_role("menuitem", name="Scope", exact=True).click()
+        else:
+            dock.get_by_role("button", name="Menu of Devices and axes").press("Enter")
+            expect(page.get_by_role("menuitem", name="Move left of")).to_be_visible()
+            page.get_by_role("menuitem", name="Move right of").focus()
+            page.keyboard.press("ArrowRight")
+            page.get_by_role("menuitem", name="Scope", exact=True).press("Enter")
+        expect(page.get_by_test_id("layout-said")).to_have_text("Devices and axes moved")
+        found.append(places(page))
+        page.close()
+    assert found[0] == found[1] == found[2]
+    assert found[0] == {"row": [["motion"], {"col": [["demo"], ["stage"], ["limits"], {"row": [["scope"], ["axes"]]}]}]}
+
+
+def test_a_splitter_moves_by_keys_and_a_reload_keeps_it(page: Page) -> None:
+    opened(page)
+    dock = arrange(page)
+    splitter = dock.get_by_role("separator").first
+    before = page.get_by_test_id("motion-card").bounding_box()
+    splitter.focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    expect(page.get_by_test_id("layout-said")).to_have_text("Sizes changed")
+    page.get_by_role("button", name="Done").click()
+    expect(dock).to_have_count(0)
+    after = page.get_by_test_id("motion-card").bounding_box()
+    assert before
+    assert after
+    assert after["width"] > before["width"] + 5
+    page.reload()
+    expect(page.get_by_test_id("motion-card")).to_be_visible()
+    again = page.get_by_test_id("motion-card").bounding_box()
+    assert again
+    assert abs(again["width"] - after["width"]) < 2
+    choose(page, "Reset to how it came")
+    expect(page.get_by_test_id("layout-menu")).to_have_attribute("data-touched", "false")
+    back = page.get_by_test_id("motion-card").bounding_box()
+    assert back
+    assert abs(back["width"] - 300) < 2
+
+
+def test_what_moves_the_motor_stays_in_sight(page: Page) -> None:
+    opened(page)
+    dock = arrange(page)
+    dock.get_by_role("button", name="Menu of Motion").click()
+    expect(page.get_by_role("menuitem", name="Close")).to_be_disabled()
+    expect(page.get_by_role("menuitem", name="Move into the tabs of")).to_have_count(0)
+    page.keyboard.press("Control+k")  # closes the menu, and Escape would stop what moves
+    page.keyboard.press("Control+k")
+    page.goto("/?max=scope")
+    expect(page.get_by_test_id("scope")).to_be_visible()
+    expect(page.get_by_test_id("stage")).to_have_count(0)
+    expect(page.get_by_test_id("move-go")).to_be_in_viewport()
+    expect(page.get_by_test_id("stop-all")).to_be_in_viewport()
+    page.get_by_role("button", name="All panels").click()
+    expect(page.get_by_test_id("stage")).to_be_visible()
+    page.go_back()
+    expect(page.get_by_test_id("stage")).to_have_count(0)
+
+
+PROBE = """() => {
+  const frame = document.createElement('iframe');
+  let loads = 0;
+  frame.title = 'probe';
+  frame.src = '/favicon.svg';
+  frame.onload = () => { loads += 1; frame.dataset.loads = String(loads); };
+  document.querySelector('[data-panel=scope]').append(frame);
+}"""
+
+
+def test_a_frame_that_is_moved_is_loaded_once(page: Page) -> None:
+    """As the 3D view is one; any page of ours does, and needs no process of its own."""
+    opened(page)
+    page.evaluate(PROBE)
+    probe = page.get_by_title("probe")
+    expect(probe).to_have_attribute("data-loads", "1")
+    dock = arrange(page)
+    for side, other in (("Move right of", "Stage"), ("Move below", "Devices and axes")):
+        dock.get_by_role("button", name="Menu of Scope").click()
+        page.get_by_role("menuitem", name=side).hover()
+        page.get_by_role("menuitem", name=other, exact=True).click()
+        expect(page.get_by_test_id("layout-said")).to_have_text("Scope moved")
+        expect(dock.get_by_title("probe")).to_be_attached()
+    page.get_by_role("button", name="Done").click()
+    expect(dock).to_have_count(0)
+    expect(probe).to_have_attribute("data-loads", "1")
+
+
+def test_a_save_over_somebody_elses_is_told(page: Page, api: httpx.Client, errors: Errors) -> None:
+    opened(page)
+    page.get_by_test_id("emulator-open").click()
+    expect(page.get_by_test_id("layout-menu")).to_have_attribute("data-touched", "true")
+    theirs = {**page.evaluate(KEPT)["bench"], "name": "Theirs"}
+    api.put("/layouts/bench", json={"based_on": 0, "document": theirs}).raise_for_status()
+    errors.expect("409")
+    choose(page, "Save")
+    expect(page.get_by_text("saved elsewhere meanwhile")).to_be_visible()
+    assert api.get("/layouts/bench").json()["name"] == "Theirs"
+    page.get_by_role("button", name="Save over theirs").click()
+    expect(page.get_by_test_id("layout-menu")).to_have_attribute("data-touched", "false")
+    kept = api.get("/layouts/bench").json()
+    assert (kept["name"], kept["revision"]) == ("Bench", 2)
+
+
+def test_a_layout_is_kept_under_a_name_and_its_link_shows_it_elsewhere(
+    page: Page, new_context: Callable[..., BrowserContext]
+) -> None:
+    opened(page)
+    arrange(page)
+    page.get_by_role("button", name="Add a panel").click()
+    page.get_by_role("menuitem", name="Notes").click()
+    page.get_by_role("button", name="Done").click()
+    page.get_by_role("textbox", name="Notes notes").fill("loose coupling?")
+    choose(page, "Save as…")
+    page.get_by_role("dialog").get_by_label("Name").fill("My bench")
+    page.get_by_role("dialog").get_by_role("button", name="OK").click()
+    expect(page).to_have_url(re.compile("layout=my-bench"))
+    elsewhere = opened(new_context().new_page(), page.url)
+    expect(elsewhere.get_by_role("textbox", name="Notes notes")).to_have_value("loose coupling?")
+    choose(elsewhere, "Bench")
+    expect(elsewhere.get_by_role("textbox", name="Notes notes")).to_have_count(0)
+    elsewhere.go_back()
+    expect(elsewhere.get_by_role("textbox", name="Notes notes")).to_be_visible()
+
+
+def test_a_newer_layout_is_shown_and_not_changed_and_an_unknown_panel_keeps_its_place(
+    page: Page, api: httpx.Client
+) -> None:
+    panels = {
+        "motion": {"type": "motion", "v": 1, "at": "$", "config": {}},
+        "oracle": {"type": "oracle", "v": 3, "at": "$", "config": {"asks": 7}},
+    }
+    screens = {"desktop": {"row": [{"tabs": ["motion"], "size": "300px"}, {"tabs": ["oracle"]}]}, "phone": []}
+    for name, version in (("old", 1), ("new", 2)):
+        document = {
+            "format": "stepscope.layout",
+            "version": version,
+            "name": name,
+            "screens": screens,
+            "panels": panels,
+        }
+        api.put(f"/layouts/{name}", json={"based_on": 0, "document": document}).raise_for_status()
+    opened(page, "/?layout=old")
+    expect(page.get_by_text("has no such panel")).to_be_visible()
+    choose(page, "Rename…")
+    page.get_by_role("dialog").get_by_label("Name").fill("older")
+    page.get_by_role("dialog").get_by_role("button", name="OK").click()
+    choose(page, "Save")
+    expect(page.get_by_test_id("layout-menu")).to_have_attribute("data-touched", "false")
+    kept = api.get("/layouts/old").json()
+    assert (kept["name"], kept["document"]["panels"]["oracle"]) == ("older", panels["oracle"])
+    opened(page, "/?layout=new")
+    expect(page.get_by_text("A newer stepscope has made this layout")).to_be_visible()
+    page.get_by_test_id("layout-menu").click()
+    expect(page.get_by_role("menuitem", name="Arrange the panels")).to_be_disabled()
+    expect(page.get_by_role("menuitem", name="Save", exact=True)).to_be_disabled()
+    assert api.get("/layouts/new").json()["document"]["version"] == 2
+
+
+def test_on_a_phone_the_panels_are_a_stack_with_an_order_of_its_own(
+    new_context: Callable[..., BrowserContext], check_axe: Callable[[Page], None]
+) -> None:
+    page = new_context(viewport=PHONE, has_touch=True).new_page()
+    page.goto("/")
+    expect(page.get_by_test_id("motion-card")).to_be_visible()
+    page.get_by_role("button", name="Arrange the panels").click()
+    page.get_by_role("button", name="Scope up").click()
+    expect(page.get_by_test_id("layout-said")).to_have_text("Scope is number 4 of 6")
+    check_axe(page)
+    page.get_by_role("button", name="Close", exact=True).click()
+    kept = page.evaluate(KEPT)["bench"]["screens"]
+    assert kept["phone"] == ["motion", "demo", "stage", "scope", "limits", "axes"]
+    assert kept["desktop"]["row"][0]["size"] == "300px", "the desktop is as it was"
+    page.reload()
+    expect(page.get_by_test_id("motion-card")).to_be_visible()
+    assert page.evaluate(KEPT)["bench"]["screens"] == kept
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessible_while_arranged_and_with_every_layout(
+    new_context: Callable[..., BrowserContext], check_axe: Callable[[Page], None], scheme: str
+) -> None:
+    page = opened(new_context(color_scheme=scheme).new_page())
+    arrange(page)
+    check_axe(page)
+    for layout in ("tuning", "wire"):
+        opened(page, f"/?layout={layout}")
+        check_axe(page)

@@ -1,0 +1,153 @@
+import { VisuallyHidden } from "@mantine/core";
+import { memo, Suspense, useCallback, useContext, useEffect, useMemo, useRef, useState } from "react";
+import { createPortal } from "react-dom";
+import type { Device } from "../api/queries";
+import { useAddress } from "../lib/address";
+import { later, lazily } from "../lib/later";
+import { useShared } from "../lib/shared";
+import { usePhone } from "../lib/usePhone";
+import { useSelection } from "../live/selection";
+import { PageBoundary } from "../shell/PageBoundary";
+import { WorkspaceContext } from "./context";
+import { alone, brought, idsIn, isNewer, type PanelEntry, SELECTED, set, shownIn } from "./document";
+import { Hosts, HostsContext } from "./hosts";
+import { ARRANGING, SAID, useLayout } from "./layouts";
+import { misfit } from "./panel";
+import { titleOf, typeOf } from "./panels";
+import { Stack } from "./Stack";
+import { StaticDock } from "./StaticDock";
+import css from "./workspace.module.css";
+
+const Dock = lazily(() => import("./Dock").then((part) => part.Dock));
+const Tools = later(() => import("./Tools").then((part) => part.Tools));
+const Misfit = later(() => import("./Misfit").then((part) => part.Misfit));
+
+interface Props {
+  devices: readonly Device[];
+  lost: boolean;
+}
+
+/** The panels of a layout. Each is rendered once, into a box of its own that goes wherever the layout has its place. */
+export function Workspace({ devices, lost }: Props) {
+  const layout = useLayout();
+  const { document, put, waiting, missing } = layout;
+  const { max } = useAddress("max");
+  const phone = usePhone();
+  const said = useShared(SAID);
+  const arranging = useShared(ARRANGING) && !phone && max === "" && !waiting && !isNewer(document);
+  const measured = useMeasured();
+  useEffect(() => () => ARRANGING.set(false), []);
+  const [hosts] = useState(() => new Hosts());
+  const desktop = Object.hasOwn(document.panels, max) ? alone(document, max) : document.screens.desktop;
+  const state = useMemo(() => ({ document, put }), [document, put]);
+  const seen = useRef(new Set<string>());
+  for (const id of phone ? document.screens.phone : shownIn(desktop)) seen.current.add(id);
+  const inSight = new Set(phone ? document.screens.phone : shownIn(desktop));
+  // hidden panels hold no channels, but for those that would have to load anew
+  const shown = idsIn(document.screens.desktop).filter(
+    (id) => inSight.has(id) || (seen.current.has(id) && typeOf(document.panels[id]?.type)?.keeps),
+  );
+  const still = (
+    <StaticDock
+      document={document}
+      part={desktop}
+      onShow={(id) => put(brought(document, id), `${titleOf(document, id)} is shown`)}
+    />
+  );
+  return (
+    <HostsContext value={hosts}>
+      <WorkspaceContext value={state}>
+        <div ref={hosts.settle} hidden />
+        {missing && <p className="card pad m-0 mb-8">This server has no layout of that name: this is the bench.</p>}
+        {isNewer(document) && (
+          <p className="card pad m-0 mb-8">
+            A newer stepscope has made this layout: it is shown as far as this one knows it, and never changed.
+          </p>
+        )}
+        {waiting ? null : phone ? (
+          <Stack document={document} />
+        ) : arranging ? (
+          <Suspense fallback={still}>
+            <Dock key={document.id} document={document} put={put} measured={measured} />
+          </Suspense>
+        ) : (
+          still
+        )}
+        {shown.map((id) => {
+          const entry = document.panels[id];
+          const fills = typeOf(entry?.type)?.fills === true && !phone;
+          return (
+            entry &&
+            createPortal(
+              <PageBoundary>
+                <Panel id={id} entry={entry} devices={devices} lost={lost} />
+              </PageBoundary>,
+              hosts.box(id, `${css.host} ${fills ? css.fills : ""}`),
+              id,
+            )
+          );
+        })}
+        <Tools layout={layout} />
+        <VisuallyHidden role="status" data-testid="layout-said">
+          {said}
+        </VisuallyHidden>
+      </WorkspaceContext>
+    </HostsContext>
+  );
+}
+
+interface PanelBox extends Props {
+  id: string;
+  entry: PanelEntry;
+}
+
+const Panel = memo(function Panel({ id, entry, devices, lost }: PanelBox) {
+  const { document, put } = useContext(WorkspaceContext);
+  const selection = useSelection();
+  const now = useRef(document);
+  now.current = document;
+  const type = typeOf(entry.type);
+  const config = useMemo(() => type?.config(entry.config, entry.v) ?? {}, [type, entry]);
+  const change = useCallback(
+    (part: object) =>
+      put(set(now.current, id, { config: { ...config, ...part }, v: type?.version ?? 0 }), "The panel is set"),
+    [put, id, config, type],
+  );
+  const [deviceId, index] = entry.at === SELECTED ? [null, selection.axis] : pinOf(entry.at);
+  const found = deviceId === null ? selection.device : devices.find((each) => each.id === deviceId);
+  const device = useMemo(
+    (): Device | undefined => found && (lost ? { ...found, state: "disconnected" } : found),
+    [found, lost],
+  );
+  const axis = device?.axes.find((each) => each.index === index) ?? (deviceId === null ? device?.axes[0] : undefined);
+  if (type === undefined) return <Misfit title={entry.type} why="This version of stepscope has no such panel." />;
+  const why = misfit(type, device, axis);
+  if (why !== null) return type.quiet ? null : <Misfit title={type.title} why={why} />;
+  return (
+    <type.Panel id={id} config={config} change={change} device={device} axis={axis} devices={devices} lost={lost} />
+  );
+});
+
+function pinOf(at: string): readonly [device: string, axis: number] {
+  const cut = at.lastIndexOf("/");
+  return [at.slice(0, cut), Number(at.slice(cut + 1))];
+}
+
+type Sizes = ReadonlyMap<string, { width: number; height: number }>;
+
+/** How large each part was when it was last drawn to be worked with: what is arranged begins with the same sizes. */
+function useMeasured(): Sizes {
+  const [measured] = useState(() => new Map<string, { width: number; height: number }>());
+  useEffect(
+    () =>
+      ARRANGING.subscribe(() => {
+        measured.clear();
+        for (const part of document.querySelectorAll<HTMLElement>("[data-part]")) {
+          const { width, height } = part.getBoundingClientRect();
+          measured.set(part.dataset.part ?? "", { width, height });
+        }
+      }),
+    [measured],
+  );
+  return measured;
+}

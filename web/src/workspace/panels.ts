@@ -1,0 +1,159 @@
+import {
+  IconActivity,
+  IconCube,
+  IconFileStack,
+  IconGauge,
+  IconHistory,
+  IconRotateClockwise2,
+  IconTableColumn,
+  IconTerminal2,
+} from "@tabler/icons-react";
+import { later } from "../lib/later";
+import type { LayoutDocument } from "./document";
+import { ofAxis, ofDevice, ofNothing, type PanelType } from "./panel";
+import { AxesPanel, DemoPanel, LimitsPanel, MotionPanel, ScopePanel, StagePanel } from "./panels/bench";
+import { readNotes } from "./panels/notes";
+
+/** Every kind of panel, in the order in which they are offered. */
+export const PANELS: readonly PanelType[] = [
+  ofNothing({
+    type: "motion",
+    title: "Motion",
+    Icon: IconActivity,
+    version: 1,
+    min: [280, 200],
+    fills: true,
+    Panel: MotionPanel,
+  }),
+  ofNothing({
+    type: "axes",
+    title: "Devices and axes",
+    Icon: IconActivity,
+    version: 1,
+    min: [220, 120],
+    single: true,
+    fills: true,
+    Panel: AxesPanel,
+  }),
+  ofNothing({
+    type: "scope",
+    title: "Scope",
+    Icon: IconActivity,
+    version: 1,
+    min: [480, 320],
+    single: true,
+    fills: true,
+    Panel: ScopePanel,
+  }),
+  ofAxis({
+    type: "stage",
+    title: "Stage",
+    Icon: IconActivity,
+    version: 1,
+    min: [320, 89],
+    quiet: true,
+    Panel: StagePanel,
+  }),
+  ofAxis({
+    type: "limits",
+    title: "Soft limits",
+    Icon: IconGauge,
+    version: 1,
+    min: [280, 26],
+    quiet: true,
+    Panel: LimitsPanel,
+  }),
+  ofDevice({
+    type: "emulator",
+    title: "Emulator",
+    Icon: IconGauge,
+    version: 1,
+    emulated: true,
+    quiet: true,
+    min: [280, 200],
+    single: true,
+    Panel: later(() => import("./panels/EmulatorPanel").then((part) => part.EmulatorPanel)),
+  }),
+  ofNothing({
+    type: "demo",
+    title: "Demo",
+    Icon: IconHistory,
+    version: 1,
+    min: [280, 40],
+    single: true,
+    quiet: true,
+    Panel: DemoPanel,
+  }),
+  ofAxis({
+    type: "twin",
+    title: "3D",
+    Icon: IconCube,
+    version: 1,
+    needs: ["motion"],
+    min: [320, 260],
+    single: true,
+    fills: true,
+    keeps: true,
+    Panel: later(() => import("./panels/TwinPanel").then((part) => part.TwinPanel)),
+  }),
+  ofAxis({
+    type: "polar",
+    title: "Encoder over the turn",
+    Icon: IconRotateClockwise2,
+    version: 1,
+    needs: ["encoder"],
+    min: [420, 400],
+    Panel: later(() => import("./panels/PolarPanel").then((part) => part.PolarPanel)),
+  }),
+  ofDevice({
+    type: "changes",
+    title: "Changes",
+    Icon: IconTableColumn,
+    version: 1,
+    needs: ["registers"],
+    min: [300, 160],
+    single: true,
+    Panel: later(() => import("./panels/ChangesPanel").then((part) => part.ChangesPanel)),
+  }),
+  ofDevice({
+    type: "console",
+    title: "Console",
+    Icon: IconTerminal2,
+    version: 1,
+    min: [420, 260],
+    single: true,
+    Panel: later(() => import("./panels/wire").then((part) => part.ConsolePanel)),
+  }),
+  ofDevice({
+    type: "frames",
+    title: "Frames",
+    Icon: IconTerminal2,
+    version: 1,
+    min: [420, 260],
+    single: true,
+    Panel: later(() => import("./panels/wire").then((part) => part.FramesPanel)),
+  }),
+  ofNothing({
+    type: "notes",
+    title: "Notes",
+    Icon: IconFileStack,
+    version: 1,
+    min: [220, 120],
+    config: readNotes,
+    Panel: later(() => import("./panels/NotesPanel").then((part) => part.NotesPanel)),
+  }),
+];
+
+const BY_TYPE = new Map(PANELS.map((row) => [row.type, row]));
+
+export function typeOf(type: string | undefined): PanelType | undefined {
+  return type === undefined ? undefined : BY_TYPE.get(type);
+}
+
+/** What a panel is called: by its type, and by a number where there are several of it. */
+export function titleOf({ panels }: LayoutDocument, id: string): string {
+  const type = panels[id]?.type ?? "";
+  const title = typeOf(type)?.title ?? type;
+  const alike = Object.keys(panels).filter((each) => panels[each]?.type === type);
+  return alike.length < 2 ? title : `${title} ${alike.indexOf(id) + 1}`;
+}
