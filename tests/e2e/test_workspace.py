@@ -64,9 +64,10 @@ def test_by_mouse_by_menu_and_by_keys_comes_the_same_layout(new_context: Callabl
         if way == "mouse":
             target = dock.get_by_role("tabpanel", name="Scope").bounding_box()
             assert target
-            tab = dock.get_by_role("tab", name="Devices and axes")
-            place = {"x": target["width"] - 12, "y": target["height"] / 2}
-            tab.drag_to(dock.get_by_role("tabpanel", name="Scope"), target_position=place)  # type: ignore[arg-type]
+            dock.get_by_role("tab", name="Devices and axes").hover()
+            page.mouse.down()
+            page.mouse.move(target["x"] + target["width"] - 12, target["y"] + target["height"] / 2, steps=12)
+            page.mouse.up()
         elif way == "menu":
             dock.get_by_role("button", name="Menu of Devices and axes").click()
             page.get_by_role("menuitem", name="Move right of").hover()
@@ -87,7 +88,7 @@ def test_by_mouse_by_menu_and_by_keys_comes_the_same_layout(new_context: Callabl
 def test_a_splitter_moves_by_keys_and_a_reload_keeps_it(page: Page) -> None:
     opened(page)
     dock = arrange(page)
-    splitter = dock.get_by_role("separator").first
+    splitter = dock.locator("[role=separator][aria-orientation=vertical]").first
     before = page.get_by_test_id("motion-card").bounding_box()
     splitter.focus()
     for _ in range(5):
@@ -134,7 +135,7 @@ PROBE = """() => {
   const frame = document.createElement('iframe');
   let loads = 0;
   frame.title = 'probe';
-  frame.src = '/favicon.svg';
+  frame.srcdoc = '<p>probe</p>';
   frame.onload = () => { loads += 1; frame.dataset.loads = String(loads); };
   document.querySelector('[data-panel=scope]').append(frame);
 }"""

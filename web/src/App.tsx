@@ -1,4 +1,4 @@
-import { Center, Loader } from "@mantine/core";
+import { Loader } from "@mantine/core";
 import { type ComponentType, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
 import type { PageEntry } from "./families/family";
@@ -38,9 +38,9 @@ export function App() {
     <Shell>
       <Suspense
         fallback={
-          <Center h="60vh">
+          <div className="row" style={{ height: "60vh", justifyContent: "center" }}>
             <Loader aria-label="Loading the page" />
-          </Center>
+          </div>
         }
       >
         <Switch>

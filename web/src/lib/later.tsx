@@ -10,12 +10,18 @@ const restStyles = async () => {
 /** A script or a sheet that a page or a part is made of was not to be had. Only loading the page anew asks for it again. */
 export class NotLoaded extends Error {}
 
-/** A page, or a part of one, whose script and style are fetched when it is shown for the first time. */
-export function lazily<Props extends object>(load: () => Promise<ComponentType<Props>>): ComponentType<Props> {
+/**
+ * A page, or a part of one, whose script and style are fetched when it is shown for the first time. `styled`: with what the
+ * first page has no style for.
+ */
+export function lazily<Props extends object>(
+  load: () => Promise<ComponentType<Props>>,
+  styled = true,
+): ComponentType<Props> {
   const loadStyled = async () => {
     try {
-      const styled = restStyles(); // first: where a sheet of ours says otherwise, it has to come behind
-      const [component] = await Promise.all([load(), styled]);
+      const styles = styled && restStyles(); // first: where a sheet of ours says otherwise, it has to come behind
+      const [component] = await Promise.all([load(), styles]);
       return { default: component };
     } catch (error) {
       throw new NotLoaded(error instanceof Error ? error.message : String(error));
@@ -28,8 +34,11 @@ export function lazily<Props extends object>(load: () => Promise<ComponentType<P
  * The same for a part that a first visit does not show: until it is there, nothing is in its place. Where it fails the
  * page around it stays, and a message says so.
  */
-export function later<Props extends object>(load: () => Promise<ComponentType<Props>>): ComponentType<Props> {
-  const Part = lazily(load);
+export function later<Props extends object>(
+  load: () => Promise<ComponentType<Props>>,
+  styled = true,
+): ComponentType<Props> {
+  const Part = lazily(load, styled);
   return function Later(props: Props) {
     return (
       <PartBoundary>

@@ -1,42 +1,11 @@
-import { Alert, Button, Group, Text } from "@mantine/core";
-import { IconPlayerPause } from "@tabler/icons-react";
-import { Link } from "wouter";
-import { type Device, useDevices } from "../api/queries";
-import { sentence } from "../lib/condition/kinds";
-import { RemedyButton } from "../lib/condition/RemedyButton";
-import { useRemedies } from "../lib/condition/remedy";
+import { useDevices } from "../api/queries";
 import { isHeldBack } from "../lib/heldBack";
-import { ProblemAlert } from "../lib/ProblemAlert";
+import { later } from "../lib/later";
+
+const Held = later(() => import("./Held").then((part) => part.Held));
 
 /** Above every page: devices that are left alone although they answer, why, and the way out as a button. */
 export function HeldBack() {
   const devices = useDevices();
   return devices.data?.filter(isHeldBack).map((device) => <Held key={device.id} device={device} />);
-}
-
-function Held({ device }: { device: Device }) {
-  const remedies = useRemedies();
-  return (
-    <Alert
-      color="orange"
-      role="alert"
-      p="sm"
-      mb="sm"
-      icon={<IconPlayerPause size={20} aria-hidden />}
-      styles={{ label: { color: "var(--mantine-color-text)" } }} // the orange of the library is too faint on its light ground
-      title={`${device.name}: ${device.problem?.title ?? ""}`}
-      data-testid="held-back"
-    >
-      <Text size="sm">{device.problem?.detail}</Text>
-      <Group mt="xs" gap="sm">
-        {device.axes[0]?.condition.remedies.map((remedy) => (
-          <RemedyButton key={remedy.label} remedy={remedy} remedies={remedies} main />
-        ))}
-        <Button size="compact-sm" variant="default" component={Link} href="/connections">
-          Connections
-        </Button>
-      </Group>
-      {remedies.isError && <ProblemAlert error={remedies.error} doing={sentence(remedies.variables.label)} />}
-    </Alert>
-  );
 }

@@ -1,4 +1,4 @@
-import { Alert, Button, Code, Stack, Text } from "@mantine/core";
+import { Alert, Button, Stack, Text } from "@mantine/core";
 import { IconAlertTriangle } from "@tabler/icons-react";
 import { Component, type PropsWithChildren } from "react";
 import { NotLoaded } from "../lib/later";
@@ -26,7 +26,7 @@ export class PageBoundary extends Component<PropsWithChildren, State> {
           <Text size="sm">
             Motors go on as they were: stop them with the button above or Escape. Other pages still work.
           </Text>
-          <Code block>{error.message}</Code>
+          <pre className="m-0 box pad-s text-12 scroll">{error.message}</pre>
           <Button variant="default" onClick={() => this.setState({ error: null })}>
             Try again
           </Button>

@@ -2,7 +2,7 @@ import { Button, Menu } from "@mantine/core";
 import { IconPlus } from "@tabler/icons-react";
 import { useSelection } from "../live/selection";
 import { addOf } from "./adding";
-import type { Layout } from "./layouts";
+import type { Layout } from "./layout";
 import { misfit } from "./panel";
 import { PANELS } from "./panels";
 
@@ -26,7 +26,6 @@ export function AddMenu({ layout }: { layout: Layout }) {
               key={type.type}
               disabled={why !== null}
               title={why ?? undefined}
-              leftSection={<type.Icon size={14} aria-hidden />}
               onClick={() => put(addOf(document, type), `${type.title} is at the right`)}
             >
               {type.title}

@@ -1,14 +1,17 @@
 import { ActionIcon, Button, Drawer, Group } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconArrowDown, IconArrowUp, IconLayoutDashboard, IconX } from "@tabler/icons-react";
-import type { PropsWithChildren } from "react";
+import { useState } from "react";
+import { AddMenu } from "./AddMenu";
 import { closed, mayClose, moved } from "./edits";
-import type { Layout } from "./layouts";
+import { LayoutMenu } from "./LayoutMenu";
+import { type Layout, labelOf } from "./layout";
 import { titleOf } from "./panels";
 
 /** On a phone: the panels as a list, to be put up and down. Where they stand on a desktop stays as it is. */
-export function ArrangeList({ layout, children }: PropsWithChildren<{ layout: Layout }>) {
+export function ArrangeList({ layout }: { layout: Layout }) {
   const [opened, { open, close }] = useDisclosure();
+  const [menu, setMenu] = useState(false);
   const { document, put } = layout;
   const { phone } = document.screens;
   return (
@@ -17,7 +20,12 @@ export function ArrangeList({ layout, children }: PropsWithChildren<{ layout: La
         <Button variant="default" leftSection={<IconLayoutDashboard size={16} aria-hidden />} onClick={open}>
           Arrange the panels
         </Button>
-        {children}
+        <AddMenu layout={layout} />
+        <LayoutMenu layout={layout} opened={menu} onChange={setMenu}>
+          <Button size="sm" variant="default" leftSection={<IconLayoutDashboard size={16} aria-hidden />}>
+            {labelOf(layout)}
+          </Button>
+        </LayoutMenu>
       </Group>
       <Drawer
         opened={opened}

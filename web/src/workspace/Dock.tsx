@@ -15,7 +15,7 @@ import { useCallback, useLayoutEffect, useMemo, useRef, useState } from "react";
 import css from "./dock.module.css";
 import { type LayoutDocument, MOTION, type Part } from "./document";
 import { arranged } from "./edits";
-import { type FlexNode, fromFlex, type Given, same, toFlex } from "./flex";
+import { type FlexNode, fromFlex, type Given, SPLITTER_PX, same, toFlex } from "./flex";
 import { PanelMenu, type Side } from "./PanelMenu";
 import { titleOf, typeOf } from "./panels";
 import { Slot } from "./Slot";
@@ -41,7 +41,7 @@ const GLOBAL = {
   tabEnablePopout: false,
   tabSetEnableMaximize: false,
   tabSetEnableDivide: true,
-  splitterSize: 8,
+  splitterSize: SPLITTER_PX,
 };
 
 interface Drawn {

@@ -9,17 +9,19 @@ import { usePhone } from "../lib/usePhone";
 import { useSelection } from "../live/selection";
 import { PageBoundary } from "../shell/PageBoundary";
 import { WorkspaceContext } from "./context";
-import { alone, brought, idsIn, isNewer, type PanelEntry, SELECTED, set, shownIn } from "./document";
+import { alone, idsIn, isNewer, type PanelEntry, SELECTED, set, shownIn } from "./document";
 import { Hosts, HostsContext } from "./hosts";
-import { ARRANGING, SAID, useLayout } from "./layouts";
+import { ARRANGING, SAID } from "./layout";
 import { misfit } from "./panel";
 import { titleOf, typeOf } from "./panels";
 import { Stack } from "./Stack";
 import { StaticDock } from "./StaticDock";
+import { Tools } from "./Tools";
+import { useLayout } from "./useLayout";
 import css from "./workspace.module.css";
 
 const Dock = lazily(() => import("./Dock").then((part) => part.Dock));
-const Tools = later(() => import("./Tools").then((part) => part.Tools));
+const FindLayout = later(() => import("./layouts").then((part) => part.FindLayout), false);
 const Misfit = later(() => import("./Misfit").then((part) => part.Misfit));
 
 interface Props {
@@ -51,7 +53,10 @@ export function Workspace({ devices, lost }: Props) {
     <StaticDock
       document={document}
       part={desktop}
-      onShow={(id) => put(brought(document, id), `${titleOf(document, id)} is shown`)}
+      onShow={async (id) => {
+        const { brought } = await import("./edits");
+        put(brought(document, id), `${titleOf(document, id)} is shown`);
+      }}
     />
   );
   return (
@@ -87,6 +92,7 @@ export function Workspace({ devices, lost }: Props) {
             )
           );
         })}
+        <FindLayout />
         <Tools layout={layout} />
         <VisuallyHidden role="status" data-testid="layout-said">
           {said}

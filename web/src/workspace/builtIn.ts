@@ -1,35 +1,9 @@
-import { FORMAT, type LayoutDocument, type Part, SELECTED, type Size, VERSION } from "./document";
-
-export const BENCH = "bench";
-
-function entry(type: string) {
-  return { type, v: 1, at: SELECTED, config: {} };
-}
-
-function builtIn(id: string, name: string, desktop: Part, phone: readonly string[]): LayoutDocument {
-  return {
-    format: FORMAT,
-    version: VERSION,
-    id,
-    name,
-    revision: 0,
-    screens: { desktop, phone: [...phone] },
-    panels: Object.fromEntries(phone.map((type) => [type, entry(type)])),
-  };
-}
-
-const one = (id: string, size?: Size): Part => ({ tabs: [id], ...(size !== undefined && { size }) });
-/** What moves the motor, and whose it is: at the left of every layout. */
-const SIDE: Part = { col: [one("motion", "content"), one("axes", 1)], size: "300px" };
+import { BENCH, builtIn, one, SIDE } from "./benchLayout";
+import type { LayoutDocument } from "./document";
 
 /** The layouts that every server has; "reset" goes back to them. */
 export const BUILT_IN: readonly LayoutDocument[] = [
-  builtIn(
-    BENCH,
-    "Bench",
-    { row: [SIDE, { col: [one("demo", "content"), one("stage", "content"), one("limits", "content"), one("scope")] }] },
-    ["motion", "demo", "stage", "limits", "scope", "axes"],
-  ),
+  BENCH,
   builtIn(
     "tuning",
     "Tuning",

@@ -1,4 +1,5 @@
 import { createContext } from "react";
+import { BENCH } from "./benchLayout";
 import type { LayoutDocument } from "./document";
 
 export interface WorkspaceState {
@@ -7,15 +8,4 @@ export interface WorkspaceState {
   put: (document: LayoutDocument, said: string) => void;
 }
 
-export const WorkspaceContext = createContext<WorkspaceState>({
-  document: {
-    format: "stepscope.layout",
-    version: 1,
-    id: "",
-    name: "",
-    revision: 0,
-    screens: { desktop: { tabs: [] }, phone: [] },
-    panels: {},
-  },
-  put: () => {},
-});
+export const WorkspaceContext = createContext<WorkspaceState>({ document: BENCH, put: () => {} });

@@ -1,18 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { BUILT_IN } from "./builtIn";
-import {
-  alone,
-  brought,
-  idsIn,
-  isNewer,
-  type LayoutDocument,
-  type Part,
-  read,
-  set,
-  shownIn,
-  VERSION,
-} from "./document";
-import { added, arranged, closed, moved } from "./edits";
+import { alone, idsIn, isNewer, type LayoutDocument, type Part, set, shownIn, VERSION } from "./document";
+import { added, arranged, brought, closed, moved } from "./edits";
+import { read } from "./reading";
 
 const entry = (type: string) => ({ type, v: 1, at: "$", config: {} });
 const bench = BUILT_IN[0] as LayoutDocument;

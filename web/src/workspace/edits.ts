@@ -1,15 +1,47 @@
 /** What is done to a layout, but for what the first page needs. */
 import {
-  changed,
   idsIn,
   type LayoutDocument,
   MOTION,
   type PanelEntry,
   type Part,
-  rowsOf,
+  partsOf,
   type Size,
-  split,
+  type Tabs,
 } from "./document";
+
+/** Parts beside each other or one below the other; one alone needs no frame, and none is nothing. */
+export function split(way: "row" | "col", parts: readonly Part[], size?: Size): Part | null {
+  const [first, ...others] = parts;
+  if (first === undefined) return null;
+  const own = size === undefined ? {} : { size };
+  if (others.length === 0) {
+    const { size: _, ...rest } = first;
+    return { ...rest, ...own } as Part;
+  }
+  return way === "row" ? { row: [...parts], ...own } : { col: [...parts], ...own };
+}
+
+export function rowsOf(part: Part): Part[] {
+  return "row" in part ? part.row : [part];
+}
+
+/** The part with each set of tabs as `change` says; null takes one away. */
+export function changed(part: Part, change: (tabs: Tabs) => Tabs | null): Part | null {
+  if ("tabs" in part) return change(part);
+  const parts = partsOf(part).flatMap((each) => changed(each, change) ?? []);
+  return split("row" in part ? "row" : "col", parts, part.size);
+}
+
+function withDesktop(document: LayoutDocument, desktop: Part | null): LayoutDocument {
+  return desktop === null ? document : { ...document, screens: { ...document.screens, desktop } };
+}
+
+/** One panel before the others of its tabs. */
+export function brought(document: LayoutDocument, id: string): LayoutDocument {
+  const bring = (tabs: Tabs) => (tabs.tabs.includes(id) ? { ...tabs, shown: id } : tabs);
+  return withDesktop(document, changed(document.screens.desktop, bring));
+}
 
 /** The layout with its panels placed as `desktop` says, which has all of those that stay. */
 export function arranged(document: LayoutDocument, desktop: Part): LayoutDocument {

@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { BUILT_IN } from "./builtIn";
-import { type LayoutDocument, type Part, read } from "./document";
-import { type FlexRow, fromFlex, same, toFlex } from "./flex";
+import type { LayoutDocument, Part } from "./document";
+import { type FlexRow, fromFlex, SPLITTER_PX, same, toFlex } from "./flex";
+import { read } from "./reading";
 
 const BOX = { width: 1400, height: 800 };
 const nobody = () => undefined;
@@ -45,9 +46,18 @@ describe("a layout in the dock", () => {
       (sign) => (sign === "motion" ? { width: 300, height: 500 } : undefined),
       about,
     );
-    expect(row.children.map(({ weight }) => Math.round((weight * BOX.width) / 100))).toEqual([300, 1100]);
+    const px = (parts: FlexRow["children"], all: number) =>
+      parts.map(({ weight }) => Math.round((weight * (all - SPLITTER_PX)) / 100));
+    expect(px(row.children, BOX.width)).toEqual([300, 1092]);
     const side = row.children[0] as FlexRow;
-    expect(side.children.map(({ weight }) => Math.round((weight * BOX.height) / 100))).toEqual([538, 262]);
+    expect(px(side.children, BOX.height)).toEqual([538, 254]);
+  });
+  it("does not make a column as wide as its content because that is how high it was", () => {
+    const { row, given } = toFlex(withDesktop(desktop), BOX, nobody, about);
+    const [side, main] = row.children as [FlexRow, FlexRow];
+    const [motion] = side.children;
+    const alone = { ...row, children: [{ ...motion, weight: side.weight }, main] };
+    expect(fromFlex(alone, given, false)).toMatchObject({ row: [{ tabs: ["motion"], size: side.weight }, {}] });
   });
   it("has shares of its own where a splitter was moved, and keeps the others as they were", () => {
     const { row, given } = toFlex(withDesktop(desktop), BOX, nobody, about);

@@ -1,5 +1,6 @@
 /** A part of a layout as the tree of the dock library, and back. */
-import { idsIn, type LayoutDocument, type Part, partsOf, type Size, shownOf, signOf, split } from "./document";
+import { idsIn, type LayoutDocument, type Part, partsOf, type Size, shownOf, signOf } from "./document";
+import { split } from "./edits";
 
 export interface FlexTab {
   type: "tab";
@@ -29,7 +30,7 @@ export interface FlexNode {
   children?: readonly FlexNode[];
 }
 
-/** What each part was given, by its panels: a size that was not touched is kept as it was written. */
+/** What each part was given, by the way that it lies in and its panels: a size that was not touched is kept as it was written. */
 export type Given = ReadonlyMap<string, { weight: number; size: Size | undefined }>;
 interface Box {
   width: number;
@@ -43,6 +44,8 @@ export type About = (id: string) => { name: string; min: readonly [width: number
 const CONTENT_PX = 120;
 /** Above what is arranged there are its tabs [px]. */
 const STRIP_PX = 38;
+/** Between parts that are arranged [px]. */
+export const SPLITTER_PX = 8;
 
 /** The tree, and what was given. `measured` is how large a part is now, by its panels. */
 export function toFlex(
@@ -62,13 +65,14 @@ export function toFlex(
         : Number.parseInt(size, 10);
     });
     const shares = parts.map(({ size }, at) => (fixed[at] === null ? (typeof size === "number" ? size : 1) : 0));
-    const left = Math.max(0, inside[along] - fixed.reduce((sum: number, px) => sum + (px ?? 0), 0));
+    const room = inside[along] - SPLITTER_PX * (parts.length - 1);
+    const left = Math.max(0, room - fixed.reduce((sum: number, px) => sum + (px ?? 0), 0));
     const all = shares.reduce((sum, share) => sum + share, 0);
     const px = parts.map((_, at) => Math.max(1, fixed[at] ?? (left * (shares[at] ?? 0)) / all));
     const total = px.reduce((sum, each) => sum + each, 0);
     return parts.map((part, at) => {
       const weight = rounded((100 * (px[at] ?? 1)) / total);
-      given.set(signOf(part), { weight, size: part.size });
+      given.set(placeOf(way, part), { weight, size: part.size });
       if ("tabs" in part) return tabs(part, weight);
       const own = { ...inside, [along]: px[at] ?? 1 };
       return { type: "row", weight, children: children(partsOf(part), own, "row" in part ? "row" : "col") };
@@ -91,6 +95,9 @@ export function toFlex(
   const rows = "row" in desktop ? desktop.row : [desktop];
   return { row: { type: "row", weight: 100, children: children(rows, box, "row") }, given };
 }
+
+/** What was as high as its content in a column is not as wide as that where it stands alone in a row. */
+const placeOf = (way: "row" | "col", part: Part) => `${way} ${signOf(part)}`;
 
 const rounded = (weight: number) => Math.round(weight * 100) / 100;
 
@@ -118,7 +125,7 @@ export function fromFlex(
   const total = parts.reduce((sum, { weight }) => sum + weight, 0);
   const shares = parts.map(({ part, weight }) => {
     const share = rounded((100 * weight) / total);
-    const before = given.get(signOf(part));
+    const before = given.get(placeOf(way, part));
     return { part, share, before, still: before !== undefined && Math.abs(before.weight - share) < 0.1 };
   });
   const untouched = shares.every(({ still }) => still);
@@ -127,7 +134,7 @@ export function fromFlex(
     return !resized && typeof before?.size === "string" ? before.size : share;
   });
   shares.forEach(({ part, share }, at) => {
-    next.set(signOf(part), { weight: share, size: sizes[at] });
+    next.set(placeOf(way, part), { weight: share, size: sizes[at] });
   });
   return split(
     way,

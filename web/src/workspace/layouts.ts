@@ -1,10 +1,13 @@
 import { useQuery } from "@tanstack/react-query";
-import { useCallback, useEffect, useMemo } from "react";
+import { useEffect, useLayoutEffect, useMemo } from "react";
 import { api, type Schemas } from "../api/client";
 import { useAddress } from "../lib/address";
-import { Shared, stored, useShared } from "../lib/shared";
-import { BENCH, BUILT_IN, builtInOf } from "./builtIn";
-import { isNewer, type LayoutDocument, read } from "./document";
+import { type Shared, stored, useShared } from "../lib/shared";
+import { BENCH } from "./benchLayout";
+import { builtInOf } from "./builtIn";
+import { isNewer, type LayoutDocument } from "./document";
+import { COPIES_KEY, FOUND, SAID, SAVED_KEY } from "./layout";
+import { read } from "./reading";
 
 type Copies = Readonly<Record<string, LayoutDocument>>;
 export type LayoutInfo = Schemas["LayoutInfo"];
@@ -21,14 +24,9 @@ function layoutsIn(key: string): Shared<Copies> {
 }
 
 /** What was changed of each layout in this browser and not yet saved, by the layout's id. */
-export const COPIES = layoutsIn("stepscope.layouts");
+export const COPIES = layoutsIn(COPIES_KEY);
 /** Each as it was last seen on the server: the first paint waits for no answer. */
-export const SAVED = layoutsIn("stepscope.layouts.saved");
-/** What was just done to the layout, for those who do not see it. */
-export const SAID = new Shared("");
-/** The layout is being arranged. */
-export const ARRANGING = new Shared(false);
-
+export const SAVED = layoutsIn(SAVED_KEY);
 export const LAYOUTS_KEY = ["layouts"];
 
 export function without(copies: Copies, id: string): Copies {
@@ -43,30 +41,16 @@ export function documentOf({ id, revision, document }: Schemas["LayoutDetail"]):
   return read({ ...document, id, revision });
 }
 
-export interface Layout {
-  id: string;
-  document: LayoutDocument;
-  /** on the server; undefined where it was never saved */
-  saved: LayoutDocument | undefined;
-  /** it differs from what is saved, or from what it was at first */
-  touched: boolean;
-  /** nobody knows yet whether there is such a layout */
-  waiting: boolean;
-  /** there is none: the bench is shown */
-  missing: boolean;
-  put: (document: LayoutDocument, said: string) => void;
-}
-
 export function useLayouts() {
   return useQuery({ queryKey: LAYOUTS_KEY, queryFn: () => api.GET("/api/v1/layouts"), staleTime: 10_000 });
 }
 
-/** The layout that the address names: as it is in this browser, else as it is saved, else as it came. */
-export function useLayout(): Layout {
+/** Finds the layout that the address names: as it is in this browser, else as it is saved, else as it came. */
+export function FindLayout(): null {
   const { layout } = useAddress("layout");
-  const id = layout || BENCH;
+  const id = layout || BENCH.id;
   const copy = own(useShared(COPIES), id);
-  const seen = own(useShared(SAVED), id);
+  const saved = own(useShared(SAVED), id);
   const list = useLayouts();
   const kept = list.data?.layouts.find((each) => each.id === id);
   useEffect(() => {
@@ -74,29 +58,32 @@ export function useLayout(): Layout {
     if (kept === undefined) SAVED.set(without(SAVED.get(), id));
     else if (own(SAVED.get(), id)?.revision !== kept.revision) void bring(id);
   }, [list.data, kept, id]);
-  const found = copy ?? seen ?? builtInOf(id);
-  const put = useCallback((next: LayoutDocument, said: string) => {
-    if (isNewer(next)) {
-      SAID.set("A newer stepscope has made this layout: it is not changed here. Save it as another one first.");
-      return;
-    }
-    SAID.set(said);
-    COPIES.set({ ...COPIES.get(), [next.id]: next });
-  }, []);
-  const unknown = found === undefined;
+  const document = copy ?? saved ?? builtInOf(id);
+  const unknown = document === undefined;
   const missing = unknown && list.data !== undefined && kept === undefined;
-  return useMemo(
+  const found = useMemo(
     () => ({
       id,
-      document: found ?? (BUILT_IN[0] as LayoutDocument),
-      saved: seen,
+      document: document ?? BENCH,
+      saved,
       touched: copy !== undefined,
       waiting: unknown && !missing,
       missing,
       put,
     }),
-    [id, found, seen, copy, unknown, missing, put],
+    [id, document, saved, copy, unknown, missing],
   );
+  useLayoutEffect(() => FOUND.set(found), [found]);
+  return null;
+}
+
+export function put(next: LayoutDocument, said: string): void {
+  if (isNewer(next)) {
+    SAID.set("A newer stepscope has made this layout: it is not changed here. Save it as another one first.");
+    return;
+  }
+  SAID.set(said);
+  COPIES.set({ ...COPIES.get(), [next.id]: next });
 }
 
 async function bring(id: string): Promise<void> {

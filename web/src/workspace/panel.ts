@@ -1,4 +1,3 @@
-import type { IconActivity } from "@tabler/icons-react";
 import type { ComponentType } from "react";
 import type { Capability, Device } from "../api/queries";
 import { can } from "../api/queries";
@@ -28,7 +27,6 @@ export type DeviceProps<C extends object = object> = LooseProps<C> & { device: D
 export interface PanelType {
   type: string;
   title: string;
-  Icon: typeof IconActivity;
   /** of its config */
   version: number;
   /** a device has to be able to do one of these; none: every one fits */

@@ -1,13 +1,3 @@
-import {
-  IconActivity,
-  IconCube,
-  IconFileStack,
-  IconGauge,
-  IconHistory,
-  IconRotateClockwise2,
-  IconTableColumn,
-  IconTerminal2,
-} from "@tabler/icons-react";
 import { later } from "../lib/later";
 import type { LayoutDocument } from "./document";
 import { ofAxis, ofDevice, ofNothing, type PanelType } from "./panel";
@@ -19,7 +9,6 @@ export const PANELS: readonly PanelType[] = [
   ofNothing({
     type: "motion",
     title: "Motion",
-    Icon: IconActivity,
     version: 1,
     min: [280, 200],
     fills: true,
@@ -28,7 +17,6 @@ export const PANELS: readonly PanelType[] = [
   ofNothing({
     type: "axes",
     title: "Devices and axes",
-    Icon: IconActivity,
     version: 1,
     min: [220, 120],
     single: true,
@@ -38,7 +26,6 @@ export const PANELS: readonly PanelType[] = [
   ofNothing({
     type: "scope",
     title: "Scope",
-    Icon: IconActivity,
     version: 1,
     min: [480, 320],
     single: true,
@@ -48,7 +35,6 @@ export const PANELS: readonly PanelType[] = [
   ofAxis({
     type: "stage",
     title: "Stage",
-    Icon: IconActivity,
     version: 1,
     min: [320, 89],
     quiet: true,
@@ -57,7 +43,6 @@ export const PANELS: readonly PanelType[] = [
   ofAxis({
     type: "limits",
     title: "Soft limits",
-    Icon: IconGauge,
     version: 1,
     min: [280, 26],
     quiet: true,
@@ -66,7 +51,6 @@ export const PANELS: readonly PanelType[] = [
   ofDevice({
     type: "emulator",
     title: "Emulator",
-    Icon: IconGauge,
     version: 1,
     emulated: true,
     quiet: true,
@@ -77,7 +61,6 @@ export const PANELS: readonly PanelType[] = [
   ofNothing({
     type: "demo",
     title: "Demo",
-    Icon: IconHistory,
     version: 1,
     min: [280, 40],
     single: true,
@@ -87,7 +70,6 @@ export const PANELS: readonly PanelType[] = [
   ofAxis({
     type: "twin",
     title: "3D",
-    Icon: IconCube,
     version: 1,
     needs: ["motion"],
     min: [320, 260],
@@ -99,7 +81,6 @@ export const PANELS: readonly PanelType[] = [
   ofAxis({
     type: "polar",
     title: "Encoder over the turn",
-    Icon: IconRotateClockwise2,
     version: 1,
     needs: ["encoder"],
     min: [420, 400],
@@ -108,7 +89,6 @@ export const PANELS: readonly PanelType[] = [
   ofDevice({
     type: "changes",
     title: "Changes",
-    Icon: IconTableColumn,
     version: 1,
     needs: ["registers"],
     min: [300, 160],
@@ -118,7 +98,6 @@ export const PANELS: readonly PanelType[] = [
   ofDevice({
     type: "console",
     title: "Console",
-    Icon: IconTerminal2,
     version: 1,
     min: [420, 260],
     single: true,
@@ -127,7 +106,6 @@ export const PANELS: readonly PanelType[] = [
   ofDevice({
     type: "frames",
     title: "Frames",
-    Icon: IconTerminal2,
     version: 1,
     min: [420, 260],
     single: true,
@@ -136,7 +114,6 @@ export const PANELS: readonly PanelType[] = [
   ofNothing({
     type: "notes",
     title: "Notes",
-    Icon: IconFileStack,
     version: 1,
     min: [220, 120],
     config: readNotes,

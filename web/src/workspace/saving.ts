@@ -3,9 +3,12 @@ import type { QueryClient } from "@tanstack/react-query";
 import { api } from "../api/client";
 import { putIntoAddress } from "../lib/address";
 import { fileName, saveText } from "../lib/files";
-import { BENCH, builtInOf } from "./builtIn";
-import { type LayoutDocument, read, VERSION } from "./document";
-import { COPIES, documentOf, LAYOUTS_KEY, SAID, SAVED, without } from "./layouts";
+import { BENCH } from "./benchLayout";
+import { builtInOf } from "./builtIn";
+import { type LayoutDocument, VERSION } from "./document";
+import { SAID } from "./layout";
+import { COPIES, documentOf, LAYOUTS_KEY, SAVED, without } from "./layouts";
+import { read } from "./reading";
 
 function kept(queries: QueryClient, document: LayoutDocument | null, said: string): void {
   if (document) {
@@ -51,11 +54,11 @@ export async function remove(queries: QueryClient, { id, name }: LayoutDocument)
   COPIES.set(without(COPIES.get(), id));
   SAVED.set(without(SAVED.get(), id));
   kept(queries, null, `Layout ${name} is deleted`);
-  if (!builtInOf(id)) show(BENCH);
+  if (!builtInOf(id)) show(BENCH.id);
 }
 
 export function show(id: string): void {
-  putIntoAddress({ layout: id === BENCH ? "" : id, max: "" }, "step");
+  putIntoAddress({ layout: id === BENCH.id ? "" : id, max: "" }, "step");
 }
 
 export function exportFile(document: LayoutDocument): void {

@@ -1,4 +1,4 @@
-import { Button, Indicator, Popover } from "@mantine/core";
+import { Button, Popover } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
 import { useAccess } from "../../api/access";
@@ -58,7 +58,7 @@ export function LeaseControl() {
   const Icon = lease.mine ? IconSteeringWheel : IconLock;
   return (
     <Popover opened={opened} onChange={(open) => !open && close()} width={300} position="bottom" trapFocus withinPortal>
-      <Indicator label={asks} size={16} disabled={asks === 0} offset={3}>
+      <span className="relative">
         <Popover.Target>
           <Button
             variant={lease.mine ? "light" : "default"}
@@ -73,7 +73,12 @@ export function LeaseControl() {
             <span className={classes.words}>{words}</span>
           </Button>
         </Popover.Target>
-      </Indicator>
+        {asks > 0 && (
+          <span className={`${classes.asks} absolute text-12 touchless`} aria-hidden>
+            {asks}
+          </span>
+        )}
+      </span>
       <Popover.Dropdown p="sm" aria-label="The bench">
         <LeasePanel lease={lease} asking={asking} close={close} />
       </Popover.Dropdown>

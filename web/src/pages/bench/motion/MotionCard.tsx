@@ -1,4 +1,4 @@
-import { Badge, Group, Stack, Tabs, Text, Title } from "@mantine/core";
+import { Badge, Group, Stack, Tabs, Text } from "@mantine/core";
 import { Link } from "wouter";
 import { can, type Device } from "../../../api/queries";
 import { useAddressChoice } from "../../../lib/address";
@@ -55,9 +55,9 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   return (
     <Card className={`${classes.card} stack gap-8`} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
       <Group justify="space-between" wrap="nowrap">
-        <Title order={2} className="clip text-14">
+        <h2 className="m-0 clip text-14 bold">
           {device.name} · {axis.name}
-        </Title>
+        </h2>
         <Badge variant="default" size="sm" title="Mode" data-testid="mode">
           {connected ? (state.data?.mode ?? "…") : device.state}
         </Badge>
