@@ -115,10 +115,11 @@ export function ScopePanel({ device, axis, devices }: LooseProps) {
   const id = device?.id ?? "";
   const index = axis?.index ?? 0;
   const main = useMemo(() => ({ device: id, axis: index }), [id, index]);
+  const [settings, change] = useScopeSettings();
   if (!device) return null;
   const name = axis ? `${device.name} ${axis.name}` : device.name;
   return (
-    <ScopeCard devices={devices} main={main} axisName={name}>
+    <ScopeCard devices={devices} main={main} axisName={name} settings={settings} change={change}>
       {(scope) =>
         axis &&
         can(device, "events") && (
