@@ -130,9 +130,9 @@ class UndoService:
             if isinstance(aim, Without)
             else last_known(await self._audit.last_writes(device.id, first), past.registers)
         )
-        keys = {item.key for place in (*past.registers, *known) if (item := self._item(device, place)) is not None}
-        held = await read_held(device, keys)
         told = {**past.registers, **known}
+        keys = {item.key for place in told if (item := self._item(device, place)) is not None}
+        held = await read_held(device, keys)
         differing: list[Undone] = []
         same = 0
         for place, earlier in told.items():
@@ -146,8 +146,7 @@ class UndoService:
         order = {item.key: index for index, item in enumerate(items_of(device.model))}
         differing.sort(key=lambda each: len(order) if each.item is None else order[each.item.key])
         differing += [found for earlier in past.settings.values() if (found := _setting(device, earlier)) is not None]
-        seen_rows = {item.key for place in told if (item := self._item(device, place)) is not None}
-        unseen = [item.row for item in items_of(device.model) if item.key in held.words and item.key not in seen_rows]
+        unseen = [item.row for item in items_of(device.model) if item.key in held.words and item.key not in keys]
         return Preview(
             _tables_known(device, held, differing),
             _rest(past.rest),

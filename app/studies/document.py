@@ -307,22 +307,26 @@ class LeastCurrent(Part):
         return self
 
 
+CoilResistance = Annotated[
+    float, Field(strict=True, gt=0, le=200, allow_inf_nan=False, description="of one coil, by the motor's data sheet")
+]
+CoilInductance = Annotated[
+    float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False, description="of one coil, by the motor's data sheet")
+]
+RunCurrent = Annotated[
+    float, Field(strict=True, gt=0, le=50, allow_inf_nan=False, description="RMS of one coil, as it is set now [A]")
+]
+Supply = Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False, description="of the motor")]
+
+
 class CalmChopper(Part):
     """The setting of SpreadCycle (TOFF, TBL, hysteresis) by which the shaft shakes least: seen by the encoder."""
 
     kind: Literal["chopper"] = "chopper"
-    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] = Field(
-        description="of one coil, by the motor's data sheet"
-    )
-    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
-        description="of one coil, by the motor's data sheet"
-    )
-    run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] = Field(
-        description="RMS of one coil, as it is set now [A]"
-    )
-    supply_v: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
-        description="of the motor"
-    )
+    resistance_ohm: CoilResistance
+    inductance_h: CoilInductance
+    run_current_a: RunCurrent
+    supply_v: Supply
     speeds_rps: Annotated[list[Speed], Field(min_length=1, max_length=6)] = Field(
         default=[0.25, 0.5, 1.0], description="at which the motor is to be calm [turns of the motor a second]"
     )
@@ -351,18 +355,10 @@ class QuietStealthChop(Part):
     SpreadCycle takes over with a jolt (TPWMTHRS)."""
 
     kind: Literal["stealthchop"] = "stealthchop"
-    resistance_ohm: Annotated[float, Field(strict=True, gt=0, le=200, allow_inf_nan=False)] = Field(
-        description="of one coil, by the motor's data sheet"
-    )
-    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] = Field(
-        description="of one coil, by the motor's data sheet"
-    )
-    run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] = Field(
-        description="RMS of one coil, as it is set now [A]"
-    )
-    supply_v: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
-        description="of the motor"
-    )
+    resistance_ohm: CoilResistance
+    inductance_h: CoilInductance
+    run_current_a: RunCurrent
+    supply_v: Supply
     holding_torque_nm: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
         default=None, description="both coils at the rated current; null: PWM_GRAD is only tuned by the chip"
     )

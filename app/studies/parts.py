@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import ConfigDict
 
 from ..deferred import DeferredModel
+
+PairOrder = Literal["AB", "BA"]
+"""Which of a pair came first: A is the old setting, B the new one."""
 
 
 class Part(DeferredModel):

@@ -10,10 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .parts import PairOrder
+
 # scipy is imported where it is used: the server starts without it.
 
 LEVEL = 0.05
 RESAMPLES = 4000
+
+
+def pair_order(index: int) -> PairOrder:
+    """A B, then B A: what drifts with time is neither's advantage."""
+    return "BA" if index % 2 else "AB"
 
 
 @dataclass(frozen=True, slots=True)

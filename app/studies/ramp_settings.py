@@ -91,6 +91,12 @@ class RampSpace:
         setting = self._settings[name]
         return setting.most * setting.unit
 
+    def allowed(self, name: str) -> float:
+        """The greatest that its registers hold and the axis's soft limits allow [pps, pps^2]."""
+        limits = self._device.axes[self._axis].settings.limits
+        bound = {SPEED: limits.velocity_max_pps, ACCELERATION: limits.acceleration_max_pps2}[name]
+        return min(bound or math.inf, self.most(name))
+
     def now(self) -> dict[str, float]:
         """The settings as the axis had them before: of several registers the first."""
         held = {each.name: each.value for each in self.before}

@@ -11,7 +11,7 @@ from .closed_loop.found import LoopFound
 from .document import StudyDocument
 from .identification.found import Identified
 from .least_current.found import LeastCurrentFound
-from .parts import Interval, Part
+from .parts import Interval, PairOrder, Part
 from .resonance_map.found import ResonanceFound
 from .scored_move.found import Scored
 from .stallguard.found import StallFound
@@ -69,7 +69,7 @@ class Pair(Part):
 
     baseline_s: float
     winner_s: float
-    order: Literal["AB", "BA"]
+    order: PairOrder
 
 
 class Evidence(Part):
@@ -162,7 +162,7 @@ class AnglePair(Part):
 
     baseline_deg: float
     winner_deg: float
-    order: Literal["AB", "BA"]
+    order: PairOrder
 
 
 class AngleEffect(Part):

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
-from ..parts import Interval, Part
+from ..parts import Interval, PairOrder, Part
 
 
 class ChopperTried(Part):
@@ -26,7 +24,7 @@ class RipplePair(Part):
 
     baseline_fullsteps: float
     winner_fullsteps: float
-    order: Literal["AB", "BA"]
+    order: PairOrder
 
 
 class RippleEffect(Part):

@@ -106,10 +106,7 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
         )
         return looked
     limits = device.axes[axis].settings.limits
-    most = (
-        min(limits.velocity_max_pps or math.inf, found.space.most(SPEED)),
-        min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION)),
-    )
+    most = found.space.allowed(SPEED), found.space.allowed(ACCELERATION)
     cruises = [_cruise(rps, found.turn, full_step, most) for rps in wanted.speeds_rps]
     if any(each.ramp[SPEED] < 0.999 * each.rps * found.turn for each in cruises):
         say(f"the soft limit of velocity is below {plain(max(wanted.speeds_rps))} turns a second: take slower ones")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Sequence
-from typing import Literal
 
 from ...clock import WallClock
 from ...number_text import plain
 from ..document import CalmChopper
 from ..moves import MeasuredMoves
 from ..parts import Interval
-from ..proof import compared_pairs
+from ..proof import compared_pairs, pair_order
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
@@ -251,8 +250,7 @@ class ChopperStudy(StudyRun):
                 f"pair {index + 1} of {wanted.pairs}",
                 2 * (wanted.pairs - index) * self._ground.round_s,
             )
-            # A B, then B A: what drifts with time is neither's advantage.
-            order: Literal["AB", "BA"] = "BA" if index % 2 else "AB"
+            order = pair_order(index)
             shaken = {which: together(await self._shaken(settings[which]), self._ground.least) for which in order}
             found.pairs.append(RipplePair(baseline_fullsteps=shaken["A"], winner_fullsteps=shaken["B"], order=order))
         self._decide(best)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from ...devices.core.capabilities import EncoderSetting, VelocityJumps
@@ -65,7 +64,7 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
         if limits.beyond(end):
             say(f"it would turn to {end}, and the soft limits end before: begin elsewhere")
     looked.warnings += room_told(limits)
-    most = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED))
+    most = found.space.allowed(SPEED)
     speed = [each for each in found.space.before if each.name in found.space.names(SPEED)]
     jump_pps = min(HOP_PPS, most)
     looked.ground = Ground(found.space, loop, state.position, full_step, step, jump_pps, most, [loop.shape, *speed])

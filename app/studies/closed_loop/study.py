@@ -23,7 +23,7 @@ from ..document import ClosedLoop
 from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..parts import Interval
-from ..proof import compared_pairs
+from ..proof import compared_pairs, pair_order
 from ..record import Figures, Held, Trial
 from ..ringing import BEFORE_S, HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
@@ -244,7 +244,7 @@ class ClosedLoopStudy(StudyRun):
             target, away = self._place(index, ground.step), self._place(index)
             if index % 2:
                 target, away = away, target
-            for which in "BA" if index % 2 else "AB":
+            for which in pair_order(index):
                 await self._regulate(sets[which])
                 await self._return(away)
                 one = await self._step(target)

@@ -11,7 +11,7 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
-from ..proof import compared_pairs, rate_bound
+from ..proof import compared_pairs, pair_order, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Evidence, Figures, Pair, Trial
 from ..run import StudyRun
@@ -248,8 +248,7 @@ class FastestMoveStudy(StudyRun):
                 break
             self.tell("proof", 0.75 + 0.25 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
             place = self._trials.place()
-            # A B, then B A: what drifts with time is neither's advantage.
-            order = ("AB", "BA")[index % 2]
+            order = pair_order(index)
             times: dict[str, float] = {}
             for which in order:
                 await self.apply(record.baseline, "the setting before") if which == "A" else await self._trials.set(
@@ -269,7 +268,7 @@ class FastestMoveStudy(StudyRun):
                 runs += figures.runs
                 if figures.lost_fullsteps:
                     return self._refuted(best, figures)
-            record.pairs.append(Pair(baseline_s=times["A"], winner_s=times["B"], order="AB" if order == "AB" else "BA"))
+            record.pairs.append(Pair(baseline_s=times["A"], winner_s=times["B"], order=order))
         self._decide(best, lost, runs)
         await self.keeper.save(record)
         return True

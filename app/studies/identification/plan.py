@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from ...devices.core.capabilities import EncoderSetting
@@ -98,7 +97,7 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
     if limits.beyond(state.position + turn + 2 * lead):
         say(f"it would turn to {state.position + turn + 2 * lead}, and the soft limits end before: begin elsewhere")
     looked.warnings += room_told(limits)
-    hop = min(HOP_PPS, limits.velocity_max_pps or math.inf, ramp.most(SPEED))
+    hop = min(HOP_PPS, ramp.allowed(SPEED))
     if hop < HOP_PPS:
         looked.warnings.append(
             f"a hop is made at {plain(hop, 4)} pps, as the soft limits allow: a fast resonance may not show"
@@ -125,9 +124,7 @@ def _amplitude(device: Device, axis: int, found: AxisNow, wanted: Identification
         fields = FieldSpace(device, axis, places.every, found.held)
     except WrongState as error:
         return None, str(error)
-    limits = device.axes[axis].settings.limits
-    fastest = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED)) / found.turn
-    hardest = min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION))
+    fastest, hardest = found.space.allowed(SPEED) / found.turn, found.space.allowed(ACCELERATION)
     speeds = tuple(
         (rps, {SPEED: rps * found.turn, ACCELERATION: min(rps * found.turn / SPEED_UP_S, hardest)})
         for rps in SPEEDS_RPS

@@ -79,8 +79,8 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if wanted.resistance_ohm is None or wanted.run_current_a is None:
         looked.warnings.append("resistance and present current are not told: the saving is a share, not in watts")
     most = {
-        SPEED: min(limits.velocity_max_pps or math.inf, found.space.most(SPEED), device.motion.speed_limit_pps(axis)),
-        ACCELERATION: min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION)),
+        SPEED: min(found.space.allowed(SPEED), device.motion.speed_limit_pps(axis)),
+        ACCELERATION: found.space.allowed(ACCELERATION),
     }
     end = limits.position_max if cycle.way > 0 else limits.position_min
     room = math.inf if end is None else abs(end - begin)

@@ -67,8 +67,8 @@ async def look(device: Device, axis: int, wanted: MicrostepCalibration) -> Looke
     if table.shared:
         looked.warnings.append("both motors of this chip are turned by the one table that is written")
     limits = device.axes[axis].settings.limits
-    speed = min(wanted.velocity_rps * turn, limits.velocity_max_pps or math.inf, space.most(SPEED))
-    acceleration = min(speed / SPEED_UP_S, limits.acceleration_max_pps2 or math.inf, space.most(ACCELERATION))
+    speed = min(wanted.velocity_rps * turn, space.allowed(SPEED))
+    acceleration = min(speed / SPEED_UP_S, space.allowed(ACCELERATION))
     # A new table holds from the next zero of the wave on, and counts from the first whole period at speed.
     period = 4 * full_step
     lead = period * math.ceil(1 + speed**2 / (2 * acceleration) / period)

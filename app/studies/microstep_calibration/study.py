@@ -17,7 +17,7 @@ from ...procedures.procedure import Failed
 from ..document import MicrostepCalibration
 from ..moves import MeasuredMoves
 from ..parts import Interval
-from ..proof import compared_pairs
+from ..proof import compared_pairs, pair_order
 from ..ramp_settings import SPEED
 from ..record import AngleEffect, AnglePair, Figures, MicrostepFigures, Trial
 from ..run import StudyRun
@@ -205,17 +205,14 @@ class MicrostepCalibrationStudy(StudyRun):
             if self.spent():
                 break
             self._tell_round("proof", len(FIRST_SPEEDS) + 2 * index, f"pair {index + 1} of {wanted.pairs}")
-            # A B, then B A: what drifts with time is neither's advantage.
-            order = "BA" if index % 2 else "AB"
+            order = pair_order(index)
             found: dict[str, float] = {}
             for which in order:
                 await self.apply(tables[which], "a microstep table")
                 ways = await self._round()
                 found[which] = self._error(ways).rms
                 after += ways if which == "B" else []
-            told.pairs.append(
-                AnglePair(baseline_deg=found["A"], winner_deg=found["B"], order="BA" if index % 2 else "AB")
-            )
+            told.pairs.append(AnglePair(baseline_deg=found["A"], winner_deg=found["B"], order=order))
         if after:
             told.after = figures(self._error(after))
         self._decide(told)

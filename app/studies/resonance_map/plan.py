@@ -112,8 +112,7 @@ async def look(device: Device, axis: int, wanted: ResonanceMap) -> Looked[Ground
     looked.warnings += room_told(limits)
     fastest = min(
         wanted.velocity_max_rps,
-        (limits.velocity_max_pps or math.inf) / found.turn,
-        space.most(SPEED) / found.turn,
+        space.allowed(SPEED) / found.turn,
         device.motion.speed_limit_pps(axis) / found.turn,
     )
     acceleration = min(now[ACCELERATION], limits.acceleration_max_pps2 or math.inf)

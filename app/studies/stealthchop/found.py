@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from ..parts import Interval, Part
+from ..parts import Interval, PairOrder, Part
 
 
 class StealthTried(Part):
@@ -33,7 +33,7 @@ class StealthPair(Part):
     winner_jolt_fullsteps: float
     baseline_added_share: float | None
     winner_added_share: float | None
-    order: Literal["AB", "BA"]
+    order: PairOrder
 
 
 class StealthEffect(Part):

@@ -102,8 +102,7 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         return looked
     looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
-    fastest = min(limits.velocity_max_pps or math.inf, found.space.most(SPEED))
-    hardest = min(limits.acceleration_max_pps2 or math.inf, found.space.most(ACCELERATION))
+    fastest, hardest = found.space.allowed(SPEED), found.space.allowed(ACCELERATION)
     if fastest < 0.999 * wanted.velocity_max_rps * turn:
         say(f"the soft limit of velocity is below {plain(wanted.velocity_max_rps)} turns a second: ask for less")
     speed = min(wanted.velocity_max_rps * turn, fastest)

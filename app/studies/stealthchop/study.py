@@ -7,7 +7,6 @@ import math
 import statistics
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
@@ -16,6 +15,7 @@ from ..document import QuietStealthChop
 from ..families import identification_of
 from ..identification.coil import AmplitudeRuns
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, Sampled
+from ..proof import pair_order
 from ..ramp_settings import ACCELERATION, SPEED
 from ..record import Figures, Trial
 from ..run import StudyRun
@@ -168,7 +168,7 @@ class StealthChopStudy(StudyRun):
             share = self._share(reading.fields.get(places.now, reading.value))
             if share > 0:
                 added = reading.fields.get(places.added)
-                seen.append(Amplitude(self.device.device_time_s(), share, None if added is None else added / 255))
+                seen.append(Amplitude(self.device.device_time_s(), share, None if added is None else added / FULL))
 
     def _share(self, counts: float) -> float:
         return counts / self._ground.stealth.amplitude_full
@@ -427,8 +427,7 @@ class StealthChopStudy(StudyRun):
                 f"pair {index + 1} of {wanted.pairs}",
                 2 * (wanted.pairs - index) * self._ground.round_s,
             )
-            # A B, then B A: what drifts with time is neither's advantage.
-            order: Literal["AB", "BA"] = "BA" if index % 2 else "AB"
+            order = pair_order(index)
             seen = {which: await self._through(settings[which]) for which in order}
             found.pairs.append(
                 StealthPair(

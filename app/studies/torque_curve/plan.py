@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from ...devices.core.device import Device
@@ -58,13 +57,12 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
         looked.warnings.append("the inertia is not told: what is found is the acceleration over speed, not the torque")
     speed = min(
         wanted.velocity_max_rps * turn,
-        limits.velocity_max_pps or math.inf,
-        space.most(SPEED),
+        space.allowed(SPEED),
         device.motion.speed_limit_pps(axis),
     )
     if speed < 2 * LOW_RPS * turn:
         say(f"its speed is limited to {plain(speed / turn)} turns a second: {2 * LOW_RPS:g} are needed")
-    most = min(space.most(ACCELERATION), limits.acceleration_max_pps2 or math.inf)
+    most = space.allowed(ACCELERATION)
     looked.ground = Ground(space, state.position, far, found.full_step, turn, {SPEED: speed, ACCELERATION: most})
     return looked
 
