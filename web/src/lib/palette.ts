@@ -30,6 +30,8 @@ const TRACES = {
   predicted_velocity: { kind: "predicted" },
   acceleration: { kind: "velocity", dash: [2, 2] },
   jerk: { kind: "derived" },
+  /** what a formula makes of others */
+  derived: { kind: "derived" },
   residual: { kind: "derived" },
   // an encoder and what it deviates by are one colour, the outer one's dashed
   encoder_position: { kind: "encoder" },

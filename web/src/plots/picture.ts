@@ -7,8 +7,12 @@ import { type Build, buildOptions } from "./options";
 import { escaped, SvgContext, TextPath } from "./SvgContext";
 import type { PlotSeries } from "./types";
 
-/** What there is to save a picture of: a plot, or a drawing that is an SVG already. */
-export type Subject = { title: string; plot: uPlot; build: Build } | { title: string; drawing: SVGSVGElement };
+/** A plot of which a picture is to be saved. */
+export interface Subject {
+  title: string;
+  plot: uPlot;
+  build: Build;
+}
 
 const LINE_PX = 20;
 const EDGE_PX = 8;
@@ -16,21 +20,12 @@ const SWATCH_PX = 16;
 
 /** The picture as it is seen, with its title and legend, in the colours of the page. */
 export async function savePng(subject: Subject): Promise<void> {
-  const ratio = Math.max(2, window.devicePixelRatio || 1);
-  const blob = "plot" in subject ? await plotAsPng(subject) : await rasterised(drawingAsSvg(subject.drawing), ratio);
-  saveBlob(fileName(subject.title, ".png"), blob);
+  saveBlob(fileName(subject.title, ".png"), await plotAsPng(subject));
 }
 
 /** The same as lines and text, drawn anew from the same data. */
 export function saveSvg(subject: Subject): void {
-  const text = "plot" in subject ? plotAsSvg(subject) : drawingAsSvg(subject.drawing);
-  saveBlob(fileName(subject.title, ".svg"), new Blob([text], { type: "image/svg+xml" }));
-}
-
-interface PlotSubject {
-  title: string;
-  plot: uPlot;
-  build: Build;
+  saveBlob(fileName(subject.title, ".svg"), new Blob([plotAsSvg(subject)], { type: "image/svg+xml" }));
 }
 
 function page(): { ground: string; ink: string } {
@@ -86,7 +81,7 @@ function drawHead(ctx: CanvasRenderingContext2D, title: string, series: readonly
   return head;
 }
 
-async function plotAsPng({ title, plot, build }: PlotSubject): Promise<Blob> {
+async function plotAsPng({ title, plot, build }: Subject): Promise<Blob> {
   const ratio = window.devicePixelRatio || 1;
   const drawn = plot.ctx.canvas;
   const canvas = document.createElement("canvas");
@@ -102,7 +97,7 @@ async function plotAsPng({ title, plot, build }: PlotSubject): Promise<Blob> {
 }
 
 /** The plot drawn once more, with the same data and scales, onto what keeps lines and text instead of pixels. */
-export function plotAsSvg({ title, plot, build }: PlotSubject): string {
+function plotAsSvg({ title, plot, build }: Subject): string {
   const ratio = window.devicePixelRatio || 1;
   const { width, height } = plot.ctx.canvas;
   const head = new SvgContext(plot.ctx.canvas);
@@ -147,53 +142,6 @@ function redrawn(plot: uPlot, build: Build): string {
     globalThis.Path2D = OfPixels;
   }
   return context?.toString() ?? "";
-}
-
-/** What of an element's look its sheet says, and the file has to say itself. */
-const INLINED = [
-  "fill",
-  "fill-opacity",
-  "stroke",
-  "stroke-width",
-  "stroke-dasharray",
-  "stroke-linecap",
-  "opacity",
-  "visibility",
-  "font-family",
-  "font-size",
-  "font-weight",
-  "text-anchor",
-  "dominant-baseline",
-] as const;
-
-/** A drawing of the page as a file of its own: without the page's sheets. */
-export function drawingAsSvg(drawing: SVGSVGElement): string {
-  const copy = drawing.cloneNode(true) as SVGSVGElement;
-  const { width, height } = drawing.getBoundingClientRect();
-  const originals = [drawing, ...drawing.querySelectorAll<SVGElement>("*")];
-  const copies = [copy, ...copy.querySelectorAll<SVGElement>("*")];
-  originals.forEach((original, index) => {
-    const style = getComputedStyle(original);
-    const target = copies[index];
-    target?.removeAttribute("class");
-    for (const name of INLINED) target?.style.setProperty(name, style.getPropertyValue(name));
-  });
-  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  copy.setAttribute("width", String(width));
-  copy.setAttribute("height", String(height));
-  copy.style.background = page().ground;
-  return new XMLSerializer().serializeToString(copy);
-}
-
-async function rasterised(svg: string, ratio: number): Promise<Blob> {
-  const image = new Image();
-  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
-  await image.decode();
-  const canvas = document.createElement("canvas");
-  canvas.width = image.width * ratio;
-  canvas.height = image.height * ratio;
-  canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
-  return blobOf(canvas);
 }
 
 async function blobOf(canvas: HTMLCanvasElement): Promise<Blob> {

@@ -43,8 +43,8 @@ export function Workspace({ devices, lost }: Props) {
   const desktop = Object.hasOwn(document.panels, max) ? alone(document, max) : document.screens.desktop;
   const state = useMemo(() => ({ document, put }), [document, put]);
   const seen = useRef(new Set<string>());
-  for (const id of phone ? document.screens.phone : shownIn(desktop)) seen.current.add(id);
   const inSight = new Set(phone ? document.screens.phone : shownIn(desktop));
+  for (const id of inSight) seen.current.add(id);
   // hidden panels hold no channels, but for those that would have to load anew
   const shown = idsIn(document.screens.desktop).filter(
     (id) => inSight.has(id) || (seen.current.has(id) && typeOf(document.panels[id]?.type)?.keeps),

@@ -44,15 +44,6 @@ export class Hosts {
       if (box?.parentElement === to) put(this.waiting, box);
     };
   }
-
-  /** Forgets the boxes of panels that are gone. */
-  keep(ids: ReadonlySet<string>): void {
-    for (const [id, box] of this.boxes) {
-      if (ids.has(id)) continue;
-      box.remove();
-      this.boxes.delete(id);
-    }
-  }
 }
 
 export const HostsContext = createContext<Hosts | null>(null);

@@ -1,14 +1,5 @@
 import { NumberField } from "../../lib/NumberField";
-
-export interface CoilForm {
-  /** of one coil, by the motor's data sheet [Ohm] */
-  resistanceOhm: number;
-  /** of one coil [mH] */
-  inductanceMh: number;
-  /** RMS of one coil as it is set now [A] */
-  runCurrentA: number;
-  supplyV: number;
-}
+import type { CoilForm } from "./coil";
 
 /** A motor's coil, its current and its supply: what a chopper is calculated from. */
 export function CoilFields({ form, change }: { form: CoilForm; change: (part: Partial<CoilForm>) => void }) {

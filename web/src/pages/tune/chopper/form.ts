@@ -1,4 +1,4 @@
-import type { CoilForm } from "../CoilFields";
+import { type CoilForm, coilOf, FIRST_COIL } from "../coil";
 import type { KindForm } from "../kind";
 import { speedsOf } from "../stallguard/form";
 
@@ -15,10 +15,7 @@ export const CHOPPER: KindForm<ChopperForm> = {
   text: "Hysteresis, TOFF and TBL of SpreadCycle by which the shaft shakes least: calculated from the motor, then tried.",
   title: "Chopper",
   first: () => ({
-    resistanceOhm: 2.3,
-    inductanceMh: 4.4,
-    runCurrentA: 1,
-    supplyV: 24,
+    ...FIRST_COIL,
     speeds: "0.25, 0.5, 1",
     lowestKhz: 20,
     trials: 60,
@@ -26,10 +23,7 @@ export const CHOPPER: KindForm<ChopperForm> = {
   wish: (form) => ({
     study: {
       kind: "chopper",
-      resistance_ohm: form.resistanceOhm,
-      inductance_h: form.inductanceMh / 1e3,
-      run_current_a: form.runCurrentA,
-      supply_v: form.supplyV,
+      ...coilOf(form),
       speeds_rps: speedsOf(form.speeds),
       lowest_hz: form.lowestKhz * 1e3,
     },

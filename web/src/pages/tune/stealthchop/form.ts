@@ -1,4 +1,4 @@
-import type { CoilForm } from "../CoilFields";
+import { type CoilForm, coilOf, FIRST_COIL } from "../coil";
 import type { KindForm } from "../kind";
 
 export interface StealthChopForm extends CoilForm {
@@ -17,10 +17,7 @@ export const STEALTHCHOP: KindForm<StealthChopForm> = {
   text: "PWM_OFS and PWM_GRAD that fit the motor, and how fast StealthChop may go before the change to SpreadCycle jolts.",
   title: "StealthChop",
   first: () => ({
-    resistanceOhm: 2.3,
-    inductanceMh: 4.4,
-    runCurrentA: 1,
-    supplyV: 24,
+    ...FIRST_COIL,
     holdingTorqueNm: null,
     ratedCurrentA: null,
     velocityMaxRps: 3,
@@ -29,10 +26,7 @@ export const STEALTHCHOP: KindForm<StealthChopForm> = {
   wish: (form) => ({
     study: {
       kind: "stealthchop",
-      resistance_ohm: form.resistanceOhm,
-      inductance_h: form.inductanceMh / 1e3,
-      run_current_a: form.runCurrentA,
-      supply_v: form.supplyV,
+      ...coilOf(form),
       holding_torque_nm: form.holdingTorqueNm,
       rated_current_a: form.ratedCurrentA,
       velocity_max_rps: form.velocityMaxRps,

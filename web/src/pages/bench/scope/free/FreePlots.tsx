@@ -3,7 +3,7 @@ import { IconX } from "@tabler/icons-react";
 import { type DragEvent, useEffect, useMemo, useRef, useState } from "react";
 import type { Device } from "../../../../api/queries";
 import { compact } from "../../../../lib/format";
-import { colorOf } from "../../../../lib/palette";
+import { colorOf, lineOf } from "../../../../lib/palette";
 import { useScheme } from "../../../../lib/useScheme";
 import { LiveText } from "../../../../live/LiveText";
 import { useFrame } from "../../../../live/useFrame";
@@ -171,9 +171,7 @@ function refusedAs(plot: FreePlot, channels: Channels): string | null {
 }
 
 function colorFor(path: string, scheme: "light" | "dark"): string {
-  const quantity = placeOf(path)?.channel.replace(/\.\d+$/, "");
-  if (quantity === undefined) return scheme === "light" ? "#1b1f24" : "#ffffff";
-  return colorOf(quantity, scheme);
+  return colorOf(placeOf(path)?.channel.replace(/\.\d+$/, "") ?? "derived", scheme);
 }
 
 function seriesOf({ y, kind }: FreePlot, channels: Channels, scheme: "light" | "dark"): PlotSeries[] {
@@ -185,7 +183,7 @@ function seriesOf({ y, kind }: FreePlot, channels: Channels, scheme: "light" | "
     const again = colors.get(color) ?? 0;
     colors.set(color, again + 1);
     const unit = channels.unit(path) ?? "";
-    const dash = derivedName(path) === null ? DASHES[(again - 1) % DASHES.length] : [6, 2];
+    const dash = derivedName(path) === null ? DASHES[(again - 1) % DASHES.length] : lineOf("derived", scheme).dash;
     return {
       label: channels.label(path),
       color,
