@@ -28,9 +28,9 @@ export class Hosts {
 
   box(id: string, className: string): HTMLDivElement {
     const known = this.boxes.get(id);
+    const box = known ?? document.createElement("div");
+    box.className = className; // a phone that is turned shows the same panel otherwise
     if (known) return known;
-    const box = document.createElement("div");
-    box.className = className;
     box.dataset.panel = id;
     this.boxes.set(id, box);
     this.waiting.append(box);
