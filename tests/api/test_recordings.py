@@ -330,3 +330,24 @@ async def test_rows_are_in_the_order_of_time(
     time_s = np.concatenate([batch.column("time_s").to_numpy() for batch in rows])
     assert len(time_s) >= 80, "what was sampled is in the file, but for the last beat"
     assert np.all(np.diff(time_s) > 0)
+
+
+async def test_a_recording_has_tags_a_colour_and_a_notebook(client: httpx.AsyncClient) -> None:
+    recording = await start(client, name="first run")
+    path = f"recordings/{recording}"
+    cells = [
+        {"kind": "text", "text": "It rings at **80 Hz**.", "from_s": None, "to_s": None, "channels": []},
+        {"kind": "figure", "text": "", "from_s": 0.1, "to_s": 0.5, "channels": ["position.0"]},
+    ]
+    told = (
+        await client.patch(path, json={"tags": ["warm", "warm", " x "], "colour": "green", "notebook": cells})
+    ).json()
+    assert (told["tags"], told["colour"], told["name"]) == (["warm", "x"], "green", "first run")
+    assert (await client.get(path)).json()["notebook"] == cells
+    assert (await client.patch(path, json={"name": "again"})).json()["tags"] == ["warm", "x"]
+    assert (await client.get(path)).json()["notebook"] == cells
+    for wrong in ({"tags": [""]}, {"colour": "red"}, {"notebook": [{"kind": "code"}]}, {"tags": ["x"] * 13}):
+        assert (await client.patch(path, json=wrong)).status_code == 422
+    backwards = {"notebook": [{"kind": "figure", "from_s": 2, "to_s": 1}]}
+    assert (await client.patch(path, json=backwards)).status_code in (400, 422)
+    assert "It rings at **80 Hz**." in (await client.get(f"{path}/report")).text

@@ -29,6 +29,7 @@ class _Side:
 
     id: str
     name: str
+    colour: str
     opened: Opened
     zero_s: float
     rows: Rows
@@ -78,7 +79,7 @@ def _sides(library: Library, body: out.CompareWith, notes: list[str]) -> list[_S
         if rows > ROWS_MAX:
             raise OutOfRange("rows to compare", rows, 0, ROWS_MAX, "rows; compare a part of them: from_s, to_s")
         read = opened.read(first, last)
-        sides.append(_Side(recording, name, opened, zero_s, Rows(read.time_s - zero_s, read.columns)))
+        sides.append(_Side(recording, name, entry.label.colour, opened, zero_s, Rows(read.time_s - zero_s, read.columns)))
     return sides
 
 
@@ -101,6 +102,7 @@ def _recording(side: _Side) -> out.ComparedRecording:
     return out.ComparedRecording(
         id=side.id,
         name=side.name,
+        colour=side.colour,
         device=head.device,
         model=head.model,
         zero_s=side.zero_s,

@@ -37,6 +37,9 @@ def report_of(
     parts = [f"<h1>{text(title)}</h1>", f"<p>{text(about)}</p>"]
     parts += [f'<p class="verdict">{text(told)}</p>' for told in (detail.message, detail.note) if told]
     parts += [figure(unit, curves, marks, zero_s) for unit, curves in by_unit(plot.curves)]
+    written = [cell.text for cell in detail.notebook if cell.text]
+    if written:
+        parts.append("<h2>Notebook</h2>" + "".join(f"<p>{text(words)}</p>" for words in written))
     if marks:
         rows = [(number(mark.time_s - zero_s), mark.kind, mark.text) for mark in marks]
         parts.append("<h2>What happened</h2>" + table(("time [s]", "", ""), rows))

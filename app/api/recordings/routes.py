@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated, Literal, TypeVar
 
 from fastapi import HTTPException, Path, Query
@@ -13,6 +14,7 @@ from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...recording.service import axes_of, configuration_of, options_of
 from ...store.recordings.library import Entry, Label
+from ...store.recordings.notebook import Cell
 from ...telemetry.recorder import Trigger
 from ..audit import wording
 from ..deps import CurrentBench
@@ -146,6 +148,7 @@ async def get_recording(
             course,
             opened,
             recordings.library.marks(recording),
+            recordings.library.notebook(recording),
             with_figures=figures,
         )
     )
@@ -214,7 +217,7 @@ async def get_recording_report(
 
     def report() -> str:
         opened, marks = library.open(recording), library.marks(recording)
-        about = detail(library.entry(recording), course, opened, marks, with_figures=False)
+        about = detail(library.entry(recording), course, opened, marks, library.notebook(recording), with_figures=False)
         shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS)
         return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s), from_s, to_s)
 
@@ -244,18 +247,21 @@ async def get_spectrum(
     )
 
 
-@router.patch("/{recording}", responses=problems(UnknownThing, StoreUnavailable))
+@router.patch("/{recording}", responses=problems(UnknownThing, UsageError, StoreUnavailable))
 @policy(lease="free", words=wording.named("edit recording"))
 async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
-    """Another name or note."""
+    """Another name, note, colour, other tags, or another notebook."""
     library = bench.recordings.library
 
     def relabel() -> Entry:
-        old = library.entry(recording).label
-        library.label(
-            recording,
-            Label(old.name if body.name is None else body.name, old.note if body.note is None else body.note),
-        )
+        if body.notebook is not None:
+            cells = [Cell(each.kind, each.text, each.from_s, each.to_s, tuple(each.channels)) for each in body.notebook]
+            library.write_notebook(recording, cells)
+        said = body.model_dump(exclude_none=True, exclude={"notebook"})
+        if said:
+            tags = said.get("tags")
+            changed = said if tags is None else {**said, "tags": tuple(dict.fromkeys(tags))}
+            library.label(recording, replace(library.entry(recording).label, **changed))
         return library.entry(recording)
 
     return info(await _aside(relabel), bench.recordings.course(recording))

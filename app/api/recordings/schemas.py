@@ -50,11 +50,36 @@ class RecordingStart(Body):
     note: Note = ""
 
 
+Tag = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=40, strip_whitespace=True)]
+Colour = Literal["", "blue", "orange", "green", "pink", "violet", "olive", "grey", "brown"]
+
+
+class Cell(Body):
+    """A cell of a recording's notebook; a figure or a table is of a stretch since the zero, or of all of it."""
+
+    kind: Literal["text", "figure", "table"]
+    text: Note = ""
+    from_s: Number | None = None
+    to_s: Number | None = None
+    channels: Annotated[list[ChannelName], Field(max_length=64)] = Field(default=[], description="none: all")
+
+
 class RecordingLabel(Body):
     """What is left out stays."""
 
     name: Text | None = None
     note: Note | None = None
+    tags: Annotated[list[Tag], Field(max_length=12)] | None = None
+    colour: Colour | None = Field(default=None, description="in lists and comparisons; empty: the one of its place")
+    notebook: Annotated[list[Cell], Field(max_length=100)] | None = None
+
+
+class CellOut(Answer):
+    kind: Literal["text", "figure", "table"]
+    text: str
+    from_s: float | None
+    to_s: float | None
+    channels: list[str]
 
 
 class RecordingMark(Body):
@@ -73,6 +98,8 @@ class RecordingInfo(Answer):
     id: str
     name: str
     note: str
+    tags: list[str]
+    colour: str = Field(description="by name; empty: the one of its place in a comparison")
     device: str | None = Field(description="null where the file cannot be read: see `message`")
     model: str | None
     channels: list[ChannelInfo]
@@ -123,6 +150,7 @@ class RecordingDetail(RecordingInfo):
     zero_s: float | None = Field(description="device time of the trigger, or of the first row [s]")
     duration_s: float = Field(description="from the first row to the last [s]")
     marks: list[MarkOut]
+    notebook: list[CellOut] = Field(description="what is written about it, in its order")
     figures: FiguresByChannel
     configuration: dict[str, object] | None = Field(description="the device's profile at the start")
     replay_of: str | None = Field(description="the recording of which this is a replay on an emulator")
@@ -224,6 +252,7 @@ class ComparedChannel(Answer):
 class ComparedRecording(Answer):
     id: str
     name: str
+    colour: str
     device: str
     model: str
     zero_s: float = Field(description="device time that is 0 here [s]")

@@ -17,10 +17,20 @@ from ...store.recordings.file import TIME, Rows
 from ...store.recordings.head import Head
 from ...store.recordings.library import Entry
 from ...store.recordings.marks import Mark
+from ...store.recordings.notebook import Cell
 from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
-from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingFigures, RecordingInfo, RecordingPlot
+from .schemas import (
+    CellOut,
+    Curve,
+    FiguresOut,
+    MarkOut,
+    RecordingDetail,
+    RecordingFigures,
+    RecordingInfo,
+    RecordingPlot,
+)
 
 if TYPE_CHECKING:
     import pyarrow as pa  # at run time by who makes a file, as in `store.recordings.file`
@@ -33,6 +43,8 @@ def info(entry: Entry, course: Course | None) -> RecordingInfo:
         id=entry.id,
         name=entry.label.name,
         note=entry.label.note,
+        tags=list(entry.label.tags),
+        colour=entry.label.colour,
         device=head.device if head else None,
         model=head.model if head else None,
         channels=[_channel(column.name, column.unit) for column in head.columns] if head else [],
@@ -46,7 +58,13 @@ def info(entry: Entry, course: Course | None) -> RecordingInfo:
 
 
 def detail(
-    entry: Entry, course: Course | None, opened: Opened, marks: Sequence[Mark], *, with_figures: bool = True
+    entry: Entry,
+    course: Course | None,
+    opened: Opened,
+    marks: Sequence[Mark],
+    notebook: Sequence[Cell],
+    *,
+    with_figures: bool = True,
 ) -> RecordingDetail:
     """Everything of one recording but its rows. Figures are of all rows, which have to be read for them."""
     told = info(entry, course).model_dump()
@@ -58,6 +76,7 @@ def detail(
         zero_s=zero_of(opened, marks),
         duration_s=(opened.last_s or 0.0) - (opened.first_s or 0.0),
         marks=[MarkOut.model_validate(mark) for mark in marks],
+        notebook=[CellOut.model_validate(cell) for cell in notebook],
         figures=figures_of(head, lambda: opened.pieces(0, rows)) if with_figures else {},
         configuration=None if head.configuration is None else dict(head.configuration),
         replay_of=head.replay_of,

@@ -12,7 +12,7 @@ import re
 import secrets
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -23,13 +23,16 @@ from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..document import Document, UnreadableDocument
 from . import file, marks
 from .head import Column, Head, UnreadableRecording
+from .notebook import Cell, cells_of, checked
 from .opened import Opened, OpenedRecordings
 
 FOLDER = "recordings"
 ID = re.compile(r"[0-9]{8}-[0-9]{6}-[0-9a-f]{4}")
 NAME_MAX, NOTE_MAX = 100, 4000
+TAGS_MAX, TAG_MAX = 12, 40
 LABEL = ".json"
-SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock")
+NOTEBOOK = ".notebook.json"
+SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock", NOTEBOOK, f"{NOTEBOOK}.lock")
 """Of all files of a recording; the rows come first."""
 SETTLED_NS, SETTLED_COARSE_NS = 100_000_000, 2_000_000_000
 """How long after a change another one would bear another time: of file systems that keep parts of a millisecond, and of
@@ -46,6 +49,9 @@ class Label:
 
     name: str = ""
     note: str = ""
+    tags: tuple[str, ...] = ()
+    colour: str = ""
+    """The one that it has in lists and comparisons, by name; "": the one of its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,8 +251,24 @@ class Library:
         for text, limit in ((label.name, NAME_MAX), (label.note, NOTE_MAX)):
             if len(text) > limit:
                 raise UsageError(f"at most {limit} characters, not {len(text)}")
+        if len(label.tags) > TAGS_MAX:
+            raise UsageError(f"at most {TAGS_MAX} tags, not {len(label.tags)}")
         with _written(f"the name of recording {recording} is not kept"):
             self._write_label(self._known(recording), label)
+
+    def notebook(self, recording: str) -> tuple[Cell, ...]:
+        """What is written about it; nothing where that cannot be read. Raises UnknownThing."""
+        try:
+            found = Document(self._folder / f"{self._known(recording)}{NOTEBOOK}").read() or {}
+        except UnreadableDocument:
+            return ()
+        return cells_of(found.get("cells"))
+
+    def write_notebook(self, recording: str, cells: Sequence[Cell]) -> None:
+        """Raises UnknownThing, UsageError for more than a notebook takes, StoreUnavailable."""
+        kept = [asdict(cell) for cell in checked(cells)]
+        with _written(f"the notebook of recording {recording} is not kept"):
+            Document(self._folder / f"{self._known(recording)}{NOTEBOOK}").write({"cells": kept})
 
     def delete(self, recording: str) -> None:
         """Gone for good. Raises UnknownThing, WrongState while it is being written, StoreUnavailable."""
@@ -378,12 +400,16 @@ def _label(path: Path) -> Label:
     except UnreadableDocument:
         return Label()
     name, note = (str(found.get(key, "")).encode(errors="replace").decode() for key in ("name", "note"))
-    return Label(name[:NAME_MAX], note[:NOTE_MAX])
+    tags, colour = found.get("tags"), found.get("colour")
+    kept = [tag[:TAG_MAX] for tag in tags if isinstance(tag, str)] if isinstance(tags, list) else []
+    return Label(
+        name[:NAME_MAX], note[:NOTE_MAX], tuple(kept[:TAGS_MAX]), colour[:TAG_MAX] if isinstance(colour, str) else ""
+    )
 
 
 def _words(entry: Entry) -> str:
     of = f"{entry.head.device} {entry.head.model}" if entry.head else ""
-    return f"{entry.id} {entry.label.name} {entry.label.note} {of}".casefold()
+    return f"{entry.id} {entry.label.name} {entry.label.note} {' '.join(entry.label.tags)} {of}".casefold()
 
 
 @contextmanager

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.errors import StoreUnavailable, UnknownThing
+from app.errors import StoreUnavailable, UnknownThing, UsageError
 from app.store.recordings import file
 from app.store.recordings import library as library_module
 from app.store.recordings.file import RecordingWriter, Rows
 from app.store.recordings.head import Column, Head
 from app.store.recordings.library import Label, Library, Stamp
+from app.store.recordings.notebook import Cell
 
 LONG_AGO_NS = 1_000_000_000
 
@@ -330,3 +331,40 @@ def test_the_first_page_of_thousands_looks_at_its_own_files_alone(
     aged(folder)
     assert library.size_bytes == sum(path.stat().st_size for path in folder.iterdir())
     assert set(looked) <= {head(3).id}
+
+
+def test_tags_colour_and_notebook_are_kept_searched_and_gone_with_the_recording(folder: Path) -> None:
+    fill(folder, range(2))
+    library = Library(folder.parent)
+    first = library.page().entries[0].id
+    library.label(first, Label("mine", "", ("warm", "with load"), "green"))
+    cells = (Cell("text", "what was seen"), Cell("figure", "", 0.5, 2.0, ("position.0",)), Cell("table"))
+    library.write_notebook(first, cells)
+    again = Library(folder.parent)
+    assert again.entry(first).label == Label("mine", "", ("warm", "with load"), "green")
+    assert [entry.id for entry in again.page("with load").entries] == [first]
+    assert again.notebook(first) == cells
+    assert again.notebook(library.page().entries[1].id) == ()
+    again.delete(first)
+    assert list(folder.glob(f"{first}*")) == []
+
+
+def test_a_notebook_takes_so_much_and_what_is_no_cell_of_an_edited_one_is_left_out(folder: Path) -> None:
+    fill(folder, range(1))
+    library = Library(folder.parent)
+    first = library.page().entries[0].id
+    for cells in ([Cell("text")] * 101, [Cell("text", "x" * 4001)], [Cell("figure", "", 2.0, 1.0)]):
+        with pytest.raises(UsageError):
+            library.write_notebook(first, cells)
+    spoilt = [
+        7,
+        {"kind": "code"},
+        {"kind": "text", "text": 5},
+        {"kind": "figure", "from_s": "now", "channels": [1, "a"]},
+    ]
+    (folder / f"{first}.notebook.json").write_text(json.dumps({"cells": spoilt}))
+    assert library.notebook(first) == (Cell("text", "5"), Cell("figure", "", None, None, ("a",)))
+    (folder / f"{first}.notebook.json").write_text("{")
+    assert library.notebook(first) == ()
+    (folder / f"{first}.json").write_text(json.dumps({"tags": ["a", 3, "b" * 90], "colour": 4}))
+    assert library.entry(first).label == Label("", "", ("a", "b" * 40), "")

@@ -139,7 +139,7 @@ export function CompareView() {
 
 function Sides({ comparison }: { comparison: Comparison }) {
   const scheme = useScheme();
-  const looks = comparison.recordings.map((_, index) => sideLook(index, scheme));
+  const looks = comparison.recordings.map(({ colour }, index) => sideLook(index, scheme, colour));
   return (
     <span className="lines-12">
       {comparison.recordings.map((side, index) => (
@@ -193,7 +193,7 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
           x: time_s,
           y: values.map((value) => value ?? Number.NaN),
           width: 1.5,
-          ...sideLook(placeOf(recording), scheme),
+          ...sideLook(placeOf(recording), scheme, comparison.recordings[placeOf(recording)]?.colour),
         }));
         const series: PlotSeries[] = shown.map(({ recording }, nth) => ({
           label: comparison.recordings[placeOf(recording)]?.name || recording,

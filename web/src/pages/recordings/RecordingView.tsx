@@ -15,6 +15,7 @@ import { Configuration } from "./Configuration";
 import { colorOfQuantity, labelOf, severalAxes } from "./channels";
 import { FiguresTable } from "./FiguresTable";
 import { MarkList } from "./MarkList";
+import { Notebook } from "./Notebook";
 import { RecordingPlots } from "./RecordingPlots";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
@@ -104,6 +105,11 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
               </UnstyledButton>
             );
           })}
+          {detail.tags.map((tag) => (
+            <span key={tag} className="tag" data-testid="tag">
+              {tag}
+            </span>
+          ))}
           {running && <span className="dim">{stateText(detail)}</span>}
           {window && (
             <Button size="compact-xs" variant="default" onClick={() => setWindow(null)}>
@@ -128,6 +134,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
         </div>
         <div className="grid shrink gap-8">
           <MarkList detail={detail} onGo={setWindow} />
+          <Notebook detail={detail} window={window} hidden={hidden} onGo={setWindow} />
           {detail.note && (
             <Card title="Note">
               <Text size="sm" className={classes.note}>

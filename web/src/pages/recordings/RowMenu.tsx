@@ -1,9 +1,11 @@
-import { ActionIcon, Button, Group, Menu, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { ActionIcon, Button, Group, Menu, Modal, Select, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconDotsVertical, IconDownload, IconFileText, IconPencil, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
+import type { Schemas } from "../../api/client";
 import { sizeText } from "../../lib/format";
 import { downloadHref, isRunning, type Recording, reportHref, titleOf, useChanges } from "./api";
+import { COLOURS } from "./compare";
 import type { Window } from "./ZoomData";
 
 interface Props {
@@ -105,15 +107,17 @@ function LabelForm({
   onDone,
 }: {
   recording: Recording;
-  onDone: (label: { name: string; note: string }) => void;
+  onDone: (label: Schemas["RecordingLabel"]) => void;
 }) {
   const [name, setName] = useState(recording.name);
   const [note, setNote] = useState(recording.note);
+  const [tags, setTags] = useState(recording.tags);
+  const [colour, setColour] = useState(recording.colour);
   return (
     <form
       onSubmit={(event) => {
         event.preventDefault();
-        onDone({ name: name.trim(), note });
+        onDone({ name: name.trim(), note, tags, colour: COLOURS.find((each) => each === colour) ?? "" });
       }}
     >
       <Stack gap="sm">
@@ -134,6 +138,22 @@ function LabelForm({
           maxLength={4000}
           value={note}
           onChange={(event) => setNote(event.currentTarget.value)}
+        />
+        <TagsInput
+          size="sm"
+          label="Tags"
+          description="Words that a search finds it by; Enter ends one"
+          maxTags={12}
+          value={tags}
+          onChange={setTags}
+        />
+        <Select
+          size="sm"
+          label="Colour in comparisons"
+          data={[{ value: "", label: "by its place" }, ...COLOURS.map((name) => ({ value: name, label: name }))]}
+          value={colour}
+          allowDeselect={false}
+          onChange={(value) => setColour(value ?? "")}
         />
         <Group justify="flex-end">
           <Button type="submit">Save</Button>

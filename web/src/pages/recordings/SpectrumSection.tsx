@@ -36,7 +36,7 @@ const DETRENDS: { value: Detrend; label: string }[] = optionsOf({
 const POINTS = 2000;
 
 interface Props {
-  recordings: readonly { id: string; name: string }[];
+  recordings: readonly { id: string; name: string; colour?: string }[];
   channels: readonly Channel[];
   window: Window | null;
   /** what it would show changes with every second */
@@ -74,7 +74,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const problem = queries.find(({ error }) => error !== null)?.error ?? null;
   const spectra = queries.flatMap(({ data }, index) => (data ? [{ index, ...data }] : []));
   const [first, ...others] = spectra;
-  const color = recordings.length > 1 ? sideLook(0, scheme).color : colorOfQuantity(channel?.quantity ?? "", scheme);
+  const color = recordings.length > 1 ? sideLook(0, scheme, recordings[0]?.colour).color : colorOfQuantity(channel?.quantity ?? "", scheme);
   const values = (spectrum: Spectrum) => (density ? spectrum.density : spectrum.amplitude);
   const data = useMemo(
     () => (first ? ([first.frequency_hz, density ? first.density : first.amplitude] as const) : undefined),
@@ -84,7 +84,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
     x: spectrum.frequency_hz,
     y: values(spectrum),
     width: 1.5,
-    ...sideLook(spectrum.index, scheme),
+    ...sideLook(spectrum.index, scheme, recordings[spectrum.index]?.colour),
   }));
   const unit = channel?.unit ?? "";
   const series: PlotSeries[] = [{ label: density ? "power density" : "amplitude", color, unit }];

@@ -90,7 +90,7 @@ export function useChanges() {
     stop: (id: string) => done(api.POST("/api/v1/recordings/{recording}/stop", path(id))),
     mark: (id: string, text: string) =>
       done(api.POST("/api/v1/recordings/{recording}/marks", { ...path(id), body: { text } })),
-    label: (id: string, label: { name?: string; note?: string }) =>
+    label: (id: string, label: Schemas["RecordingLabel"]) =>
       done(api.PATCH("/api/v1/recordings/{recording}", { ...path(id), body: label })),
     remove: (id: string) =>
       api

@@ -18,9 +18,14 @@ const SIDES: readonly (readonly [light: string, dark: string, dash: number[]])[]
   ["#8c5a3c", "#cf9a78", [6, 2]],
 ];
 
-/** How the recording at this place of a comparison is drawn, in all its channels. */
-export function sideLook(index: number, scheme: "light" | "dark"): Look {
-  const [light, dark, dash] = SIDES[index % SIDES.length] as (typeof SIDES)[number];
+/** The names of these colours, by which a recording has one of its own. */
+export const COLOURS = ["blue", "orange", "green", "pink", "violet", "olive", "grey", "brown"] as const;
+
+/** How the recording at this place of a comparison is drawn, in all its channels; in its own colour where it has one. */
+export function sideLook(index: number, scheme: "light" | "dark", colour = ""): Look {
+  const [, , dash] = SIDES[index % SIDES.length] as (typeof SIDES)[number];
+  const own = COLOURS.findIndex((name) => name === colour);
+  const [light, dark] = SIDES[(own < 0 ? index : own) % SIDES.length] as (typeof SIDES)[number];
   return { color: scheme === "dark" ? dark : light, dash };
 }
 

@@ -1,0 +1,73 @@
+"""A recording's notebook in a browser: cells of text, figures and statistics in an order, tags, a colour."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.e2e.conftest import PHONE
+from tests.e2e.motor import wait_for
+
+
+@pytest.fixture(scope="module")
+def recording(api: httpx.Client) -> Iterator[str]:
+    """A second of the demo's axis X."""
+    body = {"device": "bench", "channels": ["position.0", "velocity.0"], "rate_hz": 100.0, "duration_s": 1.0}
+    made = api.post("/recordings", json={**body, "name": "for notes"}).raise_for_status().json()["id"]
+    api.post("/devices/bench/axes/0/move", json={"target": 900, "relative": True}).raise_for_status()
+    wait_for(lambda: api.get(f"/recordings/{made}/info").json()["state"] == "done", "the recording is over")
+    yield made
+    api.delete(f"/recordings/{made}").raise_for_status()
+
+
+def test_a_notebook_is_written_ordered_and_kept(
+    page: Page, api: httpx.Client, recording: str, check_axe: Callable[[Page], None]
+) -> None:
+    page.goto(f"/recordings/{recording}?t=0.2~0.6")
+    notebook = page.get_by_role("region", name="Notebook")
+    add = notebook.get_by_role("button", name="Add")
+    add.click()
+    page.get_by_role("menuitem", name="Text").click()
+    words = notebook.get_by_label("Text of the cell")
+    words.fill("It rings at the end.")
+    notebook.get_by_role("button", name="Keep").click()
+    expect(notebook.get_by_test_id("cell-1")).to_contain_text("It rings at the end.")
+    for kind in ("Figure of what is shown", "Statistics of what is shown"):
+        add.click()
+        page.get_by_role("menuitem", name=kind).click()
+    figure, table = notebook.get_by_test_id("cell-2"), notebook.get_by_test_id("cell-3")
+    expect(figure.get_by_role("img", name=re.compile("^Position, "))).to_be_visible()
+    expect(table.get_by_test_id("figures")).to_contain_text("velocity")
+    table.get_by_role("button", name="Move cell 3 up").click()
+    expect(notebook.get_by_test_id("cell-2").get_by_test_id("figures")).to_be_visible()
+    page.reload()
+    expect(notebook.get_by_test_id("cell-1")).to_contain_text("It rings at the end.")
+    expect(notebook.get_by_test_id("cell-2").get_by_test_id("figures")).to_be_visible()
+    check_axe(page)
+    page.set_viewport_size(PHONE)
+    assert page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth") <= 0
+    cells = api.get(f"/recordings/{recording}").raise_for_status().json()["notebook"]
+    assert [cell["kind"] for cell in cells] == ["text", "table", "figure"]
+    assert (cells[1]["from_s"], cells[1]["to_s"]) == (pytest.approx(0.2), pytest.approx(0.6))
+    notebook.get_by_role("button", name="Remove cell 2").click()
+    expect(notebook.get_by_test_id("cell-3")).to_have_count(0)
+
+
+def test_tags_are_found_by_the_search(page: Page, recording: str) -> None:
+    page.goto(f"/recordings/{recording}")
+    page.get_by_role("button", name=re.compile("^More")).first.click()
+    page.get_by_role("menuitem", name="Name and note").click()
+    form = page.get_by_role("dialog")
+    form.get_by_role("textbox", name="Tags").fill("warm motor")
+    page.keyboard.press("Enter")
+    form.get_by_role("textbox", name="Colour in comparisons").click()
+    page.get_by_role("option", name="green").click()
+    form.get_by_role("button", name="Save").click()
+    expect(page.get_by_test_id("tag")).to_have_text(["warm motor"])
+    page.goto("/recordings?find=warm")
+    page.get_by_label("Search recordings").fill("warm motor")
+    expect(page.get_by_test_id("recordings").locator("tbody tr")).to_have_count(1)
