@@ -1,13 +1,13 @@
 import { ActionIcon, Button, Group, Menu, Text, Textarea } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconPlus, IconTrash } from "@tabler/icons-react";
+import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { useScheme } from "../../lib/useScheme";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
-import { useQuery } from "@tanstack/react-query";
 import { fetchPiece, type RecordingDetail, useChanges, useFigures } from "./api";
 import { labelOf, lanesOf, severalAxes } from "./channels";
 import { FiguresTable } from "./FiguresTable";
@@ -38,7 +38,8 @@ export function Notebook({ detail, window, hidden, onGo }: Props) {
     return changes.label(detail.id, { notebook: [...notebook] }).catch(setProblem);
   };
   const add = (kind: Cell["kind"]) => {
-    const stretch = kind === "text" || window === null ? { from_s: null, to_s: null } : { from_s: window[0], to_s: window[1] };
+    const stretch =
+      kind === "text" || window === null ? { from_s: null, to_s: null } : { from_s: window[0], to_s: window[1] };
     void save([...cells, { kind, text: "", channels: kind === "text" ? [] : shown, ...stretch }]).then(() =>
       setEditing(kind === "text" ? cells.length : null),
     );
@@ -192,8 +193,14 @@ function Figure({ detail, cell }: { detail: RecordingDetail; cell: Cell }) {
   if (!piece.data) return <ProblemAlert error={piece.error} doing="Reading the figure" />;
   const { x, columns } = piece.data;
   const lanes = lanesOf(detail.channels, scheme).map((lane) => {
-    const kept = lane.columns.map((column) => cell.channels.length === 0 || cell.channels.includes(detail.channels[column]?.name ?? ""));
-    return { ...lane, columns: lane.columns.filter((_, at) => kept[at]), series: lane.series.filter((_, at) => kept[at]) };
+    const kept = lane.columns.map(
+      (column) => cell.channels.length === 0 || cell.channels.includes(detail.channels[column]?.name ?? ""),
+    );
+    return {
+      ...lane,
+      columns: lane.columns.filter((_, at) => kept[at]),
+      series: lane.series.filter((_, at) => kept[at]),
+    };
   });
   return lanes
     .filter((lane) => lane.columns.length > 0)
@@ -216,7 +223,9 @@ function Figure({ detail, cell }: { detail: RecordingDetail; cell: Cell }) {
 function Statistics({ detail, cell }: { detail: RecordingDetail; cell: Cell }) {
   const figures = useFigures(detail.id, windowOf(cell), detail.rows ?? 0, true);
   if (!figures.data) return <ProblemAlert error={figures.error} doing="Figures" />;
-  const of = Object.entries(figures.data.figures).filter(([name]) => cell.channels.length === 0 || cell.channels.includes(name));
+  const of = Object.entries(figures.data.figures).filter(
+    ([name]) => cell.channels.length === 0 || cell.channels.includes(name),
+  );
   return (
     <FiguresTable
       channels={detail.channels}

@@ -74,7 +74,10 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const problem = queries.find(({ error }) => error !== null)?.error ?? null;
   const spectra = queries.flatMap(({ data }, index) => (data ? [{ index, ...data }] : []));
   const [first, ...others] = spectra;
-  const color = recordings.length > 1 ? sideLook(0, scheme, recordings[0]?.colour).color : colorOfQuantity(channel?.quantity ?? "", scheme);
+  const color =
+    recordings.length > 1
+      ? sideLook(0, scheme, recordings[0]?.colour).color
+      : colorOfQuantity(channel?.quantity ?? "", scheme);
   const values = (spectrum: Spectrum) => (density ? spectrum.density : spectrum.amplitude);
   const data = useMemo(
     () => (first ? ([first.frequency_hz, density ? first.density : first.amplitude] as const) : undefined),

@@ -24,7 +24,7 @@ export const COLOURS = ["blue", "orange", "green", "pink", "violet", "olive", "g
 /** How the recording at this place of a comparison is drawn, in all its channels; in its own colour where it has one. */
 export function sideLook(index: number, scheme: "light" | "dark", colour = ""): Look {
   const [, , dash] = SIDES[index % SIDES.length] as (typeof SIDES)[number];
-  const own = COLOURS.findIndex((name) => name === colour);
+  const own = (COLOURS as readonly string[]).indexOf(colour);
   const [light, dark] = SIDES[(own < 0 ? index : own) % SIDES.length] as (typeof SIDES)[number];
   return { color: scheme === "dark" ? dark : light, dash };
 }

@@ -9,6 +9,8 @@ const BASE: Recording = {
   id: "20261121-184500-0001",
   name: "b",
   note: "",
+  tags: [],
+  colour: "",
   device: "bench",
   model: "tmc428",
   channels: [],
