@@ -350,4 +350,26 @@ async def test_a_recording_has_tags_a_colour_and_a_notebook(client: httpx.AsyncC
         assert (await client.patch(path, json=wrong)).status_code == 422
     backwards = {"notebook": [{"kind": "figure", "from_s": 2, "to_s": 1}]}
     assert (await client.patch(path, json=backwards)).status_code in (400, 422)
-    assert "It rings at **80 Hz**." in (await client.get(f"{path}/report")).text
+    stale = await client.patch(path, json={"notebook": cells, "notebook_revision": 0})
+    assert stale.status_code == 409
+    assert "has revision 1 by now" in stale.json()["detail"]
+
+
+async def test_the_report_shows_the_notebook(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    path = f"recordings/{recording}"
+    await run(clock, 1.0)
+    await client.post(f"{path}/stop")
+    plain = (await client.get(f"{path}/report")).text
+    assert "Notebook" not in plain
+    cells = [
+        {"kind": "text", "text": "It <b>rings</b> at 80 Hz."},
+        {"kind": "figure", "from_s": 0.1, "to_s": 0.5, "channels": ["position.0", "gone.0"]},
+        {"kind": "table", "from_s": 0.2, "to_s": 0.4, "channels": ["velocity.0"]},
+    ]
+    await client.patch(path, json={"notebook": cells})
+    told = (await client.get(f"{path}/report")).text
+    assert "It &lt;b&gt;rings&lt;/b&gt; at 80 Hz." in told
+    assert told.count("<svg") == plain.count("<svg") + 1
+    assert told.count("<table") == plain.count("<table") + 1
+    assert "0.2 to 0.4 s" in told

@@ -79,7 +79,9 @@ def _sides(library: Library, body: out.CompareWith, notes: list[str]) -> list[_S
         if rows > ROWS_MAX:
             raise OutOfRange("rows to compare", rows, 0, ROWS_MAX, "rows; compare a part of them: from_s, to_s")
         read = opened.read(first, last)
-        sides.append(_Side(recording, name, entry.label.colour, opened, zero_s, Rows(read.time_s - zero_s, read.columns)))
+        sides.append(
+            _Side(recording, name, entry.label.colour, opened, zero_s, Rows(read.time_s - zero_s, read.columns))
+        )
     return sides
 
 

@@ -15,8 +15,17 @@ COLOURS = ("#0068a8", "#a86400", "#6a0f5c", "#008060", "#4b2fa3", "#5c5200")
 MARK_COLOUR = "#868e96"
 
 
+WrittenCell = tuple[str, RecordingPlot | None, RecordingFigures | None]
+"""A cell of the notebook with what it shows: its text, its plot, its statistics."""
+
+
 def report_of(
-    detail: RecordingDetail, plot: RecordingPlot, figures: RecordingFigures, from_s: float | None, to_s: float | None
+    detail: RecordingDetail,
+    plot: RecordingPlot,
+    figures: RecordingFigures,
+    from_s: float | None,
+    to_s: float | None,
+    notebook: Sequence[WrittenCell] = (),
 ) -> str:
     """What the page of a recording shows of the stretch that was plotted: what it is of, plots, marks and figures.
 
@@ -37,14 +46,26 @@ def report_of(
     parts = [f"<h1>{text(title)}</h1>", f"<p>{text(about)}</p>"]
     parts += [f'<p class="verdict">{text(told)}</p>' for told in (detail.message, detail.note) if told]
     parts += [figure(unit, curves, marks, zero_s) for unit, curves in by_unit(plot.curves)]
-    written = [cell.text for cell in detail.notebook if cell.text]
-    if written:
-        parts.append("<h2>Notebook</h2>" + "".join(f"<p>{text(words)}</p>" for words in written))
+    units = {each.name: each.unit for each in detail.channels}
+    if notebook:
+        parts.append("<h2>Notebook</h2>" + "".join(_cell(cell, detail, units) for cell in notebook))
     if marks:
         rows = [(number(mark.time_s - zero_s), mark.kind, mark.text) for mark in marks]
         parts.append("<h2>What happened</h2>" + table(("time [s]", "", ""), rows))
-    parts.append("<h2>Figures</h2>" + _figures(figures.figures, {each.name: each.unit for each in detail.channels}))
+    parts.append("<h2>Figures</h2>" + _figures(figures.figures, units))
     return page(title, parts)
+
+
+def _cell(cell: WrittenCell, detail: RecordingDetail, units: dict[str, str]) -> str:
+    words, shown, of = cell
+    parts = [f'<p style="white-space:pre-wrap">{text(words)}</p>'] if words else []
+    if shown:
+        zero_s = shown.zero_s
+        marks = [mark for mark in detail.marks if shown.from_s <= mark.time_s - zero_s <= shown.to_s]
+        parts += [figure(unit, curves, marks, zero_s) for unit, curves in by_unit(shown.curves)]
+    if of:
+        parts.append(f"<p>{number(of.from_s)} to {number(of.to_s)} s</p>" + _figures(of.figures, units))
+    return "".join(parts)
 
 
 def by_unit(curves: Sequence[Curve]) -> Iterator[tuple[str, list[Curve]]]:

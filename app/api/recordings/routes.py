@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Annotated, Literal, TypeVar
 
@@ -14,7 +14,9 @@ from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...recording.service import axes_of, configuration_of, options_of
 from ...store.recordings.library import Entry, Label
+from ...store.recordings.marks import Mark
 from ...store.recordings.notebook import Cell
+from ...store.recordings.opened import Opened
 from ...telemetry.recorder import Trigger
 from ..audit import wording
 from ..deps import CurrentBench
@@ -22,7 +24,7 @@ from ..http.problems import problems
 from ..policy import policy
 from ..router import subject_router
 from .compare import compare, spectrum_of
-from .report import report_of
+from .report import WrittenCell, report_of
 from .schemas import (
     CompareWith,
     Comparison,
@@ -219,7 +221,17 @@ async def get_recording_report(
         opened, marks = library.open(recording), library.marks(recording)
         about = detail(library.entry(recording), course, opened, marks, library.notebook(recording), with_figures=False)
         shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS)
-        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s), from_s, to_s)
+        cells = [written(opened, marks, cell) for cell in library.notebook(recording).cells]
+        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s), from_s, to_s, cells)
+
+    def written(opened: Opened, marks: Sequence[Mark], cell: Cell) -> WrittenCell:
+        known = [column.name for column in opened.head.columns]
+        names = [name for name in cell.channels if name in known]
+        drawn = plot(opened, marks, names, cell.from_s, cell.to_s, REPORT_POINTS) if cell.kind == "figure" else None
+        told = stretch_figures(opened, marks, cell.from_s, cell.to_s) if cell.kind == "table" else None
+        if told and names:
+            told.figures = {name: of for name, of in told.figures.items() if name in names}
+        return cell.text, drawn, told
 
     named = {"content-disposition": f'attachment; filename="recording-{recording}.html"'}
     return Response(await bench.recordings.readers.do(report), media_type="text/html", headers=named)
@@ -247,7 +259,7 @@ async def get_spectrum(
     )
 
 
-@router.patch("/{recording}", responses=problems(UnknownThing, UsageError, StoreUnavailable))
+@router.patch("/{recording}", responses=problems(UnknownThing, UsageError, WrongState, StoreUnavailable))
 @policy(lease="free", words=wording.named("edit recording"))
 async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
     """Another name, note, colour, other tags, or another notebook."""
@@ -256,8 +268,8 @@ async def label_recording(bench: CurrentBench, recording: RecordingId, body: Rec
     def relabel() -> Entry:
         if body.notebook is not None:
             cells = [Cell(each.kind, each.text, each.from_s, each.to_s, tuple(each.channels)) for each in body.notebook]
-            library.write_notebook(recording, cells)
-        said = body.model_dump(exclude_none=True, exclude={"notebook"})
+            library.write_notebook(recording, cells, body.notebook_revision)
+        said = body.model_dump(exclude_none=True, exclude={"notebook", "notebook_revision"})
         if said:
             tags = said.get("tags")
             changed = said if tags is None else {**said, "tags": tuple(dict.fromkeys(tags))}

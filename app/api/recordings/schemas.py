@@ -72,6 +72,9 @@ class RecordingLabel(Body):
     tags: Annotated[list[Tag], Field(max_length=12)] | None = None
     colour: Colour | None = Field(default=None, description="in lists and comparisons; empty: the one of its place")
     notebook: Annotated[list[Cell], Field(max_length=100)] | None = None
+    notebook_revision: Annotated[int, Field(strict=True, ge=0, le=1 << 53)] | None = Field(
+        default=None, description="the one that `notebook` replaces: where it has another by now, nothing is written"
+    )
 
 
 class CellOut(Answer):
@@ -151,6 +154,7 @@ class RecordingDetail(RecordingInfo):
     duration_s: float = Field(description="from the first row to the last [s]")
     marks: list[MarkOut]
     notebook: list[CellOut] = Field(description="what is written about it, in its order")
+    notebook_revision: int = Field(description="how often it was written")
     figures: FiguresByChannel
     configuration: dict[str, object] | None = Field(description="the device's profile at the start")
     replay_of: str | None = Field(description="the recording of which this is a replay on an emulator")

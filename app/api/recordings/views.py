@@ -17,7 +17,7 @@ from ...store.recordings.file import TIME, Rows
 from ...store.recordings.head import Head
 from ...store.recordings.library import Entry
 from ...store.recordings.marks import Mark
-from ...store.recordings.notebook import Cell
+from ...store.recordings.notebook import Notebook
 from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
@@ -62,7 +62,7 @@ def detail(
     course: Course | None,
     opened: Opened,
     marks: Sequence[Mark],
-    notebook: Sequence[Cell],
+    notebook: Notebook,
     *,
     with_figures: bool = True,
 ) -> RecordingDetail:
@@ -76,7 +76,8 @@ def detail(
         zero_s=zero_of(opened, marks),
         duration_s=(opened.last_s or 0.0) - (opened.first_s or 0.0),
         marks=[MarkOut.model_validate(mark) for mark in marks],
-        notebook=[CellOut.model_validate(cell) for cell in notebook],
+        notebook=[CellOut.model_validate(cell) for cell in notebook.cells],
+        notebook_revision=notebook.revision,
         figures=figures_of(head, lambda: opened.pieces(0, rows)) if with_figures else {},
         configuration=None if head.configuration is None else dict(head.configuration),
         replay_of=head.replay_of,

@@ -23,7 +23,7 @@ from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..document import Document, UnreadableDocument
 from . import file, marks
 from .head import Column, Head, UnreadableRecording
-from .notebook import Cell, cells_of, checked
+from .notebook import Cell, Notebook, notebook_of
 from .opened import Opened, OpenedRecordings
 
 FOLDER = "recordings"
@@ -256,19 +256,22 @@ class Library:
         with _written(f"the name of recording {recording} is not kept"):
             self._write_label(self._known(recording), label)
 
-    def notebook(self, recording: str) -> tuple[Cell, ...]:
+    def notebook(self, recording: str) -> Notebook:
         """What is written about it; nothing where that cannot be read. Raises UnknownThing."""
         try:
-            found = Document(self._folder / f"{self._known(recording)}{NOTEBOOK}").read() or {}
+            return notebook_of(self._notebook_of(recording).read() or {})
         except UnreadableDocument:
-            return ()
-        return cells_of(found.get("cells"))
+            return Notebook()
 
-    def write_notebook(self, recording: str, cells: Sequence[Cell]) -> None:
-        """Raises UnknownThing, UsageError for more than a notebook takes, StoreUnavailable."""
-        kept = [asdict(cell) for cell in checked(cells)]
-        with _written(f"the notebook of recording {recording} is not kept"):
-            Document(self._folder / f"{self._known(recording)}{NOTEBOOK}").write({"cells": kept})
+    def write_notebook(self, recording: str, cells: Sequence[Cell], based_on: int | None = None) -> None:
+        """Raises UnknownThing, UsageError for more than a notebook takes, WrongState where it has another revision
+        than `based_on` (None: whatever it has) by now, StoreUnavailable."""
+        document = self._notebook_of(recording)
+        with _written(f"the notebook of recording {recording} is not kept"), document.locked():
+            document.write(asdict(self.notebook(recording).followed_by(cells, based_on)))
+
+    def _notebook_of(self, recording: str) -> Document:
+        return Document(self._folder / f"{self._known(recording)}{NOTEBOOK}")
 
     def delete(self, recording: str) -> None:
         """Gone for good. Raises UnknownThing, WrongState while it is being written, StoreUnavailable."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from ...errors import UsageError
+from ...errors import UsageError, WrongState
 
 Kind = Literal["text", "figure", "table"]
 CELLS_MAX, TEXT_MAX, CHANNELS_MAX = 100, 4000, 64
@@ -27,6 +27,24 @@ class Cell:
     channels: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Notebook:
+    """The cells in their order. `revision` counts how often they were written: 0 for a notebook that never was."""
+
+    cells: tuple[Cell, ...] = ()
+    revision: int = 0
+
+    def followed_by(self, cells: Sequence[Cell], based_on: int | None) -> Notebook:
+        """What is written over this one. Raises UsageError for more than a notebook takes, WrongState where
+        `based_on` (None: whatever is there) is another revision: somebody else has written meanwhile."""
+        if based_on is not None and based_on != self.revision:
+            raise WrongState(
+                f"the notebook was to be written over its revision {based_on}, and has revision {self.revision} by now",
+                "look at it first, then change it again",
+            )
+        return Notebook(checked(cells), self.revision + 1)
+
+
 def checked(cells: Sequence[Cell]) -> tuple[Cell, ...]:
     """Raises UsageError for more than a notebook takes."""
     if len(cells) > CELLS_MAX:
@@ -39,10 +57,11 @@ def checked(cells: Sequence[Cell]) -> tuple[Cell, ...]:
     return tuple(cells)
 
 
-def cells_of(found: object) -> tuple[Cell, ...]:
-    """The cells in a document that anybody may have edited: what is no cell is left out."""
-    rows = found if isinstance(found, list) else []
-    return tuple(cell for row in rows[:CELLS_MAX] if (cell := _cell(row)) is not None)
+def notebook_of(found: Mapping[str, object]) -> Notebook:
+    """The notebook in a document that anybody may have edited: what is no cell is left out."""
+    rows, revision = found.get("cells"), found.get("revision")
+    cells = [cell for row in (rows if isinstance(rows, list) else [])[:CELLS_MAX] if (cell := _cell(row)) is not None]
+    return Notebook(tuple(cells), revision if isinstance(revision, int) and revision >= 0 else 0)
 
 
 def _cell(row: object) -> Cell | None:

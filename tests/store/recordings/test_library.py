@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.errors import StoreUnavailable, UnknownThing, UsageError
+from app.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from app.store.recordings import file
 from app.store.recordings import library as library_module
 from app.store.recordings.file import RecordingWriter, Rows
 from app.store.recordings.head import Column, Head
 from app.store.recordings.library import Label, Library, Stamp
-from app.store.recordings.notebook import Cell
+from app.store.recordings.notebook import Cell, Notebook
 
 LONG_AGO_NS = 1_000_000_000
 
@@ -343,8 +343,12 @@ def test_tags_colour_and_notebook_are_kept_searched_and_gone_with_the_recording(
     again = Library(folder.parent)
     assert again.entry(first).label == Label("mine", "", ("warm", "with load"), "green")
     assert [entry.id for entry in again.page("with load").entries] == [first]
-    assert again.notebook(first) == cells
-    assert again.notebook(library.page().entries[1].id) == ()
+    assert again.notebook(first) == Notebook(cells, 1)
+    assert again.notebook(library.page().entries[1].id) == Notebook()
+    again.write_notebook(first, cells[:1], based_on=1)
+    with pytest.raises(WrongState, match="revision 1, and has revision 2"):
+        library.write_notebook(first, cells, based_on=1)
+    assert library.notebook(first) == Notebook(cells[:1], 2)
     again.delete(first)
     assert list(folder.glob(f"{first}*")) == []
 
@@ -363,8 +367,8 @@ def test_a_notebook_takes_so_much_and_what_is_no_cell_of_an_edited_one_is_left_o
         {"kind": "figure", "from_s": "now", "channels": [1, "a"]},
     ]
     (folder / f"{first}.notebook.json").write_text(json.dumps({"cells": spoilt}))
-    assert library.notebook(first) == (Cell("text", "5"), Cell("figure", "", None, None, ("a",)))
+    assert library.notebook(first).cells == (Cell("text", "5"), Cell("figure", "", None, None, ("a",)))
     (folder / f"{first}.notebook.json").write_text("{")
-    assert library.notebook(first) == ()
+    assert library.notebook(first) == Notebook()
     (folder / f"{first}.json").write_text(json.dumps({"tags": ["a", 3, "b" * 90], "colour": 4}))
     assert library.entry(first).label == Label("", "", ("a", "b" * 40), "")

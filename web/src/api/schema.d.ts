@@ -13425,6 +13425,11 @@ export interface components {
              */
             notebook: components["schemas"]["CellOut"][];
             /**
+             * Notebook Revision
+             * @description how often it was written
+             */
+            notebook_revision: number;
+            /**
              * Figures
              * @description by channel; `following_error.N` where the planned position of an axis was recorded, too
              */
@@ -13525,6 +13530,11 @@ export interface components {
             colour?: ("" | "blue" | "orange" | "green" | "pink" | "violet" | "olive" | "grey" | "brown") | null;
             /** Notebook */
             notebook?: components["schemas"]["Cell"][] | null;
+            /**
+             * Notebook Revision
+             * @description the one that `notebook` replaces: where it has another by now, nothing is written
+             */
+            notebook_revision?: number | null;
         };
         /** RecordingList */
         RecordingList: {
@@ -30110,6 +30120,15 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

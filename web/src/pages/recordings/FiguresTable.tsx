@@ -45,7 +45,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too
     <section className="scroll-x" tabIndex={0} aria-label="Figures by channel">
-      <table className={`table text-13 ${stale ? "stale" : ""}`} data-testid="figures">
+      <table className={`table text-13 nowrap ${stale ? "stale" : ""}`} data-testid="figures">
         <thead>
           <tr>
             <th>Channel</th>

@@ -9,7 +9,9 @@ import { EmptyState } from "../../lib/EmptyState";
 import { fixed, sizeText } from "../../lib/format";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useScheme } from "../../lib/useScheme";
 import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
+import { sideLook } from "./compare";
 import { REPORTED_MAX } from "./ReportView";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
@@ -66,7 +68,7 @@ export function ListView() {
             <TextInput
               type="search"
               aria-label="Search recordings"
-              placeholder="name, note, device, model"
+              placeholder="name, note, tag, device, model"
               leftSection={<IconSearch size={14} aria-hidden />}
               value={text}
               onChange={(event) => setText(event.currentTarget.value)}
@@ -103,7 +105,9 @@ export function ListView() {
           </Group>
         ) : sorted.length === 0 && list.data.unread === 0 ? (
           <EmptyState
-            title={search ? `Nothing has “${search}” in its name, note, device or model` : "Nothing is recorded yet"}
+            title={
+              search ? `Nothing has “${search}” in its name, note, tags, device or model` : "Nothing is recorded yet"
+            }
             icon={<IconPlayerRecord size={22} />}
           >
             {search ? (
@@ -231,6 +235,7 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
         ) : (
           title
         )}
+        <Tags recording={recording} />
         {recording.note && <div className={`${classes.rowNote} clip hint`}>{recording.note}</div>}
         {recording.message && <div className={`${classes.rowNote} clip hint`}>{recording.message}</div>}
       </td>
@@ -261,6 +266,28 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
         <RowMenu recording={recording} attempt={attempt} />
       </td>
     </tr>
+  );
+}
+
+/** What it is found by, and the colour that it has in comparisons. */
+export function Tags({ recording: { tags, colour } }: { recording: Recording }) {
+  const scheme = useScheme();
+  if (tags.length === 0 && colour === "") return null;
+  return (
+    <span className="inline wrap gap-4">
+      {colour && (
+        <span
+          className="swatch"
+          style={{ background: sideLook(0, scheme, colour).color }}
+          title={`${colour} in comparisons`}
+        />
+      )}
+      {tags.map((tag) => (
+        <span key={tag} className="tag" data-testid="tag">
+          {tag}
+        </span>
+      ))}
+    </span>
   );
 }
 

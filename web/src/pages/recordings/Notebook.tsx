@@ -1,7 +1,7 @@
-import { ActionIcon, Button, Group, Menu, Text, Textarea } from "@mantine/core";
+import { ActionIcon, Button, Group, Menu, Text, Textarea, UnstyledButton } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconPlus, IconTrash } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { useState } from "react";
+import { useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
@@ -30,25 +30,37 @@ export function Notebook({ detail, window, hidden, onGo }: Props) {
   const changes = useChanges();
   const [problem, setProblem] = useState<unknown>(null);
   const [editing, setEditing] = useState<number | null>(null);
-  const cells = detail.notebook;
+  // What was changed last, before the server has told it: two changes follow each other faster than it answers.
+  const [latest, setLatest] = useState({ cells: detail.notebook, revision: detail.notebook_revision });
+  if (detail.notebook_revision > latest.revision)
+    setLatest({ cells: detail.notebook, revision: detail.notebook_revision });
+  const { cells } = latest;
   const several = severalAxes(detail.channels);
   const shown = detail.channels.filter((channel) => !hidden.has(labelOf(channel, several))).map(({ name }) => name);
-  const save = (notebook: readonly Cell[]) => {
+  const writing = useRef<Promise<unknown>>(Promise.resolve());
+  const save = (notebook: Cell[]) => {
     setProblem(null);
-    return changes.label(detail.id, { notebook: [...notebook] }).catch(setProblem);
+    const replaced = latest.revision;
+    setLatest({ cells: notebook, revision: replaced + 1 });
+    writing.current = writing.current
+      .then(() => changes.label(detail.id, { notebook, notebook_revision: replaced }))
+      .catch((error: unknown) => {
+        setProblem(error);
+        setLatest({ cells: detail.notebook, revision: detail.notebook_revision });
+      });
   };
   const add = (kind: Cell["kind"]) => {
     const stretch =
       kind === "text" || window === null ? { from_s: null, to_s: null } : { from_s: window[0], to_s: window[1] };
-    void save([...cells, { kind, text: "", channels: kind === "text" ? [] : shown, ...stretch }]).then(() =>
-      setEditing(kind === "text" ? cells.length : null),
-    );
+    save([...cells, { kind, text: "", channels: kind === "text" ? [] : shown, ...stretch }]);
+    setEditing(kind === "text" ? cells.length : null);
   };
   const move = (index: number, by: -1 | 1) => {
     const next = [...cells];
     const [cell] = next.splice(index, 1);
     if (cell) next.splice(index + by, 0, cell);
-    void save(next);
+    setEditing(null);
+    save(next);
   };
   return (
     <Card
@@ -101,7 +113,10 @@ export function Notebook({ detail, window, hidden, onGo }: Props) {
               </CellButton>
               <CellButton
                 label={`Remove cell ${index + 1}`}
-                onClick={() => void save(cells.filter((_, other) => other !== index))}
+                onClick={() => {
+                  setEditing(null);
+                  save(cells.filter((_, other) => other !== index));
+                }}
               >
                 <IconTrash size={14} />
               </CellButton>
@@ -113,16 +128,16 @@ export function Notebook({ detail, window, hidden, onGo }: Props) {
                 <TextEditor
                   text={cell.text}
                   onSave={(text) => {
-                    void save(cells.map((each, other) => (other === index ? { ...each, text } : each)));
+                    save(cells.map((each, other) => (other === index ? { ...each, text } : each)));
                     setEditing(null);
                   }}
                 />
               ) : (
-                <button type="button" className="plain w-full" onClick={() => setEditing(index)}>
-                  <Text size="sm" className={classes.note} ta="left">
+                <UnstyledButton w="100%" onClick={() => setEditing(index)}>
+                  <Text size="sm" className={classes.note}>
                     {cell.text || "Empty: press to write"}
                   </Text>
-                </button>
+                </UnstyledButton>
               ))}
           </li>
         ))}

@@ -14,6 +14,7 @@ import { isRunning, type RecordingDetail, titleOf, useChanges, useFigures, useRe
 import { Configuration } from "./Configuration";
 import { colorOfQuantity, labelOf, severalAxes } from "./channels";
 import { FiguresTable } from "./FiguresTable";
+import { Tags } from "./ListView";
 import { MarkList } from "./MarkList";
 import { Notebook } from "./Notebook";
 import { RecordingPlots } from "./RecordingPlots";
@@ -105,11 +106,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
               </UnstyledButton>
             );
           })}
-          {detail.tags.map((tag) => (
-            <span key={tag} className="tag" data-testid="tag">
-              {tag}
-            </span>
-          ))}
+          <Tags recording={detail} />
           {running && <span className="dim">{stateText(detail)}</span>}
           {window && (
             <Button size="compact-xs" variant="default" onClick={() => setWindow(null)}>
