@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
@@ -9,6 +10,7 @@ import pytest
 
 from app import kernels
 from app.clock import VirtualClock
+from app.emulators.core.pace import AT_ONCE_S, IN_STORE_S, SLICE_WORK_S, Pace
 from app.emulators.drive import Drive, DriveOptions, EncoderOptions
 from app.emulators.tmc4361.chip import EmulatedTmc4361
 from app.links.datagram40 import write
@@ -84,3 +86,22 @@ def test_a_tmc4361_in_plain_python_is_the_compiled_one() -> None:
     compiled = life()
     with nothing_compiled():
         assert life() == compiled
+
+
+def test_looks_at_a_tmc4361_in_plain_python_leave_half_of_the_time_to_others() -> None:
+    """It takes several times its own time, also where each look asks for two milliseconds, as telemetry does."""
+    clock = VirtualClock()
+    chip = EmulatedTmc4361(clock)
+    for address, value in ((0x28, 80_000), (0x29, 80_000), (0x20, 1), (0x24, 5000 << 8)):
+        chip.exchange(write(address, value))
+    with nothing_compiled():
+        chip.pace = Pace(clock.now)
+        works = []
+        for _ in range(250):
+            clock.set(clock.now() + 0.002)
+            began_s = time.thread_time()
+            chip.state()
+            works.append(time.thread_time() - began_s)
+    assert chip.clock.skipped_s > 0.0
+    assert max(works) < AT_ONCE_S + 10 * SLICE_WORK_S
+    assert sum(works) < IN_STORE_S + 0.5 * clock.now() + 20 * SLICE_WORK_S

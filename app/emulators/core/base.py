@@ -19,13 +19,10 @@ from ...deferred import DeferredModel
 from ...kernels import serves_plain
 from .ground_truth import GroundTruth
 from .noise import flip
-from .pace import SLICE_S, Pace
+from .pace import Pace, Slice
 from .pins import PinWire, WiredChip
 
 log = logging.getLogger("stepscope.emulators")
-
-UNMEASURED_S = SLICE_S / 16
-"""Chip time that is worked out without a look at how much work it is [s]."""
 
 
 class Times(TypedDict):
@@ -82,6 +79,7 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         """Where it has been brought to, on `clock` [s]."""
         self.pace: Pace | None = None
         """Bounds the work of a catch-up; None where time waits for whoever works it out, as a test's does."""
+        self._slice = Slice()
         self._skips = 0
         self.wired: WiredChip | None = None
         """The pins that can be wired to other emulators; None where it has none."""
@@ -119,13 +117,15 @@ class EmulatorBase(ABC, Generic[ChangeT, StateT]):
         if self.pace is None:
             return at_s
         at_s = min(at_s, now_s)  # what it was asked for may have been skipped meanwhile
-        if at_s - self._latest_s <= UNMEASURED_S or self._quiet:
+        if at_s - self._latest_s <= self._slice.unmeasured_s or self._quiet:
             return at_s
         allowed_s, began_s = self.pace.allowed_s(), time.thread_time()
         worked_s = 0.0
-        while self._latest_s < at_s and worked_s < allowed_s and not self._quiet:
-            self._run(min(at_s, self._latest_s + SLICE_S))
-            worked_s = time.thread_time() - began_s
+        while (before_s := self._latest_s) < at_s and worked_s < allowed_s and not self._quiet:
+            self._run(min(at_s, before_s + self._slice.length_s))
+            until_s = time.thread_time() - began_s
+            self._slice.took(self._latest_s - before_s, until_s - worked_s)
+            worked_s = until_s
         self.pace.spend(worked_s)
         if self._latest_s < at_s and not self._quiet:
             self._skip()

@@ -25,7 +25,7 @@ import numpy as np
 from ...clock import OffsetClock, ScaledClock
 from ...kernels import serves_plain
 from .base import EmulatorBase
-from .pace import SLICE_S, Pace
+from .pace import Pace, Slice
 from .pins import Cells, Level, WiredChip
 
 log = logging.getLogger("stepscope.emulators")
@@ -156,6 +156,7 @@ class Coupling:
         self._at = 0
         """Common clocks that all have been brought to."""
         self._sampling = False
+        self._slice = Slice()
         self._skips = 0
         first = self._members[0].emulator.clock
         self._clock = ScaledClock(first.base, min(member.emulator.clock.scale for member in self._members))
@@ -239,10 +240,12 @@ class Coupling:
             self._advance(goal)
             return
         allowed_s, began_s, worked_s = pace.allowed_s(), time.thread_time(), 0.0
-        piece = int(SLICE_S * self.clock_hz / len(self._members)) or 1
-        while self._at < goal and (worked_s < allowed_s or self._quiet):
-            self._advance(goal if self._quiet else min(goal, self._at + piece))
-            worked_s = time.thread_time() - began_s
+        while (before := self._at) < goal and (worked_s < allowed_s or self._quiet):
+            piece = int(self._slice.length_s * self.clock_hz) or 1
+            self._advance(goal if self._quiet else min(goal, before + piece))
+            until_s = time.thread_time() - began_s
+            self._slice.took((self._at - before) / self.clock_hz, until_s - worked_s)
+            worked_s = until_s
         pace.spend(worked_s)
         if self._at < goal:
             self._skip()

@@ -12,7 +12,12 @@ IN_STORE_S = 0.15
 SHARE = 0.5
 """Of all time, what emulators may work."""
 SLICE_S = 0.05
-"""Chip time between two looks at how much work it was [s]: some 6 ms for the dearest chip and motor."""
+"""The most chip time between two looks at how much work it was [s]: some 6 ms for the dearest chip and motor."""
+SLICE_WORK_S = 0.006
+"""What the work between two looks is kept near [s of processor time]."""
+SLICE_LEAST_S = SLICE_S / 64
+UNMEASURED = 1 / 16
+"""The part of a slice that is worked out without a look."""
 
 
 class Pace:
@@ -42,3 +47,26 @@ class Pace:
         """
         with self._lock:
             self._left_s = max(-IN_STORE_S, self._left_s - work_s)
+
+
+class Slice:
+    """How much chip time an emulator works out between two looks, by how much work the last ones were.
+
+    Machine code takes the longest there is; the plain Python that serves until it is compiled, a hundred times as slow,
+    would hold everybody up for as long as a motor takes to arrive.
+    """
+
+    def __init__(self) -> None:
+        self.length_s = SLICE_LEAST_S
+        """Of chip time [s]."""
+
+    @property
+    def unmeasured_s(self) -> float:
+        """Chip time that is too short to be worth a look [s]."""
+        return UNMEASURED * self.length_s
+
+    def took(self, chip_s: float, work_s: float) -> None:
+        """It has worked `work_s` [s] for `chip_s` [s] of its time: twice as much the next time, or what fits."""
+        fits_s = SLICE_WORK_S * chip_s / work_s if work_s > 0.0 else SLICE_S
+        if fits_s < self.length_s or chip_s > 0.5 * self.length_s:
+            self.length_s = min(SLICE_S, max(SLICE_LEAST_S, min(fits_s, 2 * self.length_s)))
