@@ -7,7 +7,7 @@ from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import stop_result
 from ..http.problems import DEVICE_PROBLEMS, problems
 from ..policy import policy
-from ..router import subject_router
+from ..router import subject_router, work_out
 from .schemas import Stop, StopReport, StopResult
 
 router = subject_router(tags=["stop"])
@@ -29,3 +29,6 @@ async def stop_axis(
 ) -> StopResult:
     """Stop one axis, ahead of its device's queue."""
     return stop_result(await bench.manager.stop_axis(device, axis.index, (body or Stop()).mode))
+
+
+work_out(router)  # a stop never waits for that
