@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from . import __version__
-from .byte_code import keep_byte_code
+from .byte_code import compile_ahead, keep_byte_code
 from .commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
 from .errors import BenchError
 from .settings import LogLevel, OnVanish, Settings
@@ -111,6 +111,7 @@ def serve(
     }
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
+        compile_ahead()
         gc.disable()  # it looks through what modules make for 0.4 s, and finds nothing; a ready server has it on
         try:
             from . import serving

@@ -6,12 +6,14 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib.util import cache_from_source
+from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 
 import pytest
 
-from app.byte_code import PREFIX, keep_byte_code
+from app.byte_code import IMPORTED_LAST, PREFIX, compile_ahead, keep_byte_code
+
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture
@@ -61,3 +63,31 @@ def test_a_cache_that_cannot_be_made_keeps_nobody_from_starting(source: Path, tm
     (tmp_path / "file").write_text("")
     assert keep_byte_code(source, tmp_path / "file") is None
     assert sys.pycache_prefix is None
+
+
+def test_a_second_process_makes_byte_code_ahead_where_this_one_will_look_for_it(source: Path, tmp_path: Path) -> None:
+    working = compile_ahead([source.parent])
+    assert working is not None
+    working.join(60)
+    assert Path(cache_from_source(str(source))).is_file()
+    keep_byte_code(tmp_path / "elsewhere.py", tmp_path / "cache")
+    working = compile_ahead([source.parent])
+    assert working is not None
+    working.join(60)
+    kept = Path(cache_from_source(str(source)))
+    assert kept.is_relative_to(tmp_path / "cache")
+    assert kept.is_file()
+
+
+def test_nothing_is_made_ahead_where_a_start_has_left_it_or_python_keeps_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.byte_code.cache_from_source", lambda source: __file__)
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    assert compile_ahead() is None
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    assert compile_ahead([ROOT]) is None
+
+
+def test_what_is_made_ahead_is_there() -> None:
+    library, *rooms = IMPORTED_LAST
+    assert find_spec(library) is not None
+    assert all((ROOT / "app" / room).is_dir() for room in rooms)
