@@ -16,7 +16,7 @@ from app.settings import Settings
 
 app = create_app(Settings(data_dir=sys.argv[1], demo=False))
 named = {route.name: route for route in ROUTES}
-worked_out = lambda: sorted(name for name, route in named.items() if hasattr(route, "_options") and "app" in vars(route))
+worked_out = lambda: sorted(n for n, route in named.items() if hasattr(route, "_options") and "app" in vars(route))
 print(json.dumps(worked_out()))
 
 async def call():
