@@ -30,6 +30,7 @@ from .conditions.service import ConditionService
 from .devices.core.actor import STEPSCOPE
 from .devices.core.config import AxisSettings, DeviceConfig
 from .devices.core.device import Device
+from .devices.core.events import motion_owner
 from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
 from .emulators.build import build_emulator, options_of
@@ -52,6 +53,7 @@ from .links.registry import (
     uart_factory,
 )
 from .links.serial_address import allow_ports
+from .macros.service import MacroService
 from .positions import ExtendedPositionService
 from .preparation import PAGE_FIRST_S, PLAIN, Preparation
 from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
@@ -67,6 +69,7 @@ from .store.audit import AuditLog
 from .store.connections import ConnectionStore
 from .store.database import Database
 from .store.layouts import LayoutStore
+from .store.macros import MacroStore
 from .store.motors import OwnMotors
 from .store.positions import PositionStore
 from .store.profiles import ProfileStore
@@ -183,7 +186,8 @@ def create_app(
     conditions = ConditionService(background, lambda device, axis: procedures.search_state(device, axis).state)
 
     def under_way(device: Device) -> str:
-        running = procedures.running(device)
+        # A macro that brings a profile in is not in its own way.
+        running = [one for one in procedures.running(device) if one is not motion_owner.get()]
         return f"a {running[0].kind} runs" if running else ""
 
     async def configure(device: Device, axes: Sequence[AxisSettings]) -> None:
@@ -235,6 +239,8 @@ def create_app(
         LayoutStore(settings.data_dir),
         wiring,
         studies,
+        MacroStore(settings.data_dir),
+        MacroService(clock, procedures, profiles, profile_store, recording_service, audit),
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)

@@ -26,8 +26,8 @@ from tests.api.live import live_server
 
 SEED = 428
 WITHIN_S = 2.0
-GUESTS = ("make_script", "make_script_of_document")
-"""Calls that try a script on a server which is started for it: they have that long beyond such a start."""
+GUESTS = ("make_script", "make_script_of_document", "try_macro")
+"""Calls that try something in a process which is started for it: they have that long beyond such a start."""
 STARTS = 3
 UNTIMED_S = 150.0
 """Where nobody measures: longer than such a call ever waits, so that a busy machine fails no case."""
@@ -120,6 +120,7 @@ def with_real_names(schema: dict[str, Any], recording: str) -> dict[str, Any]:
         "recording": {"type": "string", "enum": [recording]},
         "study": {"type": "string", "enum": ["20260101-120000"]},
         "layout": {"type": "string", "enum": ["bench", "mine"]},
+        "macro": {"type": "string", "enum": ["there", "mine"]},
         "net": {"type": "string", "enum": ["start", "none"]},
         "profile": {"type": "integer", "enum": [1, 2]},
         "model": {"type": "string", "enum": ["tmc428", "tmc4210", *ADDED.values(), "tmc5160"]},

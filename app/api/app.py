@@ -36,6 +36,8 @@ from .layouts import routes as layouts
 from .lease import routes as lease
 from .links import port_routes as ports
 from .links import routes as links
+from .macros import routes as macros
+from .macros import run_routes as macro_runs
 from .motion import procedure_routes as procedures
 from .motion import routes as axes
 from .motion import stop_routes as stop
@@ -87,6 +89,8 @@ SUBJECTS = (
     register_maps,
     motors,
     layouts,
+    macros,
+    macro_runs,
     ports,
     recordings,
     profile_scripts,

@@ -12,6 +12,7 @@ from ..emulators.wiring import EmulatorWiring
 from ..kernels import Progress
 from ..lease.calls import CallsUnderWay
 from ..lease.lease import Lease
+from ..macros.service import MacroService
 from ..positions import ExtendedPositionService
 from ..procedures.procedures import Procedures
 from ..profiles.scripts.service import Scripts
@@ -22,6 +23,7 @@ from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
 from ..store.layouts import LayoutStore
+from ..store.macros import MacroStore
 from ..store.motors import OwnMotors
 from ..store.profiles import ProfileStore
 from ..store.saver import Saver
@@ -75,6 +77,8 @@ class ServerState:
     layouts: LayoutStore
     wiring: EmulatorWiring
     studies: StudyService
+    macro_store: MacroStore
+    macros: MacroService
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

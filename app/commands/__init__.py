@@ -19,6 +19,7 @@ from .devices import conditions, devices, read, write
 from .diagnosis import doctor
 from .history import history, undo
 from .lease import lease
+from .macros import macro
 from .measuring import compare, record, recordings, replay, watch
 from .motion import axis, home, move, rotate, stop
 from .profile_scripts import script
@@ -55,5 +56,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "doctor", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
-GROUPS: Sequence[typer.Typer] = (lease, maps, profile, tmcl, tokens, tune)
+GROUPS: Sequence[typer.Typer] = (lease, macro, maps, profile, tmcl, tokens, tune)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

@@ -41,6 +41,7 @@ class Procedure(ABC):
         self._task: asyncio.Task[None] | None = None
         self._unlisten: Callable[[], None] | None = None
         self._taken_over = ""
+        self._taken_axis = self.axis
         self._aborting = False
 
     @property
@@ -70,16 +71,20 @@ class Procedure(ABC):
         """Whether who commands is this procedure, or a part of it."""
         return by is self
 
+    def concerns(self, axis: int) -> bool:
+        """Whether a command to `axis` that is not its own ends it."""
+        return axis == self.axis
+
     def _heard(self, event: DeviceEvent) -> None:
         if (
             isinstance(event, MotionCommanded)
-            and event.axis == self.axis
+            and self.concerns(event.axis)
             and not self.is_own(event.by)
             and self.running
             and not self._taken_over
             and not self._aborting
         ):
-            self._taken_over = event.what
+            self._taken_over, self._taken_axis = event.what, event.axis
             # The watch over soft limits says why; of others only what they have sent is known.
             why = event.by.why if isinstance(event.by, RangeWatch) else ""
             self.message = f"ended: {why}" if why else f"ended by another command to this axis: {event.what}"

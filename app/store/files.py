@@ -92,6 +92,7 @@ OURS = (
     "unfinished-*",
     "register-maps",
     "layouts",
+    "macros",
 )
 """What a data directory of stepscope holds, as patterns."""
 

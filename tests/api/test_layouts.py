@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 
 from app.settings import Settings
-from app.store.layouts import BYTES_MAX, KEPT_MAX, REVISIONS_MAX
+from app.store.revisions import BYTES_MAX, KEPT_MAX, REVISIONS_MAX
 
 
 def layout(name: str = "Tuning", **more: Any) -> dict[str, Any]:

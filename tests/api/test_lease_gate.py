@@ -59,6 +59,12 @@ FREE = {
     ("POST", "/layouts"),
     ("PUT", "/layouts/{layout}"),
     ("DELETE", "/layouts/{layout}"),
+    # Nor do macros that are only kept, or tried on a twin; to end one stops its motors.
+    ("POST", "/macros"),
+    ("PUT", "/macros/{macro}"),
+    ("DELETE", "/macros/{macro}"),
+    ("POST", "/devices/{device}/macro-trial"),
+    ("DELETE", "/devices/{device}/macro-run"),
     # A profile that is only judged moves nothing.
     ("POST", f"{AXIS}/velocity-profile/check"),
     # A program that is stopped moves no motor, and one that is only assembled goes nowhere.

@@ -10,14 +10,16 @@ import json
 import math
 import re
 from collections.abc import Callable, Container
+from itertools import zip_longest
 from typing import Any
 from urllib.parse import parse_qsl
 
+from ...number_text import plain as plain_number
 from ...store.tables import Value
 from ..policy import Call, Policy, Said
 
 TEXT_MAX = 200
-NAMED = ("recordings", "profiles", "tokens", "register-maps", "studies", "wiring", "motors", "layouts")
+NAMED = ("recordings", "profiles", "tokens", "register-maps", "studies", "wiring", "motors", "layouts", "macros")
 """Below these in an address is the name of one."""
 
 
@@ -113,7 +115,7 @@ def batch(call: Call) -> Said:
 
 
 def move(call: Call) -> Said:
-    return _moved(call.answer) or Said(
+    return _moved(call.answer, call.body) or Said(
         "move",
         "by" if call.body.get("relative") else "to",
         new=value_of(call.body.get("target")),
@@ -121,15 +123,23 @@ def move(call: Call) -> Said:
     )
 
 
-def _moved(started: Any) -> Said | None:
+def _moved(started: Any, asked: Any = None) -> Said | None:
     if not isinstance(started, dict) or "target_position" not in started:
         return None
     ends = value_of(started.get("from_position")), value_of(started["target_position"])
-    return Said("move", "position", *ends, detail="microsteps", axis=started.get("axis"))
+    takes_s = started.get("predicted_duration_s")
+    detail = "microsteps" if takes_s is None else f"microsteps, in {plain_number(takes_s, 4)} s"
+    if isinstance(asked, dict) and (asked.get("relative") or asked.get("unit", "microsteps") != "microsteps"):
+        way, unit = "by" if asked.get("relative") else "to", asked.get("unit", "microsteps")
+        detail += f", asked {way} {asked.get('target')!r} {unit}"
+    return Said("move", "position", *ends, detail=detail, axis=started.get("axis"))
 
 
 def moves(call: Call) -> Said:
-    each = [said for started in call.answer if (said := _moved(started))] if isinstance(call.answer, list) else []
+    asked = call.body.get("moves")
+    wanted = asked if isinstance(asked, list) else []
+    answers = call.answer if isinstance(call.answer, list) else []
+    each = [said for started, one in zip_longest(answers, wanted) if (said := _moved(started, one))]
     if not each:
         return Said("move", "several axes", detail=compact(call.body.get("moves")))
     first, *others = each
@@ -248,3 +258,12 @@ def read_only(call: Call) -> bool:
     """Whether a raw frame has only read, as far as its answer tells."""
     decoded = call.answer.get("decoded") if isinstance(call.answer, dict) else None
     return isinstance(decoded, dict) and decoded.get("rw") == "read"
+
+
+def run_macro(call: Call) -> Said:
+    """By the macro's name, with its revision."""
+    state = call.answer if isinstance(call.answer, dict) else {}
+    document = call.body.get("document")
+    name = state.get("name") or call.body.get("macro") or (document.get("name") if isinstance(document, dict) else "")
+    revision = state.get("revision")
+    return Said("run macro", str(name or ""), detail=f"revision {revision}" if revision else "")

@@ -44,6 +44,8 @@ from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, Unr
 from ...profiles.scripts.errors import ScriptFailed
 from ...registers.maps.findings import UnreadableMap
 from ...store.layouts import LayoutChanged
+from ...store.macros import MacroChanged
+from ...store.revisions import RevisionChanged
 from ...twin.process import TwinFailed
 from ..conditions.views import condition_out, remedy_out
 from ..schemas import AxisProblem, Condition, Problem, Remedy
@@ -78,6 +80,8 @@ KINDS: dict[type[Exception], Kind] = {
     ForeignPage: FOREIGN,
     RoleTooLow: Kind(403, "/problems/role-too-low", "This token may not do that"),
     LayoutChanged: Kind(409, "/problems/layout-changed", "The layout was saved by somebody else meanwhile"),
+    MacroChanged: Kind(409, "/problems/macro-changed", "The macro was saved by somebody else meanwhile"),
+    RevisionChanged: Kind(409, "/problems/wrong-state", "Not possible now"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     CannotMove: Kind(409, "/problems/wrong-state", "Not possible now"),  # with the remedy beside it
     NotReady: Kind(409, "/problems/wrong-state", "Not possible now"),  # of a start together that a stop has ended

@@ -8,7 +8,8 @@ from typing import Annotated
 from fastapi import Path, Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
-from ...store.layouts import LayoutChanged, Revision, SavedLayout
+from ...store.layouts import LayoutChanged
+from ...store.revisions import Revision, Saved
 from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
@@ -51,14 +52,7 @@ async def get_layout(
     revision: Annotated[int | None, Query(ge=1, le=1 << 53, description="an earlier one; the latest without")] = None,
 ) -> LayoutDetail:
     """A kept layout with its document."""
-    saved = await asyncio.to_thread(bench.layouts.get, layout)
-    if revision is None:
-        return _detail(saved)
-    for each in saved.revisions:
-        if each.revision == revision:
-            return _detail(saved, each)
-    known = [str(each.revision) for each in reversed(saved.revisions)]
-    raise UnknownThing(f"revision of layout {layout!r}", str(revision), known)
+    return _detail(*await asyncio.to_thread(bench.layouts.revision, layout, revision))
 
 
 @router.put("/{layout}", responses=problems(UnknownThing, LayoutChanged, WrongState, UsageError, StoreUnavailable))
@@ -75,14 +69,14 @@ async def delete_layout(bench: CurrentBench, layout: LayoutId) -> None:
     await asyncio.to_thread(bench.layouts.delete, layout)
 
 
-def _info(saved: SavedLayout) -> LayoutInfo:
+def _info(saved: Saved) -> LayoutInfo:
     latest = saved.latest
     return LayoutInfo(
         id=saved.id, name=latest.document["name"], revision=latest.revision, saved_unix_s=latest.saved_unix_s
     )
 
 
-def _detail(saved: SavedLayout, of: Revision | None = None) -> LayoutDetail:
+def _detail(saved: Saved, of: Revision | None = None) -> LayoutDetail:
     shown = of or saved.latest
     return LayoutDetail(
         id=saved.id,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 
 from ...clock import Clock, WallClock
-from ...devices.core.config import DeviceConfig
+from ...devices.core.config import AxisSettings, DeviceConfig
 from ...devices.core.device import Device
 from ...devices.manager import DeviceManager
 from ...emulators.build import build_emulator, options_of
@@ -23,11 +23,17 @@ def emulator_link(model: str, clock_hz: float) -> Mapping[str, object]:
 
 
 @asynccontextmanager
-async def emulated(model: str, clock_hz: float) -> AsyncIterator[Device]:
-    """A device that was switched on a moment ago, connected. In this process, without a socket."""
-    manager = DeviceManager({"emulator": _port}, WallClock())
+async def emulated(
+    model: str, clock_hz: float, axes: Sequence[AxisSettings] = (), clock: Clock | None = None
+) -> AsyncIterator[Device]:
+    """A device that was switched on a moment ago, connected. In this process, without a socket.
+
+    `axes` are settings of its axes, soft limits among them; it lives by `clock`, None: by the time of day.
+    """
+    manager = DeviceManager({"emulator": _port}, clock or WallClock())
     try:
-        yield await manager.add(DeviceConfig(NAME, model, dict(emulator_link(model, clock_hz)), clock_hz))
+        link = dict(emulator_link(model, clock_hz))
+        yield await manager.add(DeviceConfig(NAME, model, link, clock_hz, tuple(axes)))
     finally:
         await manager.close()
 
