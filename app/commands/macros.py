@@ -15,7 +15,7 @@ from .shared import AsJson, DeviceName, Token, Url, connected, print_json, print
 macro = typer.Typer(
     name="macro",
     no_args_is_help=True,
-    help="Small sequences of steps, made of what was done, tried on a twin, and run.",
+    help="Small sequences of steps: made of what was done, tried, and run.",
 )
 
 Name = Annotated[str, typer.Argument(metavar="MACRO", help="Its id, as `list` shows it.")]

@@ -152,7 +152,7 @@ async def test_a_macro_does_its_steps_once_each_and_tells_of_them(
         "tmc428": ("v_max", 0, 1000),
         "tmc5160": ("VMAX", 0, 100_000),
         "tmc4361": ("VMAX", 0, 10_000 << 8),
-        "pd42-1241": ("maximum_speed", 0, 20_000),
+        "pd42-1241": ("maximum_positioning_speed", 0, 20_000),
     }[model]
     before = (await client.get(f"{device}/axes/0")).json()["position"]
     steps = [
@@ -170,7 +170,7 @@ async def test_a_macro_does_its_steps_once_each_and_tells_of_them(
     answer = await client.post(f"{device}/macro-run", json={"macro": kept["id"]})
     assert answer.status_code == 200, answer.text
     state = await over(client, clock, device)
-    assert state["state"] == "done", state
+    assert state["state"] == "done", state["message"]
     assert [done["number"] for done in state["done"]] == [*range(1, 10)]
     came = state["done"][0]["came"]  # VMAX of a TMC5160 can be written only
     assert "read" in came if model == "tmc5160" else came == f"reads back {register[2]}"
@@ -305,7 +305,7 @@ async def test_a_profile_is_a_step(client: httpx.AsyncClient, clock: VirtualCloc
     ]
     await begun(client, clock, "devices/bench", *steps)
     state = await over(client, clock, "devices/bench")
-    assert state["state"] == "done", state
+    assert state["state"] == "done", state["message"]
     assert "1 registers" in state["done"][1]["came"]
     assert (await client.get("devices/bench/registers/v_max", params={"axis": 0})).json()["value"] == was
 

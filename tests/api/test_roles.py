@@ -30,6 +30,7 @@ PROCEDURES = (
     "/step-response",
     "/disturbance",
     "/program/debug",
+    "/macro-run",
 )
 METHODS = ("GET", "HEAD", "OPTIONS", "POST", "PUT", "PATCH", "DELETE")
 
@@ -64,7 +65,7 @@ def expected(method: str, path: str) -> Role:
         return "administer"
     if method in SAFE_METHODS:
         return "look"
-    if method == "DELETE" and (short == "/straight-line" or short.endswith("/macro-run")):
+    if (method, short) == ("DELETE", "/straight-line"):
         return "look"
     if method == "POST" and re.fullmatch("/(straight-line|studies)/plan|/studies/[^/]+/stop", short):
         return "look"

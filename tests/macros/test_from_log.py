@@ -56,7 +56,7 @@ def test_fields_that_were_written_are_what_is_written_again() -> None:
 def test_a_profile_is_one_step_and_its_own_writes_are_none() -> None:
     writes = [entry(at, "write", "VMAX", new=1, call=5) for at in (0, 1, 2)]
     assert steps_of(*writes, entry(3, "apply profile", "quiet", call=5)) == ["apply profile 7, quiet"]
-    draft = draft_of([entry(3, "apply profile", "loud", call=5)], "bench", 5, {}.get)
+    draft = draft_of([entry(3, "apply profile", "loud", call=5)], "bench", 5, lambda _: None)
     assert draft.steps == []
     assert "keep it first" in draft.left_out[0]
 
