@@ -2370,7 +2370,7 @@ export interface paths {
         head?: never;
         /**
          * Label Recording
-         * @description Another name or note.
+         * @description Another name, note, colour, other tags, or another notebook.
          */
         patch: operations["label_recording"];
         trace?: never;
@@ -4474,6 +4474,48 @@ export interface components {
              */
             commands: components["schemas"]["CommandRow"][];
         };
+        /**
+         * Cell
+         * @description A cell of a recording's notebook; a figure or a table is of a stretch since the zero, or of all of it.
+         */
+        Cell: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "text" | "figure" | "table";
+            /**
+             * Text
+             * @default
+             */
+            text?: string;
+            /** From S */
+            from_s?: number | null;
+            /** To S */
+            to_s?: number | null;
+            /**
+             * Channels
+             * @description none: all
+             * @default []
+             */
+            channels?: string[];
+        };
+        /** CellOut */
+        CellOut: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "text" | "figure" | "table";
+            /** Text */
+            text: string;
+            /** From S */
+            from_s: number | null;
+            /** To S */
+            to_s: number | null;
+            /** Channels */
+            channels: string[];
+        };
         /** ChainDesign */
         ChainDesign: {
             /** Bits */
@@ -5569,6 +5611,8 @@ export interface components {
             id: string;
             /** Name */
             name: string;
+            /** Colour */
+            colour: string;
             /** Device */
             device: string;
             /** Model */
@@ -13923,6 +13967,13 @@ export interface components {
             name: string;
             /** Note */
             note: string;
+            /** Tags */
+            tags: string[];
+            /**
+             * Colour
+             * @description by name; empty: the one of its place in a comparison
+             */
+            colour: string;
             /**
              * Device
              * @description null where the file cannot be read: see `message`
@@ -13971,6 +14022,16 @@ export interface components {
             /** Marks */
             marks: components["schemas"]["MarkOut"][];
             /**
+             * Notebook
+             * @description what is written about it, in its order
+             */
+            notebook: components["schemas"]["CellOut"][];
+            /**
+             * Notebook Revision
+             * @description how often it was written
+             */
+            notebook_revision: number;
+            /**
              * Figures
              * @description by channel; `following_error.N` where the planned position of an axis was recorded, too
              */
@@ -14012,6 +14073,13 @@ export interface components {
             name: string;
             /** Note */
             note: string;
+            /** Tags */
+            tags: string[];
+            /**
+             * Colour
+             * @description by name; empty: the one of its place in a comparison
+             */
+            colour: string;
             /**
              * Device
              * @description null where the file cannot be read: see `message`
@@ -14055,6 +14123,20 @@ export interface components {
             name?: string | null;
             /** Note */
             note?: string | null;
+            /** Tags */
+            tags?: string[] | null;
+            /**
+             * Colour
+             * @description in lists and comparisons; empty: the one of its place
+             */
+            colour?: ("" | "blue" | "orange" | "green" | "pink" | "violet" | "olive" | "grey" | "brown") | null;
+            /** Notebook */
+            notebook?: components["schemas"]["Cell"][] | null;
+            /**
+             * Notebook Revision
+             * @description the one that `notebook` replaces: where it has another by now, nothing is written
+             */
+            notebook_revision?: number | null;
         };
         /** RecordingList */
         RecordingList: {
@@ -31649,6 +31731,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
                 headers: {
@@ -31658,7 +31749,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
