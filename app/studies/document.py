@@ -300,6 +300,10 @@ class LeastCurrent(Part):
         default=None, description="RMS of one coil, as it is set now [A]; null: the same"
     )
 
+    coolstep: bool = Field(
+        default=True, description="then CoolStep as well, where the chip has it: less current where the load is small"
+    )
+
     @model_validator(mode="after")
     def _goes_somewhere(self) -> LeastCurrent:
         if self.distance == 0:

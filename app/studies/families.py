@@ -10,6 +10,7 @@ from ..errors import WrongState
 from .chopper.setting import ChopperPlaces
 from .closed_loop.setting import LoopPlaces
 from .identification.places import IdentificationPlaces
+from .least_current.cool_setting import CoolPlaces
 from .ramp_settings import RampRegisters
 from .resonance_map.places import RipplePlaces
 from .scored_move.places import HandPlace
@@ -17,6 +18,7 @@ from .stallguard.setting import StallPlaces
 from .stealthchop.setting import StealthPlaces
 from .tmc5xxx.by_hand import BY_HAND as BY_HAND_5XXX
 from .tmc5xxx.chopper import CHOPPER
+from .tmc5xxx.coolstep import COOLSTEP
 from .tmc5xxx.identification import AMPLITUDE, CURRENT, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
@@ -32,6 +34,7 @@ RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
     "tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER, AMPLITUDE)
 }
+COOLSTEPS: Mapping[str, CoolPlaces] = {"tmc5xxx": COOLSTEP}
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
 STEALTHCHOPS: Mapping[str, StealthPlaces] = {"tmc5xxx": STEALTHCHOP}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
@@ -78,6 +81,11 @@ def stealthchop_of(device: Device) -> StealthPlaces:
 def ripple_of(device: Device) -> RipplePlaces | None:
     """What it has of settings that move ripple, and that a study sets; None for a family without any."""
     return RIPPLES.get(device.family.family)
+
+
+def coolstep_of(device: Device) -> CoolPlaces | None:
+    """Where it keeps CoolStep; None for a family without one that a study sets."""
+    return COOLSTEPS.get(device.family.family)
 
 
 def by_hand_of(device: Device) -> Sequence[HandPlace]:

@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 
+from app.studies.document import LeastCurrent
 from app.studies.kinds import KINDS
 from app.studies.least_current.cycle import Cycle, faster
+from app.studies.least_current.plan import look
 from app.studies.ramp_settings import ACCELERATION, SPEED
 from app.studies.report import html_of
 from tests.studies.harness import START, studied
@@ -22,7 +24,17 @@ CYCLE: dict[str, Any] = {
     "loss_rate_max": 0.2,
     "resistance_ohm": 2.3,
     "run_current_a": 1.06,
+    "coolstep": False,
 }
+COOL: dict[str, Any] = {**CYCLE, "distance": 102_400, "coolstep": True}
+# It accelerates hard and moves on with little: what CoolStep is for.
+UNEVEN: dict[str, Any] = {
+    "motor": {"viscous_nms": 0.002, "holding_torque_nm": 0.45},
+    "load": {"inertia_kgm2": 3e-4, "friction_nm": 0.02},
+    "full_scale_a": 1.5,
+}
+COOL_NAMES = ("IHOLD_IRUN", "VMAX", "AMAX", "COOLCONF", "TCOOLTHRS")
+TELLS = replace(FULL, vmax=160_000, amax=2_500_000)
 PLANT: dict[str, Any] = {"load": {"inertia_kgm2": 5e-4, "friction_nm": 0.05}, "full_scale_a": 1.5}
 NAMES = ("IHOLD_IRUN", "VMAX", "AMAX")
 
@@ -87,7 +99,7 @@ async def test_a_stop_in_the_proof_puts_the_current_back(tmp_path: Path) -> None
 
 async def test_the_plan_tells_of_cycles_and_of_what_watts_need(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
-        document = s.document({"kind": "least_current", "distance": -25_600})
+        document = s.document({"kind": "least_current", "distance": -25_600, "coolstep": False})
         plan = await KINDS["least_current"].plan(s.device, 0, document)
         assert plan.missing == []
         # 160,000 microsteps/s are reached on the way; 1.25 times as much with the same acceleration need 40,000.
@@ -96,6 +108,12 @@ async def test_the_plan_tells_of_cycles_and_of_what_watts_need(tmp_path: Path) -
         assert plan.velocity_max_pps == pytest.approx(1.25 * 160_000, rel=0.001)
         assert plan.moves_max == 2 * (3 + 10 * 3 + 2 * 59)
         assert any("not in watts" in line for line in plan.warnings)
+        more = await KINDS["least_current"].plan(
+            s.device, 0, s.document({"kind": "least_current", "distance": -25_600})
+        )
+        assert more.moves_max > plan.moves_max
+        assert {"COOLCONF", "TCOOLTHRS"} <= {*more.registers} - {*plan.registers}
+        assert any(line.startswith("CoolStep at the run current") for line in more.steps)
 
 
 async def test_where_the_supply_limits_less_current_is_no_margin(tmp_path: Path) -> None:
@@ -111,6 +129,88 @@ async def test_where_the_supply_limits_less_current_is_no_margin(tmp_path: Path)
         assert 1.0 <= found.speed_times_held < 1.25
         assert "by the supply voltage, not by the current" in record.verdict
         assert await s.settings(*NAMES) == before
+
+
+async def test_coolstep_takes_current_from_the_steady_part_and_loses_no_step(tmp_path: Path) -> None:
+    async with studied(tmp_path, TELLS, **UNEVEN) as s:
+        before = await s.settings(*COOL_NAMES)
+        record = await s.finish(s.begin(s.document(COOL)), 900)
+        found = record.least_current
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert found is not None
+        cool = found.coolstep
+        assert cool is not None
+        assert cool.why == ""
+        assert cool.setting is not None
+        assert cool.setting.semin >= 2
+        assert cool.steady is not None
+        assert cool.cycles == 14
+        assert len(cool.pairs) == 10
+        assert all(pair.with_it < pair.without for pair in cool.pairs)
+        assert [pair.without for pair in cool.pairs] == pytest.approx([1.0] * 10, abs=0.05)
+        assert cool.saved_share is not None
+        assert cool.interval_share is not None
+        assert 0.1 < cool.interval_share.low <= cool.saved_share <= cool.interval_share.high < 0.94
+        assert cool.saving is not None
+        assert found.saving is not None
+        assert cool.saving.before_w == pytest.approx(found.saving.after_w)
+        assert cool.saving.saved_w == pytest.approx(cool.saving.before_w * cool.saved_share)
+        assert await s.settings(*COOL_NAMES) == before
+        best = record.trial(record.best)
+        assert best is not None
+        held = {each.name: each.value for each in best.registers}
+        assert held["COOLCONF"] & 15 == cool.setting.semin
+        assert held["COOLCONF"] >> 5 & 3 == cool.setting.seup
+        assert held["TCOOLTHRS"] > 0
+        assert "CoolStep" in html_of(record)
+
+
+async def test_a_chip_that_is_set_to_stealthchop_has_no_coolstep_and_the_plan_says_why(tmp_path: Path) -> None:
+    async with studied(tmp_path, TELLS, **PLANT) as s:
+        await s.device.registers.write("GCONF", None, None, {"en_pwm_mode": 1})
+        plan = await KINDS["least_current"].plan(s.device, 0, s.document(COOL))
+        assert plan.missing == []
+        assert any("StealthChop is on" in line for line in plan.warnings)
+        assert not any("COOLCONF" in name for name in plan.registers)
+
+
+async def test_a_cycle_without_a_steady_part_leaves_nothing_to_coolstep(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        record = await s.finish(s.begin(s.document({**CYCLE, "coolstep": True})), 400)
+        found = record.least_current
+        assert found is not None
+        assert found.coolstep is not None
+        assert "steady speed" in found.coolstep.why
+        assert (record.improved, record.best) == (True, 1)
+
+
+async def test_where_a_stall_stops_the_motor_level_and_speed_of_coolstep_are_not_its_own(tmp_path: Path) -> None:
+    async with studied(tmp_path, replace(TELLS, amax=1_000_000), **PLANT) as s:
+        await s.device.registers.write("SW_MODE", 0, None, {"sg_stop": 1})
+        plan = await KINDS["least_current"].plan(s.device, 0, s.document(COOL))
+        assert any("a stall stops the motor from a speed on" in line for line in plan.warnings)
+        await s.device.registers.write("TCOOLTHRS", 0, 160)  # of 16 MHz
+        await s.device.registers.write("COOLCONF", 0, None, {"sgt": -10})
+        await s.device.registers.write("SW_MODE", 0, None, {"sg_stop": 0})
+        space = (await look(s.device, 0, LeastCurrent.model_validate(COOL))).required().cool
+        assert space is not None
+        assert space.from_pps == pytest.approx(100_000, rel=0.01)
+        assert space.level == -10
+
+
+async def test_a_load_cycle_in_which_lower_current_loses_steps_gets_no_coolstep(tmp_path: Path) -> None:
+    """The rotor rings for long after each change of speed: load that comes back faster than the current does."""
+    ringing = replace(TELLS, amax=1_000_000)
+    async with studied(tmp_path, ringing, **PLANT) as s:
+        before = await s.settings(*COOL_NAMES)
+        record = await s.finish(s.begin(s.document(COOL)), 900)
+        found = record.least_current
+        assert found is not None
+        assert found.coolstep is not None
+        assert found.coolstep.why
+        assert found.coolstep.setting is None
+        assert (record.best, record.improved, record.left) == (1, True, [])
+        assert await s.settings(*COOL_NAMES) == before
 
 
 def test_more_speed_takes_more_way_or_where_there_is_none_a_harder_ramp() -> None:

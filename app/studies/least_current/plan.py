@@ -10,11 +10,14 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import LeastCurrent, StudyDocument
-from ..families import identification_of
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
+from ..families import coolstep_of, identification_of
+from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
+from .cool_search import CYCLES as COOL_CYCLES
+from .cool_search import HEAT_CYCLES, PAIRS, SETTINGS
+from .cool_setting import CoolSpace
 from .cycle import Cycle, faster
 
 SEARCHES = 5
@@ -28,7 +31,8 @@ AROUND_S = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """What is known before the first move. start, full_step : [microsteps]; faster : None where it cannot be tried."""
+    """What is known before the first move. start, full_step : [microsteps]; faster : None where it cannot be tried;
+    cool : None where CoolStep is not looked for, and why_not_cool says why it cannot be."""
 
     current: CurrentSpace
     space: RampSpace
@@ -38,6 +42,8 @@ class Ground:
     room: float
     cycle: Cycle
     faster: Cycle | None
+    cool: CoolSpace | None = None
+    why_not_cool: str = ""
 
     @property
     def cycles(self) -> tuple[Cycle, ...]:
@@ -88,8 +94,28 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if wanted.speed_margin and (more is None or more.times < 0.99 * (1 + wanted.speed_margin)):
         held = "no more speed" if more is None else f"{100 * (more.times - 1):.0f} % more speed alone"
         looked.warnings.append(f"{held} can be tried, by limits: what a lower supply does is shown so far only")
-    looked.ground = Ground(current, found.space, state.position, found.full_step, most, room, cycle, more)
+    cool, why = _cool(device, axis, wanted, found, cycle)
+    if why:
+        looked.warnings.append(f"CoolStep is not looked for: {why}")
+    looked.ground = Ground(current, found.space, state.position, found.full_step, most, room, cycle, more, cool, why)
     return looked
+
+
+def _cool(
+    device: Device, axis: int, wanted: LeastCurrent, found: AxisNow, cycle: Cycle
+) -> tuple[CoolSpace | None, str]:
+    """CoolStep of the axis; None, and why, where it cannot work in the cycle."""
+    if not wanted.coolstep:
+        return None, ""
+    places = coolstep_of(device)
+    if places is None:
+        return None, f"a {device.family.title} has none that a study sets"
+    try:
+        space = CoolSpace(device, axis, places, found.held, found.full_step)
+    except WrongState as error:
+        return None, str(error)
+    why = space.why_not(cycle.peak)
+    return (None, why) if why else (space, "")
 
 
 async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
@@ -107,6 +133,8 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
     proof = runs_for(wanted.loss_rate_max)
     cycles = BASELINE_CYCLES + (SEARCHES + MORE_SEARCHES) * wanted.repeats + proof * len(ground.cycles)
+    if ground.cool is not None:
+        cycles += COOL_CYCLES + SETTINGS * (wanted.repeats + HEAT_CYCLES) + proof * len(ground.cycles)
     hardest = ground.cycles[0]
     far = ground.start + hardest.distance + hardest.way * ground.period
     told.position_from, told.position_to = min(ground.start, far), max(ground.start, far)
@@ -115,6 +143,7 @@ def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
     told.way_fullsteps = told.moves_max * (abs(hardest.distance) + ground.period) / ground.full_step
     told.time_s = cycles * (2 * max(each.time_s for each in ground.cycles) + AROUND_S)
     told.registers = [each.name for each in (*ground.current.before, *ground.space.before)]
+    told.registers += [] if ground.cool is None else [each.name for each in ground.cool.before]
     raised, more = "", list[str]()
     if ground.faster is not None:
         percent = f"{100 * (ground.faster.times - 1):.0f} % more speed"
@@ -129,10 +158,23 @@ def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
         f"less current by halves, {wanted.repeats} cycles each, until steps are lost",
         "after lost steps the position is taken from the encoder, and the motor goes back with the current as it was",
         f"{proof} cycles at {100 * wanted.margin:g} % less than what is chosen{raised}: none may lose a step",
+        *_cool_steps(ground, proof),
         "the current as it is now goes back, whatever came of it; one click takes the lower one",
     ]
     told.unwatched = [
         "a load that is heavier than now, a lower supply, a warmer motor: the margins have to hold for them",
         "what the axis has to hold at rest: the hold current is lowered only where it lies above the new run current",
-        "CoolStep changes the current by itself: with it on, this is about its upper end",
+        "CoolStep changes the current by itself: with it on, the run current is its upper end",
+        *(() if ground.cool is None else ("with CoolStep: a load that comes faster than the current rises",)),
     ]
+
+
+def _cool_steps(ground: Ground, proof: int) -> list[str]:
+    if ground.cool is None:
+        return []
+    told = (
+        f"CoolStep at the run current that was found: the load value of the cycle, up to {SETTINGS} settings, the best "
+        f"in {proof} cycles as above with less current that comes back later, then {PAIRS} with it against {PAIRS} "
+        "without"
+    )
+    return [told]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import html
+
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, mark, number, table
 from ...number_text import plain
 from ..record import StudyRecord
-from .found import LeastCurrentFound
+from .found import CoolStepFound, LeastCurrentFound
 
 
 def sections(record: StudyRecord) -> list[str]:
@@ -23,7 +25,30 @@ def sections(record: StudyRecord) -> list[str]:
             ("with the winding at 20 to 80 deg C", f"{plain(around.low, 3)} to {plain(around.high, 3)} W"),
         )
         parts.append("<h2>Heat of the coils, calculated</h2>" + table(("", ""), rows))
+    if found.coolstep is not None:
+        parts.append("<h2>CoolStep</h2>" + _coolstep(found.coolstep))
     return parts
+
+
+def _coolstep(cool: CoolStepFound) -> str:
+    told = f"<p>There is none: {html.escape(cool.why)}.</p>" if cool.why else ""
+    if cool.setting is not None and cool.saved_share is not None and cool.interval_share is not None:
+        around = cool.interval_share
+        low, saved, high = (number(100 * share, 3) for share in (around.low, cool.saved_share, around.high))
+        less = f"{saved} % less heat while it moves (95 %: {low} to {high} %), by {len(cool.pairs)} pairs"
+        told += f"<p>{cool.setting}: {less}.</p>"
+    rows = [
+        (
+            str(one.setting),
+            f"{one.scale + 1}/32",
+            "held" if one.held else "lost steps",
+            str(one.cycles),
+            "" if one.heat_share is None else f"{number(100 * one.heat_share, 3)} %",
+        )
+        for one in cool.tried
+    ]
+    heads = ("setting", "run current at most", "with SEMIN one lower and the margin", "load cycles", "heat of without")
+    return told + (table(heads, rows) if rows else "")
 
 
 def _plot(found: LeastCurrentFound) -> str:

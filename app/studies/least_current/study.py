@@ -6,6 +6,8 @@ import math
 import random
 from collections.abc import Sequence
 
+import numpy as np
+
 from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
 from ...procedures.procedure import Failed
@@ -15,8 +17,9 @@ from ..parts import Interval
 from ..proof import rate_bound, runs_for
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
+from .cool_search import CHANNELS, Bench, CoolSearch, Cycled
 from .cycle import Cycle, faster
-from .found import CurrentTried, LeastCurrentFound, Saving
+from .found import CoolStepFound, CurrentTried, LeastCurrentFound, Saving
 from .plan import BASELINE_CYCLES, MORE_SEARCHES, Ground, look
 
 PROOFS_MOST = 4
@@ -52,35 +55,43 @@ class LeastCurrentStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, BAND_FULLSTEPS)
+        beside = [] if ground.cool is None else [f"{name}.{self.axis}" for name in CHANNELS]
+        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, BAND_FULLSTEPS, beside)
         self._random = random.Random(record.document.seed)
         record.runs, record.trials, record.best, record.findings = 0, [], None, []
         if not record.baseline:
-            record.baseline = [*ground.current.before, *ground.space.before]
+            cool = [] if ground.cool is None else ground.cool.before
+            record.baseline = [*ground.current.before, *ground.space.before, *cool]
             record.baseline_setting = {NAME: float(ground.current.run_scale)}
         record.units = dict(UNITS)
-        record.least_current = LeastCurrentFound(scale_before=ground.current.run_scale)
+        record.least_current = LeastCurrentFound(
+            scale_before=ground.current.run_scale,
+            coolstep=CoolStepFound(why=ground.why_not_cool) if wanted.coolstep else None,
+        )
         await self.keeper.save(record)
         await self._baseline()
         if await self._supply_limits():
             await self._speed_that_holds()
+            self._no_coolstep("the supply limits, and not the current")
         else:
-            await self._prove(await self._edge())
+            await self._cool(await self._prove(await self._edge()))
         await self.back()
         await self._moves.go(ground.start)
 
     # --- cycles -----------------------------------------------------------------------------------
 
-    async def _cycle(self, cycle: Cycle) -> tuple[bool, float]:
-        """There and back from a place of the electrical period that is drawn anew: whether no step was lost, and the
-        peak deviation [full steps]. Lost steps are mended."""
+    async def _cycle(self, cycle: Cycle) -> Cycled:
+        """There and back from a place of the electrical period that is drawn anew. Lost steps are mended."""
         ground = self._ground
         begin = ground.start + cycle.way * self._random.randrange(ground.period)
         moves: list[MoveFigures] = []
+        beside = []
         try:
             await self._moves.go(begin)
             for target in (begin + cycle.distance, begin):
                 moves.append(await self._moves.measured(target))
+                if self._moves.last is not None:
+                    beside.append(self._moves.last.beside)
                 if moves[-1].lost_fullsteps:
                     break
         finally:
@@ -89,7 +100,25 @@ class LeastCurrentStudy(StudyRun):
         held = not any(move.lost_fullsteps for move in moves)
         if not held:
             await self._mend()
-        return held, max(move.deviation_fullsteps for move in moves)
+        rows = np.concatenate(beside)
+        moving = rows[np.isfinite(rows).all(axis=1) & (rows[:, 0] != 0)] if ground.cool is not None else rows
+        return Cycled(held, 1, max(move.deviation_fullsteps for move in moves), moving)
+
+    async def _cycles(self, registers: Sequence[Held], words: str, count: int, cycle: Cycle) -> Cycled:
+        """So many with those registers; it ends with the first that loses a step, or with the budget."""
+        await self.apply(registers, words)
+        self.keeper.mark(words)
+        seen = list[Cycled]()
+        while len(seen) < count and not self.spent():
+            seen.append(await self._cycle(cycle))
+            if not seen[-1].held:
+                break
+        return Cycled(
+            len(seen) == count and all(one.held for one in seen),
+            len(seen),
+            max((one.worst for one in seen), default=0.0),
+            np.concatenate([one.beside for one in seen]) if seen else np.empty((0, len(CHANNELS))),
+        )
 
     async def _mend(self) -> None:
         self.keeper.mark("steps lost: the position is taken from the encoder")
@@ -104,24 +133,19 @@ class LeastCurrentStudy(StudyRun):
     async def _tried(self, scale: int, cycles: int, cycle: Cycle) -> bool:
         """Whether so many cycles at a scale lose no step."""
         registers = [*self._registers(scale), *self._ground.ramp(cycle)]
-        await self.apply(registers, f"run current {scale + 1}/32")
-        self.keeper.mark(f"run current {scale + 1}/32")
-        worst, done, held = 0.0, 0, True
-        while held and done < cycles and not self.spent():
-            held, deviation = await self._cycle(cycle)
-            done, worst = done + 1, max(worst, deviation)
+        seen = await self._cycles(registers, f"run current {scale + 1}/32", cycles, cycle)
         self.found.tried.append(
             CurrentTried(
                 scale=scale,
                 share=self._ground.current.share(scale),
-                held=held and done == cycles,
-                cycles=done,
+                held=seen.held,
+                cycles=seen.done,
                 speed_times=cycle.times,
-                deviation_fullsteps=worst,
+                deviation_fullsteps=seen.worst,
             )
         )
         await self.keeper.save(self.record)
-        return held and done == cycles
+        return seen.held
 
     # --- baseline, edge ---------------------------------------------------------------------------
 
@@ -132,8 +156,7 @@ class LeastCurrentStudy(StudyRun):
         await self._moves.go(self._ground.start + self._ground.cycle.way * self._ground.period)
         await self._moves.go(self._ground.start)
         for _ in range(BASELINE_CYCLES):
-            held, _ = await self._cycle(self._ground.cycle)
-            if not held:
+            if not (await self._cycle(self._ground.cycle)).held:
                 raise Failed("it loses steps with the current as it is set now: more current, or a gentler ramp, first")
 
     async def _supply_limits(self) -> bool:
@@ -189,7 +212,8 @@ class LeastCurrentStudy(StudyRun):
         chosen = math.ceil((edge + 1) / kept - 1e-9) - 1
         return chosen, math.floor((chosen + 1) * kept + 1e-9) - 1
 
-    async def _prove(self, edge: int) -> None:
+    async def _prove(self, edge: int) -> int | None:
+        """The scale that has its margin; None where what is set has none, or nothing was shown."""
         record, found, wanted = self.record, self.found, self.wanted
         cycles, before = runs_for(wanted.loss_rate_max), self._ground.current.run_scale
         for _ in range(PROOFS_MOST):
@@ -203,17 +227,18 @@ class LeastCurrentStudy(StudyRun):
                     f"{edge + 1}/32 of the current holds, and with {100 * wanted.margin:g} % of margin that is no less "
                     f"than the {before + 1}/32 that are set: it stays as it is"
                 )
-                return
+                return before if chosen <= before else None
             self.tell("proof", 0.4, f"{cycles} load cycles at {stressed + 1}/32 of the current")
             if await self._held(stressed, cycles):
                 self._decide(chosen, stressed, cycles, share)
-                return
+                return chosen
             if self.spent():
                 break
             edge = max(edge, stressed) + 1
         record.improved, found.chosen, found.proved = None, None, None
         record.verdict = "the budget ended, or steps were lost, before the proof was over: nothing is shown"
         record.next = "more time, or a greater margin"
+        return None
 
     async def _held(self, scale: int, count: int) -> bool:
         """Whether so many cycles lose no step, faster ones and as they are."""
@@ -225,7 +250,7 @@ class LeastCurrentStudy(StudyRun):
     def _decide(self, chosen: int, stressed: int, cycles: int, share: float) -> None:
         record, found, wanted = self.record, self.found, self.wanted
         found.cycles, found.loss_rate_max, found.heat_share = cycles, rate_bound(0, cycles), share
-        found.saving = self._saving(share)
+        found.saving = self._saving(1.0, share)
         worst: Sequence[float] = [each.deviation_fullsteps or 0.0 for each in found.tried if each.scale == stressed]
         record.trials = [
             Trial(
@@ -257,17 +282,76 @@ class LeastCurrentStudy(StudyRun):
         elif more is None:
             record.next = "more speed was not tried: nothing shows what a lower supply does"
 
-    def _saving(self, share: float) -> Saving | None:
+    # --- CoolStep ---------------------------------------------------------------------------------
+
+    def _no_coolstep(self, why: str) -> None:
+        cool = self.found.coolstep
+        if cool is not None:
+            cool.why = cool.why or why
+
+    async def _cool(self, chosen: int | None) -> None:
+        """CoolStep on top of the run current."""
+        ground, record, found = self._ground, self.record, self.found.coolstep
+        if found is None or ground.cool is None:
+            return
+        if chosen is None:
+            self._no_coolstep("no run current with its margin was found, which is its upper end")
+            return
+        bench = Bench(
+            space=ground.cool,
+            wanted=self.wanted,
+            current=self._registers,
+            chosen=chosen,
+            most=ground.current.run_scale,
+            cycles=ground.cycles,
+            ramp=ground.ramp,
+            run=self._cycles,
+            tell=self.tell,
+            spent=self.spent,
+            seed=record.document.seed,
+        )
+        registers = await CoolSearch(bench, found).run()
+        if not registers:
+            return
+        assert found.setting is not None
+        assert found.scale is not None
+        assert found.saved_share is not None
+        assert found.interval_share is not None
+        share = self._ground.current.share(chosen) ** 2
+        found.saving = self._saving(share, share * (1 - found.saved_share), found.interval_share)
+        record.trials.append(
+            Trial(
+                number=2,
+                setting={NAME: float(found.scale), **{name.upper(): float(value) for name, value in found.setting}},
+                registers=registers,
+                state="feasible",
+                figures=Figures(runs=found.cycles),
+                why="with CoolStep",
+            )
+        )
+        record.best, record.improved = 2, True
+        around = found.interval_share
+        watts = "" if found.saving is None else f", about {plain(found.saving.saved_w, 3)} W"
+        low, saved, high = (plain(100 * each, 3) for each in (around.low, found.saved_share, around.high))
+        record.verdict += (
+            f". With CoolStep ({found.setting}), up to {found.scale + 1}/32, the coils have {saved} % less heat than "
+            f"without while it moves (95 %: {low} to {high} %){watts}; with SEMIN {found.setting.semin - 1} and "
+            f"{100 * self.wanted.margin:g} % less current no step was lost in {found.cycles} cycles"
+        )
+
+    def _saving(self, before_share: float, after_share: float, share: Interval | None = None) -> Saving | None:
+        """Of two shares of the heat before; `share` where the heat saved was measured, of the first of them."""
         wanted = self.wanted
         if wanted.resistance_ohm is None or wanted.run_current_a is None:
             return None
         # Both coils together have twice the heat of the RMS current in one.
-        before = 2 * wanted.run_current_a**2 * wanted.resistance_ohm
-        saved = before * (1 - share)
+        full = 2 * wanted.run_current_a**2 * wanted.resistance_ohm
+        before, saved = full * before_share, full * (before_share - after_share)
+        least, most = (saved, saved) if share is None else (share.low * before, share.high * before)
         low, high = ((1 + sign * CURRENT_SHARE) ** 2 for sign in (-1, 1))
         return Saving(
             before_w=before,
-            after_w=before * share,
+            after_w=before - saved,
             saved_w=saved,
-            interval_w=Interval(low=saved * low, high=saved * high * COPPER_WARM),
+            interval_w=Interval(low=least * low, high=most * high * COPPER_WARM),
         )

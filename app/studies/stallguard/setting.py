@@ -13,15 +13,11 @@ from ...profiles.items import key_of
 from ...registers.model import Field, Register
 from ..field_settings import Place, place_of, word_before
 from ..record import Held
+from ..speed_threshold import SpeedThreshold
 from .scale import COUNTS_A_THRESHOLD, Generation, Scale
 
 THRESHOLD, FILTER, ARMED = "threshold", "filter", "armed from"
 UNITS = {THRESHOLD: "", FILTER: "0/1", ARMED: "pps"}
-TSTEP_MAX = (1 << 20) - 1
-TSTEP_MICROSTEPS = 256
-"""TSTEP counts the clocks of one of so many microsteps of a full step, whatever the resolution is."""
-VELOCITY_SCALE = 1 << 24
-"""A velocity counts clock / 2^24 microsteps a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +91,7 @@ class StallSpace:
         """As the axis had it before; a threshold of speed of 0 clocks is one that is never passed."""
         armed = self._words[key_of(self._armed)]
         filtered = self._filter is not None and bool(self._of(self._filter))
-        return StallSetting(self._of(self._threshold), filtered, self._speed(armed))
+        return StallSetting(self._of(self._threshold), filtered, self._from.speed_pps(armed))
 
     @property
     def misfits(self) -> int:
@@ -123,22 +119,8 @@ class StallSpace:
         return row.decode(word) if field is None else field.unpack(word)
 
     @property
-    def _clock_hz(self) -> float:
-        return self._device.session.clock_hz
-
-    @property
-    def _clocks(self) -> float:
-        return self._clock_hz * self._full_step / TSTEP_MICROSTEPS
-
-    def _speed(self, armed: int) -> float:
-        if self._armed.unit == "tCLK":
-            return self._clocks / armed if armed else math.inf
-        return armed * self._clock_hz / VELOCITY_SCALE
-
-    def _armed_at(self, speed_pps: float) -> int:
-        if self._armed.unit == "tCLK":
-            return min(max(round(self._clocks / speed_pps), 0), TSTEP_MAX)
-        return round(speed_pps / self._clock_hz * VELOCITY_SCALE)
+    def _from(self) -> SpeedThreshold:
+        return SpeedThreshold(self._armed, self._device.session.clock_hz, self._full_step)
 
     def registers(self, setting: StallSetting, *, stops: bool | None) -> list[Held]:
         """What to write. stops : whether a stall stops the motor; None: as before."""
@@ -154,7 +136,7 @@ class StallSpace:
         put(self._threshold, setting.threshold)
         if self._filter is not None:
             put(self._filter, int(setting.filtered))
-        put((self._armed, None), self._armed_at(setting.armed_pps))
+        put((self._armed, None), self._from.word(setting.armed_pps))
         put(self._stop, self._of(self._stop) if stops is None else int(stops))
         return [Held(name=row.name, axis=row.axis, value=row.decode(words[key])) for key, row in self._rows.items()]
 
@@ -162,5 +144,5 @@ class StallSpace:
         """The setting as figures, as the chip holds it; without the speed of one that is never passed."""
         told = {THRESHOLD: float(setting.threshold), FILTER: float(setting.filtered)}
         if math.isfinite(setting.armed_pps):
-            told[ARMED] = self._speed(self._armed_at(setting.armed_pps))
+            told[ARMED] = self._from.speed_pps(self._from.word(setting.armed_pps))
         return told

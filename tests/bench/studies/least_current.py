@@ -19,7 +19,13 @@ from tests.studies.harness import START, Studied, studied
 
 IRUN = 31
 FULL = replace(START, vmax=200_000, amax=800_000, irun=IRUN, ihold=16)
-STUDY: dict[str, Any] = {"kind": "least_current", "distance": 51_200, "margin": 0.25, "loss_rate_max": 0.05}
+STUDY: dict[str, Any] = {
+    "kind": "least_current",
+    "distance": 51_200,
+    "margin": 0.25,
+    "loss_rate_max": 0.05,
+    "coolstep": False,
+}
 BUDGET: dict[str, Any] = {"time_s": 3600.0}
 NAMES = ("IHOLD_IRUN", "VMAX", "AMAX", "DMAX")
 WARM_TORQUE, WARM_RESISTANCE, SAG = 0.95, 1.24, 0.9

@@ -213,6 +213,7 @@ describe("a study on the page", () => {
       speed_margin: 0.25,
       loss_rate_max: 0.05,
       run_current_a: null,
+      coolstep: true,
     };
     expect(documentOf("least_current", firstForms(null), "slide", 0).study).toMatchObject(study);
     const tried = [

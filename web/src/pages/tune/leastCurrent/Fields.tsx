@@ -1,3 +1,4 @@
+import { Checkbox } from "@mantine/core";
 import { useState } from "react";
 import { NumberField } from "../../../lib/NumberField";
 import { QuantityField } from "../../../lib/QuantityField";
@@ -63,6 +64,12 @@ export function Fields({ form, change, scale }: FieldsProps<LeastCurrentForm>) {
         unit="A"
         onChange={(runCurrentA) => change({ runCurrentA })}
         onClear={() => change({ runCurrentA: null })}
+      />
+      <Checkbox
+        label="CoolStep too"
+        description="where the chip has it: less current where the load is small"
+        checked={form.coolstep}
+        onChange={(event) => change({ coolstep: event.currentTarget.checked })}
       />
     </>
   );

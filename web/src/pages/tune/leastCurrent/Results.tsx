@@ -5,12 +5,70 @@ import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
-import { type LeastCurrentFound, triedOf } from "./tried";
+import { type CoolSetting, type CoolStepFound, type LeastCurrentFound, triedOf } from "./tried";
 
 /** What held at which current, and what it saves. */
 export function Results({ study }: { study: Study }) {
   const found = study.least_current;
-  return found && found.tried.length > 0 ? <Found found={found} /> : null;
+  if (!found || found.tried.length === 0) {
+    return null;
+  }
+  return (
+    <>
+      <Found found={found} />
+      {found.coolstep && <CoolStep cool={found.coolstep} />}
+    </>
+  );
+}
+
+const settingOf = ({ semin, semax, seup, sedn, seimin }: CoolSetting) =>
+  `SEMIN ${semin}, SEMAX ${semax}, SEUP ${seup}, SEDN ${sedn}, SEIMIN ${seimin}`;
+
+/** What CoolStep takes away where the load is small, or why there is none. */
+function CoolStep({ cool }: { cool: CoolStepFound }) {
+  const { setting, interval_share: around, saved_share: saved, saving } = cool;
+  const shown = setting !== null && saved !== null && around !== null;
+  return (
+    <Card title="CoolStep" note={shown ? `${compact(100 * saved, 3, "%")} less heat` : cool.why ? "none" : undefined}>
+      {cool.why && <Text size="sm">There is none: {cool.why}.</Text>}
+      {shown && (
+        <Text size="sm">
+          {settingOf(setting)}: {compact(100 * saved, 3, "%")} less heat of the coils while it moves (
+          {compact(100 * around.low, 3)} to {compact(100 * around.high, 3, "%")}, {cool.pairs.length} pairs of load
+          cycles){saving && `, about ${compact(saving.saved_w, 3, "W")}`}.
+        </Text>
+      )}
+      {cool.tried.length > 0 && (
+        <Table.ScrollContainer minWidth={420} type="native">
+          <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Settings of CoolStep that were tried">
+            <Table.Thead>
+              <Table.Tr>
+                <Table.Th scope="col">Setting</Table.Th>
+                <Table.Th scope="col">Up to</Table.Th>
+                <Table.Th scope="col">Cycles</Table.Th>
+                <Table.Th scope="col">Heat of without</Table.Th>
+                <Table.Th scope="col" />
+              </Table.Tr>
+            </Table.Thead>
+            <Table.Tbody>
+              {cool.tried.map((one, index) => (
+                // biome-ignore lint/suspicious/noArrayIndexKey: a setting may be tried again, and the list only grows
+                <Table.Tr key={index}>
+                  <Table.Th scope="row">{settingOf(one.setting)}</Table.Th>
+                  <Table.Td className="num">{one.scale + 1}/32</Table.Td>
+                  <Table.Td className="num">{one.cycles}</Table.Td>
+                  <Table.Td className="num">
+                    {one.heat_share === null ? "" : compact(100 * one.heat_share, 3, "%")}
+                  </Table.Td>
+                  <Table.Td>{one.held ? "held" : "steps lost"}</Table.Td>
+                </Table.Tr>
+              ))}
+            </Table.Tbody>
+          </Table>
+        </Table.ScrollContainer>
+      )}
+    </Card>
+  );
 }
 
 function Found({ found }: { found: LeastCurrentFound }) {

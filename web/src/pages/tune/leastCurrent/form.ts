@@ -13,6 +13,8 @@ export interface LeastCurrentForm {
   resistanceOhm: number | null;
   /** RMS of one coil as it is set now [A] */
   runCurrentA: number | null;
+  /** less current where the load is small, too */
+  coolstep: boolean;
 }
 
 export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
@@ -26,6 +28,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
     lossPercent: 5,
     resistanceOhm: null,
     runCurrentA: null,
+    coolstep: true,
   }),
   wish: (form) => ({
     study: {
@@ -36,6 +39,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
       loss_rate_max: form.lossPercent / 100,
       resistance_ohm: form.resistanceOhm,
       run_current_a: form.runCurrentA,
+      coolstep: form.coolstep,
     },
   }),
 };

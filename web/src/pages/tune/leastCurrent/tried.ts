@@ -2,6 +2,8 @@ import type { Schemas } from "../../../api/client";
 import type { PlotData } from "../../../plots/series";
 
 export type LeastCurrentFound = Schemas["LeastCurrentFound"];
+export type CoolStepFound = Schemas["CoolStepFound"];
+export type CoolSetting = Schemas["CoolSetting"];
 
 /** Peak deviation over the run current [1/32], rising: where no step was lost, and where some were. */
 export function triedOf({ tried }: Pick<LeastCurrentFound, "tried">): PlotData {
