@@ -30,7 +30,7 @@ class _Step(DeferredModel):
     model_config = ConfigDict(extra="forbid")
 
 
-class Write(_Step):
+class WriteStep(_Step):
     """Write a register, parameter or field, and read it back."""
 
     do: Literal["write"]
@@ -40,7 +40,7 @@ class Write(_Step):
     fields: dict[Name, Word] | None = Field(default=None, min_length=1, max_length=64)
 
     @model_validator(mode="after")
-    def _one_of_both(self) -> Write:
+    def _one_of_both(self) -> WriteStep:
         if (self.value is None) == (self.fields is None):
             raise ValueError("a write has a value, or fields")
         return self
@@ -51,7 +51,7 @@ class Write(_Step):
         return f"write {self.name}{_of(self.axis)}: {to}"
 
 
-class Move(_Step):
+class MoveStep(_Step):
     """Start a move by the axis's ramp as it is set. A wait that follows waits for its end."""
 
     do: Literal["move"]
@@ -65,7 +65,7 @@ class Move(_Step):
         return f"move axis {self.axis} {'by' if self.relative else 'to'} {plain(self.target)} {self.unit}"
 
 
-class Rotate(_Step):
+class RotateStep(_Step):
     """Turn on and on, until a later step, or a stop."""
 
     do: Literal["rotate"]
@@ -78,7 +78,7 @@ class Rotate(_Step):
         return f"rotate axis {self.axis} at {plain(self.velocity)} {self.unit}"
 
 
-class Stop(_Step):
+class StopStep(_Step):
     """Stop an axis."""
 
     do: Literal["stop"]
@@ -90,7 +90,7 @@ class Stop(_Step):
         return f"stop axis {self.axis}{' dead' if self.mode == 'immediate' else ''}"
 
 
-class Wait(_Step):
+class WaitStep(_Step):
     """Wait for a time."""
 
     do: Literal["wait"]
@@ -165,7 +165,16 @@ class ApplyProfile(_Step):
 
 
 Step = Annotated[
-    Write | Move | Rotate | Stop | Wait | WaitPosition | WaitChannel | RecordStart | RecordStop | ApplyProfile,
+    WriteStep
+    | MoveStep
+    | RotateStep
+    | StopStep
+    | WaitStep
+    | WaitPosition
+    | WaitChannel
+    | RecordStart
+    | RecordStop
+    | ApplyProfile,
     Field(discriminator="do"),
 ]
 
@@ -197,7 +206,9 @@ class MacroDocument(DeferredModel):
     @property
     def axes(self) -> list[int]:
         """Those that its steps move or wait for."""
-        return sorted({step.axis for step in self.steps if isinstance(step, Move | Rotate | Stop | WaitPosition)})
+        return sorted(
+            {step.axis for step in self.steps if isinstance(step, MoveStep | RotateStep | StopStep | WaitPosition)}
+        )
 
 
 def _of(axis: int | None) -> str:

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..number_text import plain
 from ..store.audit_entries import Entry
-from .document import STEPS_MAX, Move, Rotate, Step
+from .document import STEPS_MAX, MoveStep, RotateStep, Step
 
 NO_PAUSE_S = 0.1
 """A shorter pause is none [s]."""
@@ -63,7 +63,7 @@ def draft_of(
         if entry.outcome.startswith("refused"):
             draft.left_out.append(f"{text}: it was {entry.outcome}")
             continue
-        moved = sorted({one.step.axis for one in made if isinstance(one.step, Move | Rotate)})
+        moved = sorted({one.step.axis for one in made if isinstance(one.step, MoveStep | RotateStep)})
         found, why = _step_of(entry, device, moved, profile_of)
         if entry.action == "start recording" and found is not None:
             recording = entry.subject

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from .document import (
     ApplyProfile,
     MacroDocument,
-    Move,
+    MoveStep,
     RecordStart,
     RecordStop,
-    Rotate,
+    RotateStep,
     Step,
-    Stop,
-    Wait,
+    StopStep,
     WaitChannel,
     WaitPosition,
-    Write,
+    WaitStep,
+    WriteStep,
 )
 
 # Nothing that people wrote may stand in the first two lines: there a remark can name another encoding of the file.
@@ -88,7 +88,7 @@ if __name__ == "__main__":
 
 def render(document: MacroDocument, device: str) -> str:
     """The whole file."""
-    moved = sorted({step.axis for step in document.steps if isinstance(step, Move | Rotate)})
+    moved = sorted({step.axis for step in document.steps if isinstance(step, MoveStep | RotateStep)})
     lines = [
         f"NAME = {json.dumps(document.name)}",
         f"DEVICE = {json.dumps(device)}",
@@ -109,17 +109,17 @@ def render(document: MacroDocument, device: str) -> str:
 
 def _lines(step: Step) -> Iterator[str]:
     match step:
-        case Write():
+        case WriteStep():
             value = repr(step.value) if step.fields is None else json.dumps(step.fields)
             yield f"bench.write(device, {json.dumps(step.name)}, {value}, {step.axis!r})"
-        case Move():
+        case MoveStep():
             how = f"relative={step.relative!r}, unit={json.dumps(step.unit)}, wait=False"
             yield f"bench.move(device, {step.axis}, {step.target!r}, {how})"
-        case Rotate():
+        case RotateStep():
             yield f"bench.rotate(device, {step.axis}, {step.velocity!r}, unit={json.dumps(step.unit)})"
-        case Stop():
+        case StopStep():
             yield f"bench.stop(device, {step.axis}, {json.dumps(step.mode)})"
-        case Wait():
+        case WaitStep():
             yield f"time.sleep({step.seconds!r})"
         case WaitPosition():
             yield f"wait_position(bench, device, {step.axis}, {step.at_most_s!r})"

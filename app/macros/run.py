@@ -20,16 +20,16 @@ from ..profiles.apply import Transaction
 from .document import (
     ApplyProfile,
     MacroDocument,
-    Move,
+    MoveStep,
     RecordStart,
     RecordStop,
-    Rotate,
+    RotateStep,
     Step,
-    Stop,
-    Wait,
+    StopStep,
     WaitChannel,
     WaitPosition,
-    Write,
+    WaitStep,
+    WriteStep,
 )
 
 POLL_S = 0.02
@@ -153,24 +153,24 @@ class MacroRun(Procedure):
     async def _do(self, step: Step) -> str:
         device = self.device
         match step:
-            case Write():
+            case WriteStep():
                 return await self._write(step)
-            case Move():
+            case MoveStep():
                 self._moved.add(step.axis)
                 started = await device.motion.move(step.axis, step.target, step.relative, step.unit)
                 self._warn(started.warnings)
                 takes = started.predicted_duration_s
                 told = "" if takes is None else f", in {plain(takes, 3)} s"
                 return f"from {started.from_position} to {started.target_position} microsteps{told}"
-            case Rotate():
+            case RotateStep():
                 self._moved.add(step.axis)
                 rotating = await device.motion.rotate(step.axis, step.velocity, step.unit)
                 self._warn(rotating.warnings)
                 return f"{plain(rotating.velocity_pps)} pps"
-            case Stop():
+            case StopStep():
                 await device.stop(step.axis, step.mode)
                 return ""
-            case Wait():
+            case WaitStep():
                 await self._wait(step.seconds)
                 return ""
             case WaitPosition():
@@ -190,7 +190,7 @@ class MacroRun(Procedure):
     def _warn(self, warnings: list[str]) -> None:
         self.told.warnings += [each for each in warnings if each not in self.told.warnings]
 
-    async def _write(self, step: Write) -> str:
+    async def _write(self, step: WriteStep) -> str:
         fields: dict[str, int | str] | None = None if step.fields is None else dict(step.fields)
         written = await self.device.registers.write(step.name, step.axis, step.value, fields)
         if written.verified is False:

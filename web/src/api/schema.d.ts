@@ -5693,131 +5693,6 @@ export interface components {
             since_s: number | null;
         };
         /**
-         * CoolPair
-         * @description A load cycle without it and one with it: their heat, of that with the chosen run current.
-         */
-        CoolPair: {
-            /** Without */
-            without: number;
-            /** With It */
-            with_it: number;
-            /**
-             * Order
-             * @enum {string}
-             */
-            order: "AB" | "BA";
-        };
-        /**
-         * CoolSetting
-         * @description What CoolStep works by, as its fields hold it.
-         */
-        CoolSetting: {
-            /** Semin */
-            semin: number;
-            /** Semax */
-            semax: number;
-            /** Seup */
-            seup: number;
-            /** Sedn */
-            sedn: number;
-            /** Seimin */
-            seimin: number;
-        };
-        /**
-         * CoolStepFound
-         * @description CoolStep for the load cycle.
-         */
-        CoolStepFound: {
-            /**
-             * Why
-             * @description why there is none; empty where there is, or while it is looked for
-             * @default
-             */
-            why: string;
-            /**
-             * From Pps
-             * @description it works from this speed on
-             */
-            from_pps: number | null;
-            /**
-             * Scale
-             * @description run current scale with it: the most that it goes up to
-             */
-            scale: number | null;
-            /**
-             * Level
-             * @description of StallGuard2 (SGT), by which the load value was measured
-             */
-            level: number | null;
-            /**
-             * Steady
-             * @description load value at steady speed: a quarter lies below it
-             */
-            steady: number | null;
-            /**
-             * Loaded
-             * @description load value while the speed changes: a quarter is below it
-             */
-            loaded: number | null;
-            /** Tried */
-            tried: components["schemas"]["CoolTried"][];
-            /** @description the one that was proved */
-            setting: components["schemas"]["CoolSetting"] | null;
-            /**
-             * Cycles
-             * @description of the proof, without a lost step
-             * @default 0
-             */
-            cycles: number;
-            /**
-             * Loss Rate Max
-             * @description upper bound of the loss rate there, 95 %, exact
-             */
-            loss_rate_max: number | null;
-            /** Pairs */
-            pairs: components["schemas"]["CoolPair"][];
-            /**
-             * Saved Share
-             * @description less heat by CoolStep while it moves, by the pairs
-             */
-            saved_share: number | null;
-            /** @description of that, 95 % */
-            interval_share: components["schemas"]["Interval"] | null;
-            /**
-             * P
-             * @description of the paired test (Wilcoxon), two-sided
-             */
-            p: number | null;
-            saving: components["schemas"]["Saving"] | null;
-        };
-        /**
-         * CoolTried
-         * @description A setting of CoolStep that was tried.
-         */
-        CoolTried: {
-            setting: components["schemas"]["CoolSetting"];
-            /**
-             * Scale
-             * @description run current scale, the most that it goes up to
-             */
-            scale: number;
-            /**
-             * Held
-             * @description no step was lost with SEMIN one lower, at the run current less the margin
-             */
-            held: boolean;
-            /**
-             * Cycles
-             * @description of that
-             */
-            cycles: number;
-            /**
-             * Heat Share
-             * @description of the heat of the coils while it moves, of that with the chosen run current all the time
-             */
-            heat_share: number | null;
-        };
-        /**
          * CoverLink
          * @description A driver behind a controller that carries its datagrams: on the chain of a TMC428, at the output of a TMC4361.
          */
@@ -9258,12 +9133,6 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a?: number | null;
-            /**
-             * Coolstep
-             * @description then CoolStep as well, where the chip has it: less current where the load is small
-             * @default true
-             */
-            coolstep?: boolean;
         };
         /**
          * LeastCurrent
@@ -9320,12 +9189,6 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a: number | null;
-            /**
-             * Coolstep
-             * @description then CoolStep as well, where the chip has it: less current where the load is small
-             * @default true
-             */
-            coolstep: boolean;
         };
         /**
          * LeastCurrentFound
@@ -9381,8 +9244,6 @@ export interface components {
              * @description then: so many times the speed lost none with the current as it was before
              */
             speed_times_held: number | null;
-            /** @description null: it was not asked for */
-            coolstep: components["schemas"]["CoolStepFound"] | null;
         };
         /**
          * Leg
@@ -10214,7 +10075,7 @@ export interface components {
              */
             model?: string;
             /** Steps */
-            steps: (components["schemas"]["Write"] | components["schemas"]["Move-Output"] | components["schemas"]["Rotate-Output"] | components["schemas"]["Stop-Output"] | components["schemas"]["Wait"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
+            steps: (components["schemas"]["WriteStep"] | components["schemas"]["MoveStep"] | components["schemas"]["RotateStep"] | components["schemas"]["StopStep"] | components["schemas"]["WaitStep"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
         };
         /**
          * MacroDraft
@@ -10290,7 +10151,7 @@ export interface components {
              */
             model?: string;
             /** Steps */
-            steps: (components["schemas"]["Write"] | components["schemas"]["DocumentMove"] | components["schemas"]["DocumentRotate"] | components["schemas"]["DocumentStop"] | components["schemas"]["Wait"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
+            steps: (components["schemas"]["WriteStep"] | components["schemas"]["MoveStep"] | components["schemas"]["RotateStep"] | components["schemas"]["StopStep"] | components["schemas"]["WaitStep"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
         };
         /**
          * MacroInfo
@@ -11504,21 +11365,8 @@ export interface components {
              */
             rated_current_a: number;
         };
-        /**
-         * Move
-         * @description Start a move by the axis's ramp as it is set. A wait that follows waits for its end.
-         */
-        "Move-Output": {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "move";
-            /**
-             * Axis
-             * @default 0
-             */
-            axis?: number;
+        /** Move */
+        Move: {
             /** Target */
             target: number;
             /**
@@ -11569,6 +11417,35 @@ export interface components {
             predicted_duration_s: number | null;
             /** Warnings */
             warnings: string[];
+        };
+        /**
+         * MoveStep
+         * @description Start a move by the axis's ramp as it is set. A wait that follows waits for its end.
+         */
+        MoveStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "move";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /** Target */
+            target: number;
+            /**
+             * Relative
+             * @default false
+             */
+            relative?: boolean;
+            /**
+             * Unit
+             * @default microsteps
+             * @enum {string}
+             */
+            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
         };
         /**
          * MoveTrigger
@@ -15225,11 +15102,27 @@ export interface components {
              */
             offset: string;
         };
+        /** Rotate */
+        Rotate: {
+            /** Velocity */
+            velocity: number;
+            /**
+             * Unit
+             * @default pps
+             * @enum {string}
+             */
+            unit?: "pps" | "chip" | "fullsteps_per_s" | "rps" | "rpm" | "rad_per_s" | "mm_per_s";
+            /**
+             * Hold S
+             * @description stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on
+             */
+            hold_s?: number | null;
+        };
         /**
-         * Rotate
+         * RotateStep
          * @description Turn on and on, until a later step, or a stop.
          */
-        "Rotate-Output": {
+        RotateStep: {
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -17101,23 +16994,11 @@ export interface components {
              */
             shape?: "ramp" | "step";
         };
-        /**
-         * Stop
-         * @description Stop an axis.
-         */
-        "Stop-Output": {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "stop";
-            /**
-             * Axis
-             * @default 0
-             */
-            axis?: number;
+        /** Stop */
+        Stop: {
             /**
              * Mode
+             * @description ramp: slow down with a_max, position kept; immediate: stop dead, steps may be lost
              * @default ramp
              * @enum {string}
              */
@@ -17139,6 +17020,28 @@ export interface components {
             /** Took Ms */
             took_ms: number;
             problem: components["schemas"]["Problem"] | null;
+        };
+        /**
+         * StopStep
+         * @description Stop an axis.
+         */
+        StopStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "stop";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /**
+             * Mode
+             * @default ramp
+             * @enum {string}
+             */
+            mode?: "ramp" | "immediate";
         };
         /**
          * StorageHealth
@@ -19523,19 +19426,6 @@ export interface components {
             step_pps: number;
         };
         /**
-         * Wait
-         * @description Wait for a time.
-         */
-        Wait: {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "wait";
-            /** Seconds */
-            seconds: number;
-        };
-        /**
          * WaitChannel
          * @description Wait until a telemetry channel is above, or below, a value.
          */
@@ -19585,6 +19475,19 @@ export interface components {
              * @default 60
              */
             at_most_s?: number;
+        };
+        /**
+         * WaitStep
+         * @description Wait for a time.
+         */
+        WaitStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "wait";
+            /** Seconds */
+            seconds: number;
         };
         /**
          * WirablePin
@@ -19718,10 +19621,10 @@ export interface components {
             pins: components["schemas"]["WirablePin"][];
         };
         /**
-         * Write
+         * WriteStep
          * @description Write a register, parameter or field, and read it back.
          */
-        Write: {
+        WriteStep: {
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -19746,48 +19649,6 @@ export interface components {
             fields?: {
                 [key: string]: number;
             } | null;
-        };
-        /** Move */
-        MotionMove: {
-            /** Target */
-            target: number;
-            /**
-             * Relative
-             * @default false
-             */
-            relative?: boolean;
-            /**
-             * Unit
-             * @default microsteps
-             * @enum {string}
-             */
-            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
-        };
-        /** Rotate */
-        MotionRotate: {
-            /** Velocity */
-            velocity: number;
-            /**
-             * Unit
-             * @default pps
-             * @enum {string}
-             */
-            unit?: "pps" | "chip" | "fullsteps_per_s" | "rps" | "rpm" | "rad_per_s" | "mm_per_s";
-            /**
-             * Hold S
-             * @description stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on
-             */
-            hold_s?: number | null;
-        };
-        /** Stop */
-        MotionStop: {
-            /**
-             * Mode
-             * @description ramp: slow down with a_max, position kept; immediate: stop dead, steps may be lost
-             * @default ramp
-             * @enum {string}
-             */
-            mode?: "ramp" | "immediate";
         };
         /** Switches */
         MotionSwitches: {
@@ -20338,81 +20199,6 @@ export interface components {
             left: components["schemas"]["TmclSwitchState"];
             right: components["schemas"]["TmclSwitchState"];
             home: components["schemas"]["TmclSwitchState"];
-        };
-        /**
-         * Move
-         * @description Start a move by the axis's ramp as it is set. A wait that follows waits for its end.
-         */
-        DocumentMove: {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "move";
-            /**
-             * Axis
-             * @default 0
-             */
-            axis?: number;
-            /** Target */
-            target: number;
-            /**
-             * Relative
-             * @default false
-             */
-            relative?: boolean;
-            /**
-             * Unit
-             * @default microsteps
-             * @enum {string}
-             */
-            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
-        };
-        /**
-         * Rotate
-         * @description Turn on and on, until a later step, or a stop.
-         */
-        DocumentRotate: {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "rotate";
-            /**
-             * Axis
-             * @default 0
-             */
-            axis?: number;
-            /** Velocity */
-            velocity: number;
-            /**
-             * Unit
-             * @default pps
-             * @enum {string}
-             */
-            unit?: "pps" | "chip" | "fullsteps_per_s" | "rps" | "rpm" | "rad_per_s" | "mm_per_s";
-        };
-        /**
-         * Stop
-         * @description Stop an axis.
-         */
-        DocumentStop: {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            do: "stop";
-            /**
-             * Axis
-             * @default 0
-             */
-            axis?: number;
-            /**
-             * Mode
-             * @default ramp
-             * @enum {string}
-             */
-            mode?: "ramp" | "immediate";
         };
         /**
          * Evidence
@@ -21726,7 +21512,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["MotionMove"];
+                "application/json": components["schemas"]["Move"];
             };
         };
         responses: {
@@ -22084,7 +21870,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["MotionRotate"];
+                "application/json": components["schemas"]["Rotate"];
             };
         };
         responses: {
@@ -22433,7 +22219,7 @@ export interface operations {
         };
         requestBody?: {
             content: {
-                "application/json": components["schemas"]["MotionStop"] | null;
+                "application/json": components["schemas"]["Stop"] | null;
             };
         };
         responses: {
@@ -22498,7 +22284,7 @@ export interface operations {
         };
         requestBody?: {
             content: {
-                "application/json": components["schemas"]["MotionStop"] | null;
+                "application/json": components["schemas"]["Stop"] | null;
             };
         };
         responses: {
