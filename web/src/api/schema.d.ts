@@ -5693,6 +5693,131 @@ export interface components {
             since_s: number | null;
         };
         /**
+         * CoolPair
+         * @description A load cycle without it and one with it: their heat, of that with the chosen run current.
+         */
+        CoolPair: {
+            /** Without */
+            without: number;
+            /** With It */
+            with_it: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
+         * CoolSetting
+         * @description What CoolStep works by, as its fields hold it.
+         */
+        CoolSetting: {
+            /** Semin */
+            semin: number;
+            /** Semax */
+            semax: number;
+            /** Seup */
+            seup: number;
+            /** Sedn */
+            sedn: number;
+            /** Seimin */
+            seimin: number;
+        };
+        /**
+         * CoolStepFound
+         * @description CoolStep for the load cycle.
+         */
+        CoolStepFound: {
+            /**
+             * Why
+             * @description why there is none; empty where there is, or while it is looked for
+             * @default
+             */
+            why: string;
+            /**
+             * From Pps
+             * @description it works from this speed on
+             */
+            from_pps: number | null;
+            /**
+             * Scale
+             * @description run current scale with it: the most that it goes up to
+             */
+            scale: number | null;
+            /**
+             * Level
+             * @description of StallGuard2 (SGT), by which the load value was measured
+             */
+            level: number | null;
+            /**
+             * Steady
+             * @description load value at steady speed: a quarter lies below it
+             */
+            steady: number | null;
+            /**
+             * Loaded
+             * @description load value while the speed changes: a quarter is below it
+             */
+            loaded: number | null;
+            /** Tried */
+            tried: components["schemas"]["CoolTried"][];
+            /** @description the one that was proved */
+            setting: components["schemas"]["CoolSetting"] | null;
+            /**
+             * Cycles
+             * @description of the proof, without a lost step
+             * @default 0
+             */
+            cycles: number;
+            /**
+             * Loss Rate Max
+             * @description upper bound of the loss rate there, 95 %, exact
+             */
+            loss_rate_max: number | null;
+            /** Pairs */
+            pairs: components["schemas"]["CoolPair"][];
+            /**
+             * Saved Share
+             * @description less heat by CoolStep while it moves, by the pairs
+             */
+            saved_share: number | null;
+            /** @description of that, 95 % */
+            interval_share: components["schemas"]["Interval"] | null;
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number | null;
+            saving: components["schemas"]["Saving"] | null;
+        };
+        /**
+         * CoolTried
+         * @description A setting of CoolStep that was tried.
+         */
+        CoolTried: {
+            setting: components["schemas"]["CoolSetting"];
+            /**
+             * Scale
+             * @description run current scale, the most that it goes up to
+             */
+            scale: number;
+            /**
+             * Held
+             * @description no step was lost with SEMIN one lower, at the run current less the margin
+             */
+            held: boolean;
+            /**
+             * Cycles
+             * @description of that
+             */
+            cycles: number;
+            /**
+             * Heat Share
+             * @description of the heat of the coils while it moves, of that with the chosen run current all the time
+             */
+            heat_share: number | null;
+        };
+        /**
          * CoverLink
          * @description A driver behind a controller that carries its datagrams: on the chain of a TMC428, at the output of a TMC4361.
          */
@@ -9133,6 +9258,12 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a?: number | null;
+            /**
+             * Coolstep
+             * @description then CoolStep as well, where the chip has it: less current where the load is small
+             * @default true
+             */
+            coolstep?: boolean;
         };
         /**
          * LeastCurrent
@@ -9189,6 +9320,12 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a: number | null;
+            /**
+             * Coolstep
+             * @description then CoolStep as well, where the chip has it: less current where the load is small
+             * @default true
+             */
+            coolstep: boolean;
         };
         /**
          * LeastCurrentFound
@@ -9244,6 +9381,8 @@ export interface components {
              * @description then: so many times the speed lost none with the current as it was before
              */
             speed_times_held: number | null;
+            /** @description null: it was not asked for */
+            coolstep: components["schemas"]["CoolStepFound"] | null;
         };
         /**
          * Leg
