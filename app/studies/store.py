@@ -54,7 +54,10 @@ class StudyStore:
                 record.message = "the server ended in the middle of it"
                 before = ", ".join(record.before_told())
                 set_still = f"the last setting that was tried may still be set: look at {before}"
-                record.left = [set_still, "the motor may still turn: stop it first"] if before else []
+                if before:
+                    record.left = [set_still, "the motor may still turn: stop it first"]
+                else:  # it has set nothing: there is nothing to put back before the next study
+                    record.left, record.message = [], f"{record.message}: the motor may still turn, stop it"
             self._records[record.id] = record
         return list(self._records.values())
 

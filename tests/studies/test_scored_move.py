@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.studies.document import StudyDocument
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
 from app.studies.scored_move.noticed import MoveFinder
+from app.studies.store import StudyStore
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
 from tests.studies.harness import START, studied
@@ -113,3 +115,12 @@ def test_what_is_no_whole_move_is_not_scored() -> None:
     finder.gap()
     assert finder.feed(*rows([2000.0] * 60, first_s=0.5)) == []
     assert finder.missed == 1
+
+
+async def test_one_whose_server_was_killed_tells_that_the_motor_may_still_turn_and_bars_nothing(tmp_path: Path) -> None:
+    store = StudyStore(tmp_path, aside=False)
+    record = store.begin(StudyDocument.model_validate({"device": "slide", "study": MOVE}))
+    await store.save(record)
+    (found,) = StudyStore(tmp_path, aside=False).load()
+    assert (found.state, found.left) == ("interrupted", [])
+    assert "the motor may still turn" in found.message

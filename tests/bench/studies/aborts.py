@@ -258,8 +258,14 @@ def _abort(bench: Bench, number: int) -> Aborted:
     state = str(record["state"])
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
     untold = [one for one in _other(before, bench.chip.setting()) if one not in " ".join(left)] if left else []
+    may_turn = "turn" in " ".join([*left, record["message"]])
+    if way == "kill" and not may_turn:
+        return told(state, "nothing tells that the motor may still turn")
+    if may_turn and not left:  # nothing was set: it goes on to its target, and what a new server knows comes back
+        bench.at_rest()
+        bench.new()
     if left:
-        if any("turn" in line for line in left):
+        if may_turn:
             bench.api.post("/devices/slide/axes/0/stop").raise_for_status()
         bench.at_rest()  # where the link was cut, the motor has gone on to its target
         answer = bench.api.post(f"/studies/{name}/take", json={"which": "baseline"})
