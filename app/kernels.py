@@ -18,7 +18,7 @@ import os
 import platform
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -335,18 +335,24 @@ def keep_in(folder: Path) -> None:
         kernel.make_anew()
 
 
-def all_compiled() -> bool:
-    """Whether all was compiled, on this machine and of these sources, that was imported until now."""
-    mark = _mark()
-    return mark is not None and mark.exists()
+def all_compiled(parts: Collection[str] = ()) -> bool:
+    """Whether all was compiled, on this machine and of these sources, that was imported until now, or all `parts`."""
+    whole = _mark()
+    if whole is None:
+        return False
+    return whole.exists() or (bool(parts) and all(_part(whole, name).exists() for name in parts))
 
 
-def tell_compiled() -> None:
-    """Remember that all is compiled: the next start of these sources finds it done."""
-    mark = _mark()
-    if mark is not None:
+def tell_compiled(part: str = "") -> None:
+    """Remember that all is compiled, or a part of that name: the next start of these sources finds it done."""
+    whole = _mark()
+    if whole is not None:
         with suppress(OSError):  # beside the rest, which may only be read
-            mark.touch()
+            (_part(whole, part) if part else whole).touch()
+
+
+def _part(whole: Path, name: str) -> Path:
+    return whole.with_stem(f"{whole.stem}-{name}")
 
 
 def _mark() -> Path | None:

@@ -65,6 +65,11 @@ PLAIN = frozenset(family.name for family in FAMILIES)
 """What nobody has to wait for: plain Python serves until it is compiled, all chips and motors, only slower."""
 
 
+def jobs_of(family: str) -> Mapping[str, Callable[[], None]]:
+    """What compiles for the emulators of one family, and for nothing else; nothing where they have no kernels."""
+    return {name: JOBS[name] for name in (*NEEDS.get(family, ()), family) if name in JOBS}
+
+
 def compile_kernels() -> None:
     """Compile all in this process, or take it from disk: else the first move would wait for it."""
     for job in JOBS.values():
@@ -100,6 +105,7 @@ class Preparation:
         self._done = {name: asyncio.Event() for name in jobs}
         self._workers: list[asyncio.Task[None]] = []
         self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._failed = False
 
     async def start(self) -> None:
         """Look what is on disk, then begin to take it from there, or else to compile, and return.
@@ -109,7 +115,7 @@ class Preparation:
         plain_meanwhile(on=bool(self._plain))
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._wanted.wait(), self._after_s)
-        if not await asyncio.to_thread(all_compiled):
+        if not await asyncio.to_thread(all_compiled, self._jobs):
             if not await asyncio.to_thread(can_keep):
                 self._keep_for_now()
             self.progress.total = len(self._jobs)
@@ -182,7 +188,10 @@ class Preparation:
                     if kept_in() is not None:
                         await _compiled_by_a_child(name)
                 await asyncio.to_thread(_now, self._jobs[name])  # from disk, or here where nothing can be kept
+                if compiling:
+                    tell_compiled(name)
             except Exception:  # whoever needs it compiles it, and is told why it fails
+                self._failed = True
                 log.exception("%s could not be %s beforehand", name, "compiled" if compiling else "loaded")
             finally:
                 if compiling:
@@ -191,7 +200,7 @@ class Preparation:
                 self._done[name].set()
         if all(done.is_set() for done in self._done.values()):
             plain_meanwhile(on=False)
-            if compiling:
+            if compiling and not self._failed and self._jobs.keys() >= JOBS.keys():
                 tell_compiled()
 
     def _missing(self, name: str) -> list[str]:

@@ -29,6 +29,8 @@ class Children:
 
     def __init__(self) -> None:
         self.begun: list[str] = []
+        self.told: list[str] = []
+        """What is remembered as compiled."""
         self.have_begun = asyncio.Event()
         self.may_end = asyncio.Event()
 
@@ -51,8 +53,8 @@ MOVED: dict[str, tuple[str, dict[str, int]]] = {
 @pytest.fixture
 def children(monkeypatch: pytest.MonkeyPatch) -> Children:
     children = Children()
-    monkeypatch.setattr(preparation, "all_compiled", lambda: False)
-    monkeypatch.setattr(preparation, "tell_compiled", lambda: None)
+    monkeypatch.setattr(preparation, "all_compiled", lambda parts: False)
+    monkeypatch.setattr(preparation, "tell_compiled", children.told.append)
     monkeypatch.setattr(preparation, "_compiled_by_a_child", children)
     return children
 
@@ -80,6 +82,7 @@ async def test_what_somebody_waits_for_is_the_next(children: Children) -> None:
             await preparing.ready(name)
     assert loaded == children.begun == ["a", "d", "b", "c"]
     assert (preparing.progress.done, preparing.progress.doing) == (4, [])
+    assert children.told == children.begun, "each by itself: a few are not all"
     await preparing.close()
 
 
@@ -134,7 +137,7 @@ async def test_who_waits_for_a_job_has_what_it_needs_done_first(children: Childr
 async def test_what_is_on_disk_is_loaded_behind_the_start_and_what_somebody_waits_for_is_the_next(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(preparation, "all_compiled", lambda: True)
+    monkeypatch.setattr(preparation, "all_compiled", lambda parts: True)
     loaded: list[str] = []
     may_go = threading.Event()
 
@@ -165,7 +168,7 @@ async def test_a_start_leaves_the_core_to_the_page_until_somebody_waits_for_a_ke
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     looked: list[str] = []
-    monkeypatch.setattr(preparation, "all_compiled", lambda: not looked.append("at the disk"))  # type: ignore[func-returns-value]
+    monkeypatch.setattr(preparation, "all_compiled", lambda parts: not looked.append("at the disk"))  # type: ignore[func-returns-value]
     jobs: dict[str, Callable[[], None]] = {"served by plain Python": lambda: None, "waited for": lambda: None}
     preparing = Preparation(jobs=jobs, plain={"served by plain Python"}, after_s=3600.0)
     starting = asyncio.create_task(preparing.start())
@@ -192,11 +195,12 @@ async def test_what_cannot_be_compiled_keeps_nobody_waiting(
         await preparing.ready("a")
         await preparing.ready("b")
     assert "a could not be compiled beforehand" in caplog.text
+    assert children.told == ["b"]
     await preparing.close()
 
 
 async def test_who_needs_compiled_code_waits_while_it_is_taken_from_disk(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(preparation, "all_compiled", lambda: True)
+    monkeypatch.setattr(preparation, "all_compiled", lambda parts: True)
     may_go = threading.Event()
 
     def wait() -> None:
@@ -278,7 +282,7 @@ from pathlib import Path
 from app import kernels, preparation
 from app.calc.ramps import ticked_kernel
 
-preparation.can_keep = preparation.all_compiled = lambda: False
+preparation.can_keep = preparation.all_compiled = lambda parts=(): False
 preparation.BEHIND = 0
 
 async def main():

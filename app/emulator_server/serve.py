@@ -29,6 +29,7 @@ from ..links.can_bus import SOCKETCAN, check_bus, require_python_can
 from ..links.spi_datagram import frame_bytes_of
 from ..listening import CannotListen, host_and_port, listen, url_of, why
 from ..registers.catalog import find_model, is_known, is_model
+from .compiling import compiled_behind, serve_plain
 from .line import LineMaker, LineOptions
 
 if TYPE_CHECKING:
@@ -101,15 +102,17 @@ def emulate(
     with _killed_by_signals():
         from ..emulators.build import build_emulator, options_of
 
+        missing = serve_plain(model)
         chip = build_emulator(model, WallClock(), options_of(model).model_validate(options))
         chip.clock.scale = time_scale
         chip.pace = Pace(chip.clock.base.now, share=1.0)
-        chip.catch_up(0.0)  # compiles: whoever is told that we listen gets answers at once
-    if where is not None:
-        asyncio.run(_emulate(chip, *where, announce))
-    elif pty is not None:
-        line = Line([RawChip(chip)], WallClock(), baud=baud, framing=Fixed(frame_bytes_of(model)))
-        with contextlib.ExitStack() as stack:
+        chip.catch_up(0.0)  # loads what is on disk: whoever is told that we listen gets answers at once
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(compiled_behind(missing))
+        if where is not None:
+            asyncio.run(_emulate(chip, *where, announce))
+        elif pty is not None:
+            line = Line([RawChip(chip)], WallClock(), baud=baud, framing=Fixed(frame_bytes_of(model)))
             try:
                 server = stack.enter_context(LineServer(line, _ends(None, pty)))
             except OSError as error:
@@ -144,10 +147,12 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         raise ValueError("whoever is on a line needs an address of its own")
     if is_model(options.model) and find_model(options.model).uart == "plain" and tuple(options.addresses) != (0,):
         raise ValueError(f"a {options.model} has no node address, and is alone on its line")
-    with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
+    with _killed_by_signals():  # loading the emulators takes its time
+        missing = serve_plain(options.model, options.chip)
         far = _maker_of(options.model)(WallClock(), options)
     can_end = None if can_bus is None else CanEnd(*can_bus, _can_bit_rate(options.model, far.line))
     with contextlib.ExitStack() as stack:
+        stack.enter_context(compiled_behind(missing))
         # The control port first: a client may set a fault as soon as the line is there.
         control = listen(*host_and_port("--control", options.control)) if options.control else None
         if control is not None:

@@ -43,7 +43,7 @@ def line_of_chips(
         chip = chips[node] = family.make(options.model, clock, family.options.model_validate(given))
         chip.pace = pace
         chip.write(NODECONF, told(node) | (SEVERAL if len(options.addresses) > 1 else 0))
-        chip.catch_up(0.0)  # compiles: whoever is told that we are there gets answers at once
+        chip.catch_up(0.0)  # loads what is on disk: whoever is told that we are there gets answers at once
 
     def make_control(server: LineServer) -> FastAPI:
         from .line_control import Several, make_control_app
