@@ -13,7 +13,6 @@ from app import kernels
 from app.emulator_server.compiling import compiled_behind, serve_plain
 from app.links.datagram40 import read, write
 from app.registers.catalog import find_model
-
 from tests.api.processes import STEPSCOPE, environment
 
 ROOT = Path(__file__).parents[2]
