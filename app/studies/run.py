@@ -16,10 +16,12 @@ from ..devices.core.device import Device
 from ..errors import BenchError
 from ..procedures.procedure import Ended, Failed, Procedure
 from ..profiles.apply import Transaction
+from .own_motion import StopWhenBack
 from .ramp_settings import document_of
 from .record import Held, Phase, StudyRecord
 from .twins.executor import Executor, no_executor
 
+MAY_TURN = "the motor may still turn: stop it as soon as the device is there again"
 log = logging.getLogger("stepscope.studies")
 
 REST_WITHIN_S = 10.0
@@ -55,6 +57,7 @@ class StudyRun(Procedure):
         self.keeper = keeper
         self._began_s = clock.now()
         self._setting: Transaction | None = None
+        self._stop_when_back: StopWhenBack | None = None
         self._touched = False
         """Whether registers may be other than before."""
         self.executor: Callable[[], Executor] = no_executor
@@ -149,11 +152,19 @@ class StudyRun(Procedure):
                 raise Failed(f"the motor still moves after {REST_WITHIN_S:g} s")
             await self.clock.sleep(POLL_S)
 
+    async def _stopped_late(self) -> None:
+        """The device was there again, and what this study had begun was stopped."""
+        record = self.record
+        record.left = [line for line in record.left if line != MAY_TURN]
+        record.message = f"{record.message}; the motor still turned as the device was there again, and was stopped"
+        await self.keeper.save(record)
+
     async def _left(self, error: Exception) -> list[str]:
         """What is not as before, as far as it can be told."""
         told = [f"the setting could not be put back: {error}", f"look at {', '.join(self.record.before_told())}"]
         try:
             moving = (await self.device.monitor.axis_state(self.axis)).moving
         except BenchError:
-            return [*told, "the motor may still turn: stop it as soon as the device is there again"]
+            self._stop_when_back = StopWhenBack(self.device, self.axis, self.is_own, self._stopped_late)
+            return [*told, MAY_TURN]
         return [*told, "the motor still turns: stop it"] if moving else told

@@ -11,6 +11,7 @@ from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.fastest_move import ranges
 from app.studies.ramp_settings import least_time_s
 from app.studies.report import html_of
+from app.studies.run import MAY_TURN
 from tests.studies.harness import Studied, studied
 
 MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
@@ -84,6 +85,28 @@ async def test_a_dead_link_is_told_with_what_may_be_left(tmp_path: Path) -> None
         record = await s.finish(run, 60)
         assert record.state == "failed"
         assert any("VMAX" in line and str(record.baseline[0].value) in line for line in record.left)
+
+
+@pytest.mark.parametrize("taken_over", [False, True])
+async def test_what_a_study_had_begun_is_stopped_when_the_device_is_back_unless_somebody_has_sent_it_elsewhere(
+    tmp_path: Path, taken_over: bool
+) -> None:
+    async with studied(tmp_path) as s:
+        run = s.begin(s.document({**MOVE, "distance": 2_000_000}))
+        await s.clock.advance(3)
+        assert (await s.b.state()).moving
+        s.b.fault(unplugged=True)
+        record = await s.finish(run, 60)
+        assert (record.state, MAY_TURN in record.left) == ("failed", True), record.left
+        s.b.fault(unplugged=False)
+        if taken_over:
+            await s.device.motion.move(0, 3_000_000)
+        await s.clock.advance(10)
+        state = await s.b.state()
+        assert state.moving == taken_over
+        assert (MAY_TURN in record.left) == taken_over
+        assert ("was stopped" in record.message) != taken_over
+        assert abs(state.position) < 2_900_000
 
 
 async def test_it_goes_on_where_it_was_cut_off(tmp_path: Path) -> None:
