@@ -111,6 +111,15 @@ export const PANELS: readonly PanelType[] = [
     single: true,
     Panel: later(() => import("./panels/wire").then((part) => part.FramesPanel)),
   }),
+  ofDevice({
+    type: "macros",
+    title: "Macros",
+    version: 1,
+    needs: ["motion"],
+    min: [320, 200],
+    single: true,
+    Panel: later(() => import("./panels/MacrosPanel").then((part) => part.MacrosPanel)),
+  }),
   ofNothing({
     type: "notes",
     title: "Notes",

@@ -1,0 +1,216 @@
+import { Alert, Button, Group, Text } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { api, type Schemas } from "../../api/client";
+import { Card } from "../../lib/Card";
+import { fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useWork } from "../../lib/useWork";
+import type { DeviceProps } from "../panel";
+import { MacroEditor } from "./MacroEditor";
+
+type Document = Schemas["MacroDocument"];
+type Info = Schemas["MacroInfo"];
+/** What stands open: of a kept macro its id and revision, of a new one neither. */
+export type Opened = { id: string | null; revision: number; document: Document; leftOut: readonly string[] };
+
+const POLL_MS = 250;
+const RECORDING = "stepscope.macro-recording";
+
+/** The audit entry behind which the recording of that device began; in this tab alone, over a reload. */
+const begun = (device: string) => {
+  const kept = sessionStorage.getItem(`${RECORDING}.${device}`);
+  return kept === null ? null : Number(kept);
+};
+
+/** Macros: made of what is done to the device, tried on its twin, and run; a button each. */
+export function MacrosPanel({ device }: DeviceProps) {
+  const queries = useQueryClient();
+  const path = { device: device.id };
+  const [after, setAfter] = useState(() => begun(device.id));
+  const [opened, setOpened] = useState<Opened | null>(null);
+  const [trial, setTrial] = useState<{ info: Info; came: Schemas["MacroTrial"] } | null>(null);
+  const macros = useQuery({ queryKey: ["macros"], queryFn: () => api.GET("/api/v1/macros", {}) });
+  const standing = useQuery({
+    queryKey: ["macro-run", device.id],
+    queryFn: () => api.GET("/api/v1/devices/{device}/macro-run", { path }),
+    refetchInterval: POLL_MS,
+  });
+  const run = standing.data?.run;
+  const refresh = () => {
+    void queries.invalidateQueries({ queryKey: ["macros"] });
+    void queries.invalidateQueries({ queryKey: ["macro-run", device.id] });
+  };
+  const record = useWork(async () => {
+    const key = `${RECORDING}.${device.id}`;
+    if (after === null) {
+      const page = await api.GET("/api/v1/audit", { query: { limit: 1 } });
+      const newest = page.entries[0]?.id ?? 0;
+      sessionStorage.setItem(key, String(newest));
+      setAfter(newest);
+      return;
+    }
+    const draft = await api.GET("/api/v1/devices/{device}/macro-draft", { path, query: { after } });
+    sessionStorage.removeItem(key);
+    setAfter(null);
+    setOpened({ id: null, revision: 0, document: draft.document, leftOut: draft.left_out });
+  });
+  const stop = useWork(async () => {
+    await api.DELETE("/api/v1/devices/{device}/macro-run", { path });
+    refresh();
+  });
+  return (
+    <Card
+      title="Macros"
+      note={device.name}
+      className="text-13 stack gap-8"
+      actions={
+        <Button size="compact-sm" variant={after === null ? "default" : "filled"} onClick={record.mutate}>
+          {after === null ? "Record" : "Stop recording"}
+        </Button>
+      }
+    >
+      {after !== null && <Text size="sm">What you do to {device.name} now becomes steps.</Text>}
+      <ProblemAlert error={record.error ?? stop.error ?? macros.error} doing="Macros" />
+      {opened !== null && (
+        <MacroEditor
+          opened={opened}
+          onClose={() => {
+            setOpened(null);
+            refresh();
+          }}
+        />
+      )}
+      {macros.data?.macros.length === 0 && opened === null && (
+        <Text size="sm">No macro is kept yet: press Record, do something, and stop.</Text>
+      )}
+      {macros.data?.macros
+        .filter(({ model }) => model === "" || model === device.model)
+        .map((info) => (
+          <MacroRow
+            key={info.id}
+            info={info}
+            device={device.id}
+            busy={run?.state === "running"}
+            passed={standing.data?.tried.find(({ macro }) => macro === info.id)?.passed ?? null}
+            onTrial={(came) => setTrial({ info, came })}
+            onEdit={setOpened}
+            refresh={refresh}
+          />
+        ))}
+      {trial !== null && <Trial {...trial} onClose={() => setTrial(null)} />}
+      {run !== undefined && run.state !== "idle" && (
+        <section aria-label="Run" data-testid="macro-run">
+          <Group justify="space-between" gap="xs">
+            <Text size="sm" role="status">
+              {run.name}: {run.state}
+              {run.state === "running" && `, step ${run.step} of ${run.steps}: ${run.text}`}
+              {run.state === "running" && run.left_s !== null && `, ${fixed(run.left_s, 1)} s left`}
+            </Text>
+            {run.state === "running" && (
+              <Button size="compact-sm" color="red" onClick={stop.mutate}>
+                Stop
+              </Button>
+            )}
+          </Group>
+          {run.message !== "" && (
+            <Alert color="red" p="xs" role="alert">
+              {run.message}. {run.way_out}
+            </Alert>
+          )}
+          {run.state !== "running" && <Done steps={run.done} />}
+        </section>
+      )}
+    </Card>
+  );
+}
+
+interface RowProps {
+  info: Info;
+  device: string;
+  busy: boolean;
+  passed: boolean | null;
+  onTrial: (came: Schemas["MacroTrial"]) => void;
+  onEdit: (opened: Opened) => void;
+  refresh: () => void;
+}
+
+function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowProps) {
+  const path = { device };
+  const order = { macro: info.id, revision: info.revision };
+  const attempt = useWork(async () => {
+    onTrial(await api.POST("/api/v1/devices/{device}/macro-trial", { path, body: order }));
+    refresh();
+  });
+  const run = useWork(async () => {
+    await api.POST("/api/v1/devices/{device}/macro-run", { path, body: order });
+    refresh();
+  });
+  const edit = useWork(async () => {
+    const kept = await api.GET("/api/v1/macros/{macro}", { path: { macro: info.id } });
+    onEdit({ id: kept.id, revision: kept.revision, document: kept.document, leftOut: [] });
+  });
+  const untried = passed === null ? "not tried in this revision" : passed ? "tried" : "did not pass its trial";
+  return (
+    <Group gap="xs" justify="space-between" data-testid={`macro-${info.id}`}>
+      <Text size="sm">
+        {info.name} <span className="hint">{`${info.steps} steps, ${untried}`}</span>
+      </Text>
+      <Group gap={6}>
+        <Button size="compact-sm" variant="default" onClick={edit.mutate}>
+          Edit
+        </Button>
+        <Button
+          size="compact-sm"
+          variant={passed ? "default" : "filled"}
+          loading={attempt.isPending}
+          onClick={attempt.mutate}
+        >
+          Try
+        </Button>
+        <Button size="compact-sm" variant={passed ? "filled" : "default"} disabled={busy} onClick={run.mutate}>
+          {passed ? "Run" : "Run untried"}
+        </Button>
+      </Group>
+      <ProblemAlert error={attempt.error ?? run.error ?? edit.error} doing={info.name} />
+    </Group>
+  );
+}
+
+function Trial({ info, came, onClose }: { info: Info; came: Schemas["MacroTrial"]; onClose: () => void }) {
+  return (
+    <Alert
+      p="xs"
+      color={came.passed ? "green" : "yellow"}
+      title={`${info.name} on a twin: ${came.passed ? "came to its end" : "did not pass"}`}
+      withCloseButton
+      closeButtonLabel="Close"
+      onClose={onClose}
+      data-testid="macro-trial"
+    >
+      {came.why_not !== "" ? came.why_not : came.run.message}
+      {came.axes.map((axis) => (
+        <div key={axis.axis}>
+          Axis {axis.axis}: {axis.start} to {axis.end}, between {axis.least} and {axis.greatest} microsteps
+        </div>
+      ))}
+      {came.warnings.map((warning) => (
+        <div key={warning}>{warning}</div>
+      ))}
+      <Done steps={came.run.done} />
+    </Alert>
+  );
+}
+
+function Done({ steps }: { steps: readonly Schemas["MacroStepDone"][] }) {
+  return (
+    <ol className="m-0">
+      {steps.map(({ number, text, came }) => (
+        <li key={number}>
+          {text}
+          {came !== "" && <span className="hint">: {came}</span>}
+        </li>
+      ))}
+    </ol>
+  );
+}
