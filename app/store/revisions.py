@@ -28,6 +28,8 @@ REVISIONS_MAX = 20
 BYTES_MAX = 64 * 1024
 """Of one revision as JSON."""
 ID = re.compile("[a-z0-9][a-z0-9-]{0,39}")
+NO_ID = re.compile("null|none|nan|undefined|true|false|[0-9]+")
+"""What programs write where they have no id: nothing comes to be kept under it by their mistake."""
 
 
 class RevisionChanged(WrongState):
@@ -117,17 +119,20 @@ class RevisionStore:
         with self._locked():
             taken = {path.stem for path in self._folder.glob("*.json")}
             plain = re.sub("[^a-z0-9]+", "-", str(document["name"]).casefold())
-            name = base = plain.strip("-")[:34].strip("-") or self.kind
+            base = plain.strip("-")[:34].strip("-") or self.kind
+            name = base = f"{self.kind}-{base}"[:34] if NO_ID.fullmatch(base) else base
             number = 2
             while name in taken:
                 name, number = f"{base}-{number}", number + 1
             return self._save(name, (), document)
 
     def put(self, name: str, based_on: int, document: Mapping[str, Any]) -> Saved:
-        """Keep a further revision, or the first over revision 0. Raises RevisionChanged, WrongState."""
+        """Keep a further revision, or the first over revision 0. Raises RevisionChanged, WrongState, UnknownThing."""
         path = self._path(name)
         with self._locked():
             before = self._saved(path)
+            if before is None and NO_ID.fullmatch(name):
+                raise UnknownThing(self.kind, name, [each.id for each in self.all()])
             revision = before.latest.revision if before else 0
             if revision != based_on:
                 raise self.changed(name, based_on, revision)

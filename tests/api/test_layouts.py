@@ -120,3 +120,14 @@ async def test_there_is_an_end_to_how_many_are_kept(client: httpx.AsyncClient, s
     assert (answer.status_code, "delete one" in answer.json()["detail"]) == (422, True)
     saved = await client.put("layouts/bench", json={"based_on": 1, "document": layout("Bench")})
     assert saved.status_code == 200, "what is there can be saved all the same"
+
+
+async def test_no_layout_comes_to_be_under_what_a_program_writes_for_no_id(client: httpx.AsyncClient) -> None:
+    for nothing in ("null", "undefined", "true", "0", "42"):
+        refused = await client.put(f"layouts/{nothing}", json={"based_on": 0, "document": layout("Bench")})
+        assert refused.status_code == 404, nothing
+        assert (await client.get("layouts")).json()["layouts"] == []
+    named = (await client.post("layouts", json={"document": layout("Null")})).json()
+    assert named["id"] == "layout-null"
+    again = await client.put("layouts/layout-null", json={"based_on": 1, "document": layout("42")})
+    assert again.json()["revision"] == 2

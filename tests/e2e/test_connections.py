@@ -10,7 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 from server_process import ServerProcess, free_port
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
@@ -144,6 +144,28 @@ def test_a_chip_behind_a_socket(
     expect(entry).not_to_have_attribute("data-state", "connected", timeout=20_000)
     expect(entry.get_by_role("alert")).to_be_visible(timeout=20_000)
     remove(page)
+
+
+def test_nobody_asks_for_the_wire_of_a_device_that_is_being_removed(page: Page, api: httpx.Client) -> None:
+    api.post("/devices", json={"name": NAME, "model": "tmc428", "link": {"kind": "emulator"}}).raise_for_status()
+    page.clock.install()
+    page.goto("/connections")
+    entry = page.get_by_role("region", name=NAME)
+    expect(entry).to_contain_text("connected")
+    with page.expect_request(f"**/devices/{NAME}/link"):
+        page.clock.run_for(1500)
+    held: list[Route] = []
+    page.route(f"**/devices/{NAME}", lambda route: held.append(route))
+    entry.get_by_role("button", name="Remove").click()
+    with page.expect_request(f"**/devices/{NAME}"):
+        page.get_by_role("dialog").get_by_role("button", name="Remove").click()
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url) if f"/devices/{NAME}/" in request.url else None)
+    page.clock.run_for(5000)
+    assert asked == []
+    held[0].continue_()
+    page.clock.resume()
+    expect(entry).to_have_count(0)
 
 
 def test_an_emulated_chip_whose_velocity_can_be_written_in_velocity_mode(page: Page, api: httpx.Client) -> None:

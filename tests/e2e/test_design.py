@@ -130,5 +130,5 @@ def test_v_min_is_judged_against_the_motor_and_set_to_what_is_suggested(page: Pa
     expect(use).to_have_text(re.compile(r"^v_min \d+$"))
     use.click()
     expect(use).to_be_disabled()
-    expect(table).to_contain_text(re.compile(r"(49|50) % of that"))
+    expect(table).to_contain_text(re.compile(r"(49|50)\s% of that"))
     expect(page.get_by_text("v_min keeps every step")).to_be_visible()

@@ -1,4 +1,4 @@
-import { Stack, Text, ThemeIcon } from "@mantine/core";
+import { Stack, Text } from "@mantine/core";
 import type { PropsWithChildren, ReactNode } from "react";
 
 interface Props {
@@ -11,9 +11,9 @@ export function EmptyState({ title, icon, children }: PropsWithChildren<Props>) 
   return (
     <Stack align="center" gap="sm" py="xl" px="md" ta="center" role="status">
       {icon && (
-        <ThemeIcon variant="light" size={44} radius="xl" aria-hidden>
+        <span className="mark" aria-hidden>
           {icon}
-        </ThemeIcon>
+        </span>
       )}
       <Text fw={600}>{title}</Text>
       {children}

@@ -1,4 +1,4 @@
-import { Button, Kbd, VisuallyHidden } from "@mantine/core";
+import { Button, VisuallyHidden } from "@mantine/core";
 import { IconHandStop } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
@@ -45,9 +45,9 @@ export function StopAll() {
         className={classes.stop}
         leftSection={<IconHandStop size={18} aria-hidden />}
         rightSection={
-          <Kbd visibleFrom="md" className={classes.stopKey} aria-hidden>
+          <kbd className={`tag mono ${classes.stopKey}`} aria-hidden>
             Esc
-          </Kbd>
+          </kbd>
         }
         onClick={() => void stopEverything()}
         aria-keyshortcuts="Escape"

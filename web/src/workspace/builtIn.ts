@@ -16,9 +16,21 @@ export const BUILT_IN: readonly LayoutDocument[] = [
     },
     ["motion", "stage", "scope", "changes", "notes", "axes"],
   ),
-  builtIn("encoder", "Encoder", { row: [SIDE, one("scope", 3), one("polar", 2)] }, [
+  builtIn(
+    "registers",
+    "Registers",
+    {
+      row: [
+        SIDE,
+        { col: [one("registers", 3), one("log", 1)], size: 3 },
+        { col: [one("changes", "content"), one("scope", 1)], size: 2 },
+      ],
+    },
+    ["motion", "registers", "changes", "log", "scope", "axes"],
+  ),
+  builtIn("encoder", "Encoder", { row: [SIDE, one("deviation", 3), one("polar", 2)] }, [
     "motion",
-    "scope",
+    "deviation",
     "polar",
     "axes",
   ]),

@@ -63,7 +63,7 @@ export function ofAxis<C extends object = object>(row: Row<C, PanelProps<C>>): P
 }
 
 /** One that shows a device, with or without axes. */
-export function ofDevice(row: Row<object, DeviceProps>): PanelType {
+export function ofDevice<C extends object = object>(row: Row<C, DeviceProps<C>>): PanelType {
   return { config: NO_CONFIG, ...row, wants: "device", Panel: row.Panel as unknown as ComponentType<LooseProps> };
 }
 

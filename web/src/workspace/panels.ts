@@ -3,6 +3,7 @@ import type { LayoutDocument } from "./document";
 import { ofAxis, ofDevice, ofNothing, type PanelType } from "./panel";
 import { AxesPanel, DemoPanel, LimitsPanel, MotionPanel, ScopePanel, StagePanel } from "./panels/bench";
 import { readNotes } from "./panels/notes";
+import { readRegisters } from "./panels/registers";
 
 /** Every kind of panel, in the order in which they are offered. */
 export const PANELS: readonly PanelType[] = [
@@ -86,6 +87,15 @@ export const PANELS: readonly PanelType[] = [
     min: [420, 400],
     Panel: later(() => import("./panels/PolarPanel").then((part) => part.PolarPanel)),
   }),
+  ofAxis({
+    type: "deviation",
+    title: "Encoder over time",
+    version: 1,
+    needs: ["encoder"],
+    min: [420, 360],
+    fills: true,
+    Panel: later(() => import("./panels/EncoderTimePanel").then((part) => part.EncoderTimePanel)),
+  }),
   ofDevice({
     type: "changes",
     title: "Changes",
@@ -94,6 +104,24 @@ export const PANELS: readonly PanelType[] = [
     min: [300, 160],
     single: true,
     Panel: later(() => import("./panels/ChangesPanel").then((part) => part.ChangesPanel)),
+  }),
+  ofDevice({
+    type: "registers",
+    title: "Registers",
+    version: 1,
+    needs: ["registers"],
+    min: [420, 260],
+    config: readRegisters,
+    Panel: later(() => import("./panels/RegistersPanel").then((part) => part.RegistersPanel)),
+  }),
+  ofDevice({
+    type: "log",
+    title: "Log of changes",
+    version: 1,
+    min: [420, 200],
+    single: true,
+    fills: true,
+    Panel: later(() => import("./panels/LogPanel").then((part) => part.LogPanel)),
   }),
   ofDevice({
     type: "console",

@@ -100,7 +100,7 @@ export function SendPanel(props: Props) {
         await motion.shuttle(at, { first: first + distance, second: first, dwell_s: DWELL_S });
       }
     },
-    { onSettled: () => queries.invalidateQueries({ queryKey: ["shuttle", id, axis] }) },
+    { onSettled: () => queries.invalidateQueries({ queryKey: ["shuttle"] }) },
   );
   const stop = useMutation({ mutationFn: async () => motion.stop(at, "ramp") });
 

@@ -1,7 +1,7 @@
 import { ActionIcon, Button, Group, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { IconPlayerPlayFilled, IconPlayerStop, IconX } from "@tabler/icons-react";
-import { useQueries, useQueryClient } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api } from "../../api/client";
 import type { Device } from "../../api/queries";
@@ -30,16 +30,22 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   const selection = useSelection();
   const action = useAction();
   const axes = demo.flatMap((device) => device.axes.map((axis) => ({ device: device.id, axis: axis.index })));
-  const shuttles = useQueries({
-    queries: axes.map((at) => ({
-      queryKey: shuttleKey(at),
-      queryFn: () => api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { path: at }),
-      refetchInterval: 2000,
-      enabled: !hidden,
-    })),
+  const shuttles = useQuery({
+    queryKey: ["shuttle", "demo"],
+    queryFn: async () => {
+      const asked = axes.map(async (at) => {
+        const shuttle = await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { path: at });
+        queries.setQueryData(shuttleKey(at), shuttle);
+        return shuttle.running;
+      });
+      const answers = await Promise.allSettled(asked);
+      return { running: answers.some((answer) => answer.status === "fulfilled" && answer.value) };
+    },
+    refetchInterval: 2000,
+    enabled: !hidden && demo.length > 0,
   });
   if (hidden || demo.length === 0) return null;
-  const running = shuttles.some((shuttle) => shuttle.data?.running === true);
+  const running = shuttles.data?.running === true;
   const refresh = () => void queries.invalidateQueries({ queryKey: ["shuttle"] });
   const start = () => {
     const [first] = demo;

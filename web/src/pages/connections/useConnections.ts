@@ -1,6 +1,7 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { removing } from "../../lib/wire/useLinkInfo";
 import { changeBody, createBody, type Draft, linkOf } from "./draft";
 
 export { useCatalog } from "../../api/queries";
@@ -46,7 +47,11 @@ export function useLinkSwitch(device: string) {
 
 export function useRemoveDevice(device: string) {
   const refresh = useRefresh();
+  const queries = useQueryClient();
   return useMutation({
+    mutationKey: removing(device),
+    // what still asks for its wire would ask for a device that is gone
+    onMutate: () => queries.cancelQueries({ queryKey: ["link", device] }),
     mutationFn: () => api.DELETE("/api/v1/devices/{device}", { path: { device } }),
     onSettled: refresh,
   });

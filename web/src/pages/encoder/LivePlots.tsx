@@ -21,7 +21,8 @@ interface Props {
   name: string;
   axis: number;
   shown: readonly Which[];
-  settings: Settings;
+  /** with it the limits of the deviation are drawn, and dragged */
+  settings: Settings | null;
   stops: readonly MotionEnd[];
   choices: readonly Which[];
   onShown: (shown: readonly Which[]) => void;
@@ -53,8 +54,8 @@ export function LivePlots(props: Props) {
     unit: "microsteps",
   }));
   const limits = shown.flatMap((which) => {
-    const limit = settings.planned(LIMIT[which]);
-    return limit === null || limit === 0 ? [] : [{ which, limit, staged: settings.staged.has(LIMIT[which]) }];
+    const limit = settings?.planned(LIMIT[which]) ?? 0;
+    return limit === 0 || settings === null ? [] : [{ which, limit, staged: settings.staged.has(LIMIT[which]) }];
   });
   const levels = limits.flatMap(({ which, limit, staged }): Level[] =>
     [limit, -limit].map((y) => ({
@@ -95,13 +96,15 @@ export function LivePlots(props: Props) {
               data-testid="which-encoder"
             />
           )}
-          <Switch
-            label="to the limit"
-            wrapperProps={{ title: "Show the deviation up to its limit" }}
-            checked={toLimit && widest > 0}
-            disabled={widest === 0}
-            onChange={(event) => setToLimit(event.currentTarget.checked)}
-          />
+          {settings !== null && (
+            <Switch
+              label="to the limit"
+              wrapperProps={{ title: "Show the deviation up to its limit" }}
+              checked={toLimit && widest > 0}
+              disabled={widest === 0}
+              onChange={(event) => setToLimit(event.currentTarget.checked)}
+            />
+          )}
         </>
       }
     >
@@ -125,7 +128,7 @@ export function LivePlots(props: Props) {
           scales={{ y: { unit: "microsteps", include: toLimit ? [-widest * 1.08, 0, widest * 1.08] : [0] } }}
           handle={rolling.plot("deviation", deviationTraces)}
           levels={levels}
-          onLevel={(id, y) => settings.stage(LIMIT[id.slice(0, -1) as Which], Math.max(1, Math.round(Math.abs(y))))}
+          onLevel={(id, y) => settings?.stage(LIMIT[id.slice(0, -1) as Which], Math.max(1, Math.round(Math.abs(y))))}
         />
       </div>
     </RollingSection>

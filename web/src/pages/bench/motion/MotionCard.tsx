@@ -1,4 +1,4 @@
-import { Badge, Group, Stack, Tabs, Text } from "@mantine/core";
+import { Group, Stack, Tabs, Text } from "@mantine/core";
 import { Link } from "wouter";
 import { can, type Device } from "../../../api/queries";
 import { useAddressChoice } from "../../../lib/address";
@@ -58,9 +58,9 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         <h2 className="m-0 clip text-14 bold">
           {device.name} · {axis.name}
         </h2>
-        <Badge variant="default" size="sm" title="Mode" data-testid="mode">
+        <span className="tag nowrap" title="Mode" data-testid="mode">
           {connected ? (state.data?.mode ?? "…") : device.state}
-        </Badge>
+        </span>
       </Group>
       <div className={`${classes.readout} row between gap-8`} data-stale={!connected}>
         <LiveText

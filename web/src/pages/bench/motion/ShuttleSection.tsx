@@ -37,7 +37,7 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
   const running = shuttle.data?.running === true;
   // While one runs, the fields say what it does, whoever has started it.
   const shown = running ? ([shuttle.data?.first ?? ends[0], shuttle.data?.second ?? ends[1]] as const) : ends;
-  const refresh = () => void queries.invalidateQueries({ queryKey: shuttleKey(at) });
+  const refresh = () => void queries.invalidateQueries({ queryKey: ["shuttle"] });
   const end = (index: 0 | 1, label: string) => (
     <Group gap={6} wrap="nowrap" align="flex-start">
       <NumberField
