@@ -259,3 +259,37 @@ def test_accessible_while_arranged_and_with_every_layout(
     for layout in ("tuning", "wire"):
         opened(page, f"/?layout={layout}")
         check_axe(page)
+
+
+def test_registers_are_edited_and_written_in_a_layout_and_the_log_tells_it(page: Page, api: httpx.Client) -> None:
+    before = api.get("/devices/bench/registers/v_max", params={"axis": 0}).raise_for_status().json()["raw"]
+    opened(page, "/?layout=registers&d=bench&a=0")
+    registers = page.get_by_role("region", name="Registers")
+    registers.get_by_label("Search registers").fill("v_max")
+    registers.get_by_role("button", name="v_max", exact=True).click()
+    registers.get_by_role("button", name=re.compile("^Edit")).first.click()
+    wanted = 900 if before != 900 else 901
+    entry = registers.get_by_role("textbox", name=re.compile("v_max"))
+    entry.fill(str(wanted))
+    entry.press("Enter")
+    changes = page.get_by_role("region", name="Changes")
+    expect(changes).to_contain_text("v_max")
+    changes.get_by_role("button", name=re.compile("^Apply")).click()
+    log = page.get_by_role("region", name="Log of bench")
+    entry = log.get_by_test_id("audit-entry").filter(has_text="v_max").first
+    expect(entry).to_contain_text(str(wanted))
+    assert api.get("/devices/bench/registers/v_max", params={"axis": 0}).raise_for_status().json()["raw"] == wanted
+    entry.get_by_role("button", name=re.compile("^Undo")).click()
+    expect(page.get_by_role("dialog")).to_contain_text("v_max")
+    api.put("/devices/bench/registers/v_max", params={"axis": 0}, json={"value": before}).raise_for_status()
+
+
+def test_a_layout_shows_how_far_the_encoder_is_over_time_and_over_the_turn(page: Page, api: httpx.Client) -> None:
+    body = {"name": "turning", "model": "tmc5160", "link": {"kind": "emulator"}, "start_up": True}
+    api.post("/devices", json=body).raise_for_status()
+    try:
+        opened(page, "/?layout=encoder&d=turning&a=0")
+        expect(page.get_by_role("img", name="Deviation over time")).to_be_visible()
+        expect(page.get_by_role("heading", name="Deviation against shaft angle")).to_be_visible()
+    finally:
+        api.delete("/devices/turning").raise_for_status()

@@ -3,6 +3,7 @@ import { memo, Suspense, useCallback, useContext, useEffect, useMemo, useRef, us
 import { createPortal } from "react-dom";
 import type { Device } from "../api/queries";
 import { useAddress } from "../lib/address";
+import { Card } from "../lib/Card";
 import { later, lazily } from "../lib/later";
 import { useShared } from "../lib/shared";
 import { usePhone } from "../lib/usePhone";
@@ -130,7 +131,9 @@ const Panel = memo(function Panel({ id, entry, devices, lost }: PanelBox) {
   const why = misfit(type, device, axis);
   if (why !== null) return type.quiet ? null : <Misfit title={type.title} why={why} />;
   return (
-    <type.Panel id={id} config={config} change={change} device={device} axis={axis} devices={devices} lost={lost} />
+    <Suspense fallback={<Card title={type.title} note="loading" className="grow" role="status" />}>
+      <type.Panel id={id} config={config} change={change} device={device} axis={axis} devices={devices} lost={lost} />
+    </Suspense>
   );
 });
 

@@ -19,14 +19,8 @@ export const BUILT_IN: readonly LayoutDocument[] = [
   builtIn(
     "registers",
     "Registers",
-    {
-      row: [
-        SIDE,
-        { col: [one("registers", 3), one("log", 1)], size: 3 },
-        { col: [one("changes", "content"), one("scope", 1)], size: 2 },
-      ],
-    },
-    ["motion", "registers", "changes", "log", "scope", "axes"],
+    { row: [SIDE, one("registers"), { col: [one("changes", "content"), one("log", 1)], size: "380px" }] },
+    ["motion", "registers", "changes", "log", "axes"],
   ),
   builtIn("encoder", "Encoder", { row: [SIDE, one("deviation", 3), one("polar", 2)] }, [
     "motion",

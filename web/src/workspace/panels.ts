@@ -1,4 +1,4 @@
-import { later } from "../lib/later";
+import { lazily } from "../lib/later";
 import type { LayoutDocument } from "./document";
 import { ofAxis, ofDevice, ofNothing, type PanelType } from "./panel";
 import { AxesPanel, DemoPanel, LimitsPanel, MotionPanel, ScopePanel, StagePanel } from "./panels/bench";
@@ -57,7 +57,7 @@ export const PANELS: readonly PanelType[] = [
     quiet: true,
     min: [280, 200],
     single: true,
-    Panel: later(() => import("./panels/EmulatorPanel").then((part) => part.EmulatorPanel)),
+    Panel: lazily(() => import("./panels/EmulatorPanel").then((part) => part.EmulatorPanel)),
   }),
   ofNothing({
     type: "demo",
@@ -77,7 +77,7 @@ export const PANELS: readonly PanelType[] = [
     single: true,
     fills: true,
     keeps: true,
-    Panel: later(() => import("./panels/TwinPanel").then((part) => part.TwinPanel)),
+    Panel: lazily(() => import("./panels/TwinPanel").then((part) => part.TwinPanel)),
   }),
   ofAxis({
     type: "polar",
@@ -85,7 +85,7 @@ export const PANELS: readonly PanelType[] = [
     version: 1,
     needs: ["encoder"],
     min: [420, 400],
-    Panel: later(() => import("./panels/PolarPanel").then((part) => part.PolarPanel)),
+    Panel: lazily(() => import("./panels/PolarPanel").then((part) => part.PolarPanel)),
   }),
   ofAxis({
     type: "deviation",
@@ -94,7 +94,7 @@ export const PANELS: readonly PanelType[] = [
     needs: ["encoder"],
     min: [420, 360],
     fills: true,
-    Panel: later(() => import("./panels/EncoderTimePanel").then((part) => part.EncoderTimePanel)),
+    Panel: lazily(() => import("./panels/EncoderTimePanel").then((part) => part.EncoderTimePanel)),
   }),
   ofDevice({
     type: "changes",
@@ -103,7 +103,7 @@ export const PANELS: readonly PanelType[] = [
     needs: ["registers"],
     min: [300, 160],
     single: true,
-    Panel: later(() => import("./panels/ChangesPanel").then((part) => part.ChangesPanel)),
+    Panel: lazily(() => import("./panels/ChangesPanel").then((part) => part.ChangesPanel)),
   }),
   ofDevice({
     type: "registers",
@@ -112,7 +112,7 @@ export const PANELS: readonly PanelType[] = [
     needs: ["registers"],
     min: [420, 260],
     config: readRegisters,
-    Panel: later(() => import("./panels/RegistersPanel").then((part) => part.RegistersPanel)),
+    Panel: lazily(() => import("./panels/RegistersPanel").then((part) => part.RegistersPanel)),
   }),
   ofDevice({
     type: "log",
@@ -121,7 +121,7 @@ export const PANELS: readonly PanelType[] = [
     min: [420, 200],
     single: true,
     fills: true,
-    Panel: later(() => import("./panels/LogPanel").then((part) => part.LogPanel)),
+    Panel: lazily(() => import("./panels/LogPanel").then((part) => part.LogPanel)),
   }),
   ofDevice({
     type: "console",
@@ -129,7 +129,7 @@ export const PANELS: readonly PanelType[] = [
     version: 1,
     min: [420, 260],
     single: true,
-    Panel: later(() => import("./panels/wire").then((part) => part.ConsolePanel)),
+    Panel: lazily(() => import("./panels/wire").then((part) => part.ConsolePanel)),
   }),
   ofDevice({
     type: "frames",
@@ -137,7 +137,7 @@ export const PANELS: readonly PanelType[] = [
     version: 1,
     min: [420, 260],
     single: true,
-    Panel: later(() => import("./panels/wire").then((part) => part.FramesPanel)),
+    Panel: lazily(() => import("./panels/wire").then((part) => part.FramesPanel)),
   }),
   ofDevice({
     type: "macros",
@@ -154,7 +154,7 @@ export const PANELS: readonly PanelType[] = [
     version: 1,
     min: [220, 120],
     config: readNotes,
-    Panel: later(() => import("./panels/NotesPanel").then((part) => part.NotesPanel)),
+    Panel: lazily(() => import("./panels/NotesPanel").then((part) => part.NotesPanel)),
   }),
 ];
 
