@@ -371,6 +371,36 @@ class AsyncBench:
         one, figures; of `channels`, or of all that two of them have."""
         return await self._send(calls.compare(recordings, channels, align))
 
+    async def add_file(
+        self,
+        recording: str,
+        name: str,
+        content: bytes,
+        *,
+        offset_s: float | None = None,
+        mark: int | None = None,
+        like: str | None = None,
+        channel: str | None = None,
+    ) -> Json:
+        """Lay a CSV file of an oscilloscope or another instrument beside a recording, as further channels.
+
+        Its 0 lies on the recording's zero; at `offset_s` since that [s]; on the recording's `mark` of that number; or
+        where its `channel` (None: its first) looks most `like` that channel of the recording.
+        """
+        added = await self._send(calls.add_file(recording, name, content))
+        align = {"offset_s": offset_s, "mark": mark, "like": like, "channel": channel}
+        if all(each is None for each in align.values()):
+            return added
+        return await self._send(calls.align_file(recording, added["number"], align))
+
+    async def align_file(self, recording: str, number: int, **align: Any) -> Json:
+        """Put a file elsewhere on the recording's time: as `add_file`."""
+        return await self._send(calls.align_file(recording, number, align))
+
+    async def remove_file(self, recording: str, number: int) -> None:
+        """Forget a file that lies beside a recording."""
+        await self._send(calls.remove_file(recording, number))
+
     async def replay(self, recording: str, device: str | None = None) -> Json:
         """Begin to live through it once more on an emulator, with the motor and stage of `device` where one is named.
 

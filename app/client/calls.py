@@ -34,6 +34,7 @@ class Call(Generic[T]):
     parse: Callable[[Any], T]
     body: Json | None = None
     query: Mapping[str, str | int | list[str]] = field(default_factory=dict)
+    content: bytes | None = None
 
 
 def anything(method: str, path: str, body: Json | None = None) -> Call[Any]:
@@ -151,6 +152,18 @@ def recording_info(recording: str) -> Call[Recording]:
 def compare(recordings: Sequence[str], channels: Sequence[str], align: str) -> Call[Json]:
     body = {"recordings": list(recordings), "channels": list(channels) or None, "align": align}
     return Call("POST", f"{BASE}/recordings/compare", _as_it_is, body)
+
+
+def add_file(recording: str, name: str, content: bytes) -> Call[Json]:
+    return Call("POST", f"{_recorded(recording)}/added", _as_it_is, query={"name": name}, content=content)
+
+
+def align_file(recording: str, number: int, align: Json) -> Call[Json]:
+    return Call("PATCH", f"{_recorded(recording)}/added/{number}", _as_it_is, align)
+
+
+def remove_file(recording: str, number: int) -> Call[None]:
+    return Call("DELETE", f"{_recorded(recording)}/added/{number}", _nothing)
 
 
 def replay(recording: str, device: str | None) -> Call[Json]:

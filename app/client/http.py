@@ -60,6 +60,8 @@ def options(call: Call[T], timeout_s: float | None = None) -> dict[str, Any]:
         given["params"] = dict(call.query)
     if call.body is not None:
         given["json"] = dict(call.body)
+    if call.content is not None:
+        given |= {"content": call.content, "headers": {"content-type": "text/csv"}}
     if timeout_s is not None:
         given["timeout"] = timeout(timeout_s)
     return given

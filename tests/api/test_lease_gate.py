@@ -91,6 +91,8 @@ FREE = {
     ("POST", "/recordings/{recording}/marks"),
     ("POST", "/recordings/{recording}/replay"),
     ("POST", "/recordings/compare"),
+    ("POST", "/recordings/{recording}/added"),
+    ("PATCH", "/recordings/{recording}/added/{number}"),
     ("POST", "/profiles"),
     ("PATCH", "/profiles/{profile}"),
     ("POST", "/profiles/compare"),

@@ -373,3 +373,65 @@ async def test_the_report_shows_the_notebook(client: httpx.AsyncClient, clock: V
     assert told.count("<svg") == plain.count("<svg") + 1
     assert told.count("<table") == plain.count("<table") + 1
     assert "0.2 to 0.4 s" in told
+
+
+async def test_a_file_of_an_instrument_lies_beside_a_recording(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    path = f"recordings/{recording}"
+    await run(clock, 0.3)
+    await client.post("devices/bench/axes/0/move", json={"target": 1000})
+    await run(clock, 1.0)
+    await client.post(f"{path}/stop")
+    told = (await client.get(f"{path}/plot")).json()
+    position = next(curve for curve in told["curves"] if curve["channel"] == "position.0")
+    # a scope's record of the same move, upside down, which began its own time 5 s late
+    rows = [
+        f"{at_s - 5},{2 - 0.001 * value}," for at_s, value in zip(position["time_s"], position["values"], strict=True)
+    ]
+    text = "\n".join(["time (s),CH1 (V),position.0 (A)", *rows])
+
+    async def add(name: str, content: str) -> httpx.Response:
+        return await client.post(
+            f"{path}/added", params={"name": name}, content=content.encode(), headers={"content-type": "text/csv"}
+        )
+
+    added = (await add("scope.csv", text)).json()
+    assert (added["number"], added["offset_s"], added["rows"]) == (0, 0.0, len(rows))
+    assert [(each["name"], each["unit"]) for each in added["channels"]] == [("CH1", "V"), ("position.0 (2)", "A")]
+    like = await client.patch(f"{path}/added/0", json={"like": "position.0"})
+    assert like.json()["offset_s"] == pytest.approx(5, abs=0.002)
+    assert "correlation -" in like.json()["aligned"]
+    shown = (await client.get(f"{path}/plot", params={"channel": ["CH1", "position.0 (2)"]})).json()["curves"]
+    assert [curve["channel"] for curve in shown] == ["CH1", "position.0 (2)"]
+    assert shown[0]["time_s"][0] == pytest.approx(position["time_s"][0], abs=0.002)
+    assert set(shown[1]["values"]) == {None}, "what is missing is no 0"
+    figures = (await client.get(f"{path}/figures", params={"from_s": 0.9})).json()["figures"]
+    assert figures["CH1"]["mean"] == pytest.approx(1.0, abs=1e-6)
+    assert figures["position.0 (2)"]["samples"] == 0
+    assert "CH1" in (await client.get(f"{path}/report")).text
+    assert (await client.patch(f"{path}/added/0", json={"offset_s": -1.5})).json()["from_s"] == pytest.approx(-6.5)
+    marks = (await client.get(path)).json()["marks"]
+    zero_s = (await client.get(path)).json()["zero_s"]
+    on_mark = (await client.patch(f"{path}/added/0", json={"mark": len(marks) - 1})).json()
+    assert on_mark["offset_s"] == pytest.approx(marks[-1]["time_s"] - zero_s)
+    for wrong, status in (
+        ({"mark": 999}, 422),
+        ({"like": "no.0"}, 404),
+        ({"like": "position.0", "channel": "position.0 (2)"}, 409),
+        ({"offset_s": 1, "mark": 0}, 422),
+    ):
+        answer = await client.patch(f"{path}/added/0", json=wrong)
+        assert answer.status_code == status, answer.text
+    assert (await client.get(path)).json()["added"] == [on_mark], "what was refused changed nothing"
+
+    broken = await add("broken.csv", "time (s),U (V)\n0,1\n1,x\n")
+    assert (broken.status_code, "line 3, column 2" in broken.json()["detail"]) == (422, True)
+    long = "\n".join(["time (s),U (V)", *(f"{each},1" for each in range(150_000))])
+    assert len(long) > 1 << 20, "more than other bodies may be"
+    assert (await add("long.csv", long)).status_code == 201
+    for _ in range(6):
+        assert (await add("more.csv", text)).status_code == 201
+    assert (await add("ninth.csv", text)).status_code == 409
+    assert (await client.delete(f"{path}/added/0")).status_code == 204
+    assert (await client.delete(f"{path}/added/0")).status_code == 404
+    assert len((await client.get(path)).json()["added"]) == 7

@@ -102,6 +102,11 @@ async def test_a_recording_as_arrays(server: str) -> None:
         assert run.values.shape == (2, len(run.time_s))
         assert b"position.0" in (await bench.recording_file(begun.id)).splitlines()[0]
         assert [each.id for each in await bench.recordings("move")] == [begun.id]
+        scope = b"time (s),CH1 (V)\n0,1\n0.1,2\n"
+        added = await bench.add_file(begun.id, "scope.csv", scope, offset_s=0.5)
+        assert (added["channels"][0]["name"], added["from_s"], added["to_s"]) == ("CH1", 0.5, 0.6)
+        moved = await bench.align_file(begun.id, added["number"], offset_s=0.25)
+        assert moved["offset_s"] == 0.25
         with pytest.raises(Refused, match="no recording"):
             await bench.recording_file("20200101-000000-0000")
 

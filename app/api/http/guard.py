@@ -14,11 +14,13 @@ something (reading clears a register) ask `require_own_page`.
 from __future__ import annotations
 
 import ipaddress
+import re
 from functools import lru_cache
 
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from ...calc.signals.instrument_csv import FILE_MAX_BYTES
 from .errors import ForeignPage
 from .problems import FOREIGN, TOO_LARGE, problem_answer
 
@@ -71,6 +73,8 @@ def origin_is_ours(origin: str, authority: str, allowed: frozenset[str]) -> bool
     return page.casefold() == authority.casefold() or host_name(page) in allowed
 
 
+_FILES = re.compile(r"/api/v1/recordings/[^/]+/added")
+"""Where whole files of instruments come in."""
 _FOREIGN_PAGE = "stepscope.foreign_page"
 
 
@@ -118,11 +122,12 @@ class Guard:
             await problem_answer(FOREIGN, finding, scope["path"])(scope, receive, send)
             return
         if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
-            if length.isdecimal() and int(length[:20]) > self._limit:
-                detail = f"{length} bytes, at most {self._limit} are read"
+            limit = max(self._limit, FILE_MAX_BYTES) if _FILES.fullmatch(scope["path"]) else self._limit
+            if length.isdecimal() and int(length[:20]) > limit:
+                detail = f"{length} bytes, at most {limit} are read"
                 await problem_answer(TOO_LARGE, detail, scope["path"], connection="close")(scope, receive, send)
                 return
-            receive = _Counted(receive, self._limit)
+            receive = _Counted(receive, limit)
         await self._app(scope, receive, send)
 
     def _foreign_host(self, scope: Scope, host: str) -> str:

@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Annotated, Literal, TypeVar
 
-from fastapi import HTTPException, Path, Query
+from fastapi import Body, HTTPException, Path, Query
 from fastapi.responses import Response, StreamingResponse
 
+from ...calc.signals.instrument_csv import FILE_MAX_BYTES, read_table
 from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...recording.service import axes_of, configuration_of, options_of
+from ...store.recordings.added import FILES_MAX
 from ...store.recordings.library import Entry, Label
 from ...store.recordings.marks import Mark
 from ...store.recordings.notebook import Cell
@@ -23,9 +25,12 @@ from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
 from ..router import subject_router
+from .align import offset_of
 from .compare import compare, spectrum_of
 from .report import WrittenCell, report_of
 from .schemas import (
+    AddedFile,
+    Align,
     CompareWith,
     Comparison,
     LevelTrigger,
@@ -42,7 +47,7 @@ from .schemas import (
     ReplayStart,
     Spectrum,
 )
-from .views import csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures
+from .views import added_file, csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures
 
 router = subject_router(prefix="/recordings", tags=["recordings"])
 
@@ -151,6 +156,7 @@ async def get_recording(
             opened,
             recordings.library.marks(recording),
             recordings.library.notebook(recording),
+            recordings.library.added(recording),
             with_figures=figures,
         )
     )
@@ -192,7 +198,9 @@ async def plot_recording(
             raise UsageError("a frame is of all channels")
         frame, rows = await readers.do(lambda: plot_frame(opened, marks, from_s, to_s, points))
         return Response(frame, media_type=FRAME, headers={"stepscope-rows": str(rows)})  # type: ignore[return-value]
-    return await readers.do(lambda: plot(opened, marks, channel or (), from_s, to_s, points))
+    return await readers.do(
+        lambda: plot(opened, marks, channel or (), from_s, to_s, points, library.rows_of_added(recording))
+    )
 
 
 @router.get("/{recording}/figures", responses=problems(UnknownThing, WrongState))
@@ -202,7 +210,9 @@ async def get_recording_figures(
     """Figures of a stretch: of what a plot shows, between two cursors."""
     library = bench.recordings.library
     return await bench.recordings.readers.do(
-        lambda: stretch_figures(library.open(recording), library.marks(recording), from_s, to_s)
+        lambda: stretch_figures(
+            library.open(recording), library.marks(recording), from_s, to_s, library.rows_of_added(recording)
+        )
     )
 
 
@@ -219,10 +229,12 @@ async def get_recording_report(
 
     def report() -> str:
         opened, marks = library.open(recording), library.marks(recording)
-        about = detail(library.entry(recording), course, opened, marks, library.notebook(recording), with_figures=False)
-        shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS)
-        cells = [written(opened, marks, cell) for cell in library.notebook(recording).cells]
-        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s), from_s, to_s, cells)
+        entry, notes = library.entry(recording), library.notebook(recording)
+        about = detail(entry, course, opened, marks, notes, library.added(recording), with_figures=False)
+        added = library.rows_of_added(recording)
+        shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS, added)
+        cells = [written(opened, marks, cell) for cell in notes.cells]
+        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s, added), from_s, to_s, cells)
 
     def written(opened: Opened, marks: Sequence[Mark], cell: Cell) -> WrittenCell:
         known = [column.name for column in opened.head.columns]
@@ -326,3 +338,45 @@ async def mark_recording(bench: CurrentBench, recording: RecordingId, body: Reco
 async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
     """Gone for good."""
     await _aside(lambda: bench.recordings.delete(recording))
+
+
+Number = Annotated[int, Path(ge=0, lt=FILES_MAX, description="the file's")]
+
+
+@router.post(
+    "/{recording}/added",
+    status_code=201,
+    responses=problems(UnknownThing, UsageError, WrongState, StoreUnavailable),
+)
+@policy(lease="free", words=wording.named("add file to recording"))
+async def add_file(
+    bench: CurrentBench,
+    recording: RecordingId,
+    name: Annotated[str, Query(min_length=1, max_length=100, description="the file's")],
+    content: Annotated[bytes, Body(media_type="text/csv", max_length=FILE_MAX_BYTES)],
+) -> AddedFile:
+    """Lay a CSV file of an oscilloscope or another instrument beside a recording, its 0 on the recording's zero."""
+    library = bench.recordings.library
+
+    def add() -> AddedFile:
+        library.entry(recording)
+        return added_file(library.add(recording, name, read_table(content), 0.0, "its 0 on the recording's zero"))
+
+    return await bench.recordings.readers.do(add)
+
+
+@router.patch("/{recording}/added/{number}", responses=problems(UnknownThing, UsageError, WrongState, StoreUnavailable))
+@policy(lease="free", words=wording.named("align file with recording"))
+async def align_file(bench: CurrentBench, recording: RecordingId, number: Number, body: Align) -> AddedFile:
+    """Put a file's time elsewhere on the recording's: by a figure, on a mark, or where a channel looks like one."""
+    library = bench.recordings.library
+    return await bench.recordings.readers.do(
+        lambda: added_file(library.align(recording, number, *offset_of(library, recording, number, body)))
+    )
+
+
+@router.delete("/{recording}/added/{number}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@policy(words=wording.named("remove file from recording"))
+async def remove_file(bench: CurrentBench, recording: RecordingId, number: Number) -> None:
+    """Forget a file that lies beside a recording."""
+    await _aside(lambda: bench.recordings.library.take_away(recording, number))

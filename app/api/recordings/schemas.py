@@ -89,6 +89,32 @@ class RecordingMark(Body):
     text: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=400)]
 
 
+class Align(Body):
+    """Where a file's time lies on the recording's: one of offset, mark and correlation; else its 0 on the zero."""
+
+    offset_s: Number | None = Field(default=None, description="the file's 0, since the recording's zero [s]")
+    mark: Annotated[int, Field(strict=True, ge=0, le=1_000_000)] | None = Field(
+        default=None, description="the file's 0 lies on this mark, counted from 0 in the recording's `marks`"
+    )
+    like: ChannelName | None = Field(default=None, description="a recorded channel that one of the file looks like")
+    channel: ChannelName | None = Field(default=None, description="the file's that looks like it; null: its first")
+
+
+class AddedFile(Answer):
+    """A file of another instrument beside the recording."""
+
+    number: int
+    name: str
+    instrument: str = Field(description="as the file tells it; may be empty")
+    channels: list[ChannelInfo]
+    rows: int
+    from_s: float
+    to_s: float = Field(description="its first and last time, since the recording's zero [s]")
+    offset_s: float = Field(description="its 0, since the recording's zero [s]")
+    aligned: str = Field(description="how that came about")
+    notes: list[str] = Field(description="what was assumed in reading it")
+
+
 class MarkOut(Answer):
     time_s: float = Field(description="device time [s]")
     kind: str
@@ -155,6 +181,7 @@ class RecordingDetail(RecordingInfo):
     marks: list[MarkOut]
     notebook: list[CellOut] = Field(description="what is written about it, in its order")
     notebook_revision: int = Field(description="how often it was written")
+    added: list[AddedFile] = Field(description="files of other instruments that lie beside it")
     figures: FiguresByChannel
     configuration: dict[str, object] | None = Field(description="the device's profile at the start")
     replay_of: str | None = Field(description="the recording of which this is a replay on an emulator")

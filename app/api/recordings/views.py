@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...calc.signals.decimation import extremes
 from ...calc.signals.statistics import Piece, statistics
 from ...errors import UnknownThing
 from ...recording.service import Course
+from ...store.recordings.added import Added, AddedRows
 from ...store.recordings.file import TIME, Rows
 from ...store.recordings.head import Head
 from ...store.recordings.library import Entry
@@ -22,6 +24,7 @@ from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
 from .schemas import (
+    AddedFile,
     CellOut,
     Curve,
     FiguresOut,
@@ -63,6 +66,7 @@ def detail(
     opened: Opened,
     marks: Sequence[Mark],
     notebook: Notebook,
+    added: Sequence[Added] = (),
     *,
     with_figures: bool = True,
 ) -> RecordingDetail:
@@ -78,10 +82,62 @@ def detail(
         marks=[MarkOut.model_validate(mark) for mark in marks],
         notebook=[CellOut.model_validate(cell) for cell in notebook.cells],
         notebook_revision=notebook.revision,
+        added=[added_file(each) for each in added],
         figures=figures_of(head, lambda: opened.pieces(0, rows)) if with_figures else {},
         configuration=None if head.configuration is None else dict(head.configuration),
         replay_of=head.replay_of,
     )
+
+
+def added_file(of: Added) -> AddedFile:
+    """A file beside a recording."""
+    return AddedFile(
+        number=of.number,
+        name=of.name,
+        instrument=of.instrument,
+        channels=[ChannelInfo(name=each.name, quantity=each.name, axis=0, unit=each.unit) for each in of.columns],
+        rows=of.rows,
+        from_s=of.from_s + of.offset_s,
+        to_s=of.to_s + of.offset_s,
+        offset_s=of.offset_s,
+        aligned=of.aligned,
+        notes=list(of.notes),
+    )
+
+
+def figures_of_added(files: Sequence[AddedRows], from_s: float | None, to_s: float | None) -> dict[str, FiguresOut]:
+    """By channel, of what lies between two times since the zero."""
+    told: dict[str, FiguresOut] = {}
+    for each in files:
+        part = slice(*_between(each, from_s, to_s))
+        rows = Rows(each.time_s[part], each.columns[:, part])
+        found = statistics(lambda rows=rows: iter([(rows.time_s, rows.columns)]), len(rows.columns))  # type: ignore[misc]
+        names = [column.name for column in each.of.columns]
+        told |= {name: FiguresOut.model_validate(one) for name, one in zip(names, found, strict=True)}
+    return told
+
+
+def curves_of_added(
+    files: Sequence[AddedRows], channels: Sequence[str], from_s: float | None, to_s: float | None, points: int
+) -> list[Curve]:
+    """`channels` (none: all) between two times since the zero, each at most about `points`, its extremes kept."""
+    curves = []
+    for each in files:
+        first, last = _between(each, from_s, to_s)
+        first, last = max(0, first - 1), min(len(each.time_s), last + 1)  # a line reaches the edge of the plot
+        for column, values in zip(each.of.columns, each.columns, strict=True):
+            if not channels or column.name in channels:
+                at_s, thinned = extremes(each.time_s[first:last], values[first:last], points)
+                curves.append(
+                    Curve(channel=column.name, unit=column.unit, time_s=at_s.tolist(), values=nothing_as_null(thinned))
+                )
+    return curves
+
+
+def _between(rows: AddedRows, from_s: float | None, to_s: float | None) -> tuple[int, int]:
+    first = 0 if from_s is None else int(np.searchsorted(rows.time_s, from_s))
+    last = len(rows.time_s) if to_s is None else int(np.searchsorted(rows.time_s, to_s, "right"))
+    return first, max(first, last)
 
 
 def figures_of(head: Head, pieces: Callable[[], Iterable[Rows]]) -> dict[str, FiguresOut]:
@@ -120,14 +176,18 @@ def rows_between(opened: Opened, zero_s: float, from_s: float | None, to_s: floa
 
 
 def stretch_figures(
-    opened: Opened, marks: Sequence[Mark], from_s: float | None, to_s: float | None
+    opened: Opened,
+    marks: Sequence[Mark],
+    from_s: float | None,
+    to_s: float | None,
+    added: Sequence[AddedRows] = (),
 ) -> RecordingFigures:
     """Figures of what lies between two times since the zero."""
     zero_s = zero_of(opened, marks) or 0.0
     first, last = rows_between(opened, zero_s, from_s, to_s)
     begin_s, end_s = ends_of(opened, first, last, zero_s)
     found = figures_of(opened.head, lambda: opened.pieces(first, last))
-    return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found)
+    return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found | figures_of_added(added, from_s, to_s))
 
 
 def ends_of(opened: Opened, first: int, last: int, zero_s: float) -> tuple[float, float]:
@@ -145,10 +205,11 @@ def plot(
     from_s: float | None,
     to_s: float | None,
     points: int,
+    added: Sequence[AddedRows] = (),
 ) -> RecordingPlot:
     """`channels` (none: all) between two times since the zero. Raises UnknownThing."""
     head = opened.head
-    require_channels(head, channels)
+    require_channels(head, channels, added)
     zero_s = zero_of(opened, marks) or 0.0
     first, last = rows_between(opened, zero_s, from_s, to_s)
     # Of a segment three points may be left: its extremes, and one where a sample is missing. Two more are its ends.
@@ -165,14 +226,14 @@ def plot(
                     values=nothing_as_null(values),
                 )
             )
-    from_s, to_s = ends_of(opened, first, last, zero_s)
+    begin_s, end_s = ends_of(opened, first, last, zero_s)
     return RecordingPlot(
         zero_s=zero_s,
-        from_s=from_s,
-        to_s=to_s,
+        from_s=begin_s,
+        to_s=end_s,
         rows=last - first,
         thinned=last - first > points,
-        curves=curves,
+        curves=[*curves, *curves_of_added(added, channels, from_s, to_s, points)],
     )
 
 
@@ -191,9 +252,9 @@ def plot_frame(
     return frame, last - first
 
 
-def require_channels(head: Head, channels: Sequence[str]) -> None:
-    """Raises UnknownThing for one that was not recorded."""
-    names = [column.name for column in head.columns]
+def require_channels(head: Head, channels: Sequence[str], added: Sequence[AddedRows] = ()) -> None:
+    """Raises UnknownThing for one that was not recorded and lies not beside it."""
+    names = [column.name for columns in (head.columns, *(each.of.columns for each in added)) for column in columns]
     for name in channels:
         if name not in names:
             raise UnknownThing("recorded channel", name, names)

@@ -14,13 +14,15 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from shutil import disk_usage
 
+from ...calc.signals.instrument_csv import InstrumentTable
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..document import Document, UnreadableDocument
+from . import added as beside
 from . import file, marks
 from .head import Column, Head, UnreadableRecording
 from .notebook import Cell, Notebook, notebook_of
@@ -32,7 +34,7 @@ NAME_MAX, NOTE_MAX = 100, 4000
 TAGS_MAX, TAG_MAX = 12, 40
 LABEL = ".json"
 NOTEBOOK = ".notebook.json"
-SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock", NOTEBOOK, f"{NOTEBOOK}.lock")
+SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock", NOTEBOOK, f"{NOTEBOOK}.lock", *beside.SUFFIXES)
 """Of all files of a recording; the rows come first."""
 SETTLED_NS, SETTLED_COARSE_NS = 100_000_000, 2_000_000_000
 """How long after a change another one would bear another time: of file systems that keep parts of a millisecond, and of
@@ -270,6 +272,74 @@ class Library:
         with _written(f"the notebook of recording {recording} is not kept"), document.locked():
             document.write(asdict(self.notebook(recording).followed_by(cells, based_on)))
 
+    def added(self, recording: str) -> tuple[beside.Added, ...]:
+        """The files that were laid beside it. Raises UnknownThing."""
+        try:
+            return beside.added_of(self._added_of(recording).read() or {})
+        except UnreadableDocument:
+            return ()
+
+    def rows_of_added(self, recording: str) -> list[beside.AddedRows]:
+        """What they hold. Raises UnknownThing, WrongState for what cannot be read."""
+        return [self.rows_of_one(recording, each) for each in self.added(recording)]
+
+    def rows_of_one(self, recording: str, of: beside.Added) -> beside.AddedRows:
+        """What one of them holds. Raises UnknownThing, WrongState for what cannot be read."""
+        try:
+            return beside.read_rows(self._data_of(recording, of.number), of)
+        except (OSError, ValueError) as error:
+            raise WrongState(f"{of.name} beside recording {recording} cannot be read: {error}", "remove it") from error
+
+    def add(self, recording: str, name: str, table: InstrumentTable, offset_s: float, aligned: str) -> beside.Added:
+        """Lay a file beside it. Raises UnknownThing, WrongState for one too many, StoreUnavailable."""
+        document = self._added_of(recording)
+        with _written(f"the file beside recording {recording} is not kept"), document.locked():
+            files = self.added(recording)
+            free = sorted(set(range(beside.FILES_MAX)) - {each.number for each in files})
+            if not free:
+                raise WrongState(f"{beside.FILES_MAX} files lie beside this recording", "remove one first")
+            taken = {column.name for column in self.open(recording).head.columns}
+            taken |= {column.name for each in files for column in each.columns}
+            columns = tuple(map(Column, _untaken(table.names, taken), table.units))
+            times = len(table.time_s), float(table.time_s[0]), float(table.time_s[-1])
+            of = beside.Added(free[0], name, table.instrument, columns, *times, offset_s, aligned, table.notes)
+            beside.write_rows(self._data_of(recording, of.number), table.time_s, table.columns)
+            document.write(beside.as_document((*files, of)))
+        self._changed.add(recording)
+        return of
+
+    def align(self, recording: str, number: int, offset_s: float, aligned: str) -> beside.Added:
+        """Put a file elsewhere on the recording's time. Raises UnknownThing, StoreUnavailable."""
+        document = self._added_of(recording)
+        with _written(f"the file beside recording {recording} is not moved"), document.locked():
+            files = {each.number: each for each in self.added(recording)}
+            of = replace(self.one_added(recording, number), offset_s=offset_s, aligned=aligned)
+            document.write(beside.as_document(tuple((files | {number: of}).values())))
+        return of
+
+    def take_away(self, recording: str, number: int) -> None:
+        """Forget a file. Raises UnknownThing, StoreUnavailable."""
+        document = self._added_of(recording)
+        with _written(f"the file beside recording {recording} is not removed"), document.locked():
+            self.one_added(recording, number)
+            document.write(beside.as_document([each for each in self.added(recording) if each.number != number]))
+            self._data_of(recording, number).unlink(missing_ok=True)
+        self._changed.add(recording)
+
+    def one_added(self, recording: str, number: int) -> beside.Added:
+        """Raises UnknownThing."""
+        files = self.added(recording)
+        for each in files:
+            if each.number == number:
+                return each
+        raise UnknownThing("file beside the recording", str(number), [str(each.number) for each in files])
+
+    def _added_of(self, recording: str) -> Document:
+        return Document(self._folder / f"{self._known(recording)}{beside.SUFFIX}")
+
+    def _data_of(self, recording: str, number: int) -> Path:
+        return self._folder / f"{self._known(recording)}{beside.data_suffix(number)}"
+
     def _notebook_of(self, recording: str) -> Document:
         return Document(self._folder / f"{self._known(recording)}{NOTEBOOK}")
 
@@ -408,6 +478,18 @@ def _label(path: Path) -> Label:
     return Label(
         name[:NAME_MAX], note[:NOTE_MAX], tuple(kept[:TAGS_MAX]), colour[:TAG_MAX] if isinstance(colour, str) else ""
     )
+
+
+def _untaken(names: Sequence[str], taken: set[str]) -> list[str]:
+    """The names, with a number behind those that are taken."""
+    result: list[str] = []
+    for name in names:
+        count, own = 1, name
+        while own in taken or own in result:
+            count += 1
+            own = f"{name} ({count})"
+        result.append(own)
+    return result
 
 
 def _words(entry: Entry) -> str:
