@@ -2107,6 +2107,150 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/macros": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Macros
+         * @description All kept macros, by id.
+         */
+        get: operations["list_macros"];
+        put?: never;
+        /**
+         * Add Macro
+         * @description Keep a new macro; its id is made of its name.
+         */
+        post: operations["add_macro"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/macros/{macro}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Macro
+         * @description A kept macro with its document.
+         */
+        get: operations["get_macro"];
+        /**
+         * Put Macro
+         * @description Keep a further revision, made from `based_on`. Another one that was saved since is never written over.
+         */
+        put: operations["put_macro"];
+        post?: never;
+        /**
+         * Delete Macro
+         * @description Forget a macro with its revisions.
+         */
+        delete: operations["delete_macro"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/macros/{macro}/python": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Macro Python
+         * @description The macro as a Python program for stepscope's client, which does the same from wherever it is run.
+         */
+        get: operations["get_macro_python"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/macro-draft": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Draft Macro
+         * @description Steps of what the audit log tells of the device: writes, moves, stops, recordings, profiles, and the pauses
+         *     between them. Nothing is kept.
+         */
+        get: operations["draft_macro"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/macro-trial": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Try Macro
+         * @description Try a macro on an emulated twin of the device, made of what it holds now. Nothing moves here.
+         *
+         *     It takes a fraction of the time that the macro takes; recordings are left out.
+         */
+        post: operations["try_macro"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/macro-run": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Macro Run
+         * @description How a macro goes on this device, or how the latest one went; and which kept ones have passed their trial.
+         */
+        get: operations["get_macro_run"];
+        put?: never;
+        /**
+         * Run Macro
+         * @description Do its steps one after the other, each once. Answers when it has begun; a stop, or any other command to an axis
+         *     that it moves, ends it.
+         */
+        post: operations["run_macro"];
+        /**
+         * Stop Macro
+         * @description End it at once, and stop what it has moved.
+         */
+        delete: operations["stop_macro"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/ports": {
         parameters: {
             query?: never;
@@ -3296,6 +3440,28 @@ export interface components {
              * @description status of the latest command of a program that was refused; 0 for none
              */
             error: number;
+        };
+        /**
+         * ApplyProfile
+         * @description Bring a kept profile into the device: all of it, or nothing. Its motors have to stand.
+         */
+        ApplyProfile: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "profile";
+            /**
+             * Profile
+             * @description number of the kept profile
+             */
+            profile: number;
+            /**
+             * Name
+             * @description what it was called, for people
+             * @default
+             */
+            name?: string;
         };
         /**
          * ApplyProgress
@@ -5636,6 +5802,131 @@ export interface components {
              * @description device time since when it is of this kind [s]
              */
             since_s: number | null;
+        };
+        /**
+         * CoolPair
+         * @description A load cycle without it and one with it: their heat, of that with the chosen run current.
+         */
+        CoolPair: {
+            /** Without */
+            without: number;
+            /** With It */
+            with_it: number;
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
+         * CoolSetting
+         * @description What CoolStep works by, as its fields hold it.
+         */
+        CoolSetting: {
+            /** Semin */
+            semin: number;
+            /** Semax */
+            semax: number;
+            /** Seup */
+            seup: number;
+            /** Sedn */
+            sedn: number;
+            /** Seimin */
+            seimin: number;
+        };
+        /**
+         * CoolStepFound
+         * @description CoolStep for the load cycle.
+         */
+        CoolStepFound: {
+            /**
+             * Why
+             * @description why there is none; empty where there is, or while it is looked for
+             * @default
+             */
+            why: string;
+            /**
+             * From Pps
+             * @description it works from this speed on
+             */
+            from_pps: number | null;
+            /**
+             * Scale
+             * @description run current scale with it: the most that it goes up to
+             */
+            scale: number | null;
+            /**
+             * Level
+             * @description of StallGuard2 (SGT), by which the load value was measured
+             */
+            level: number | null;
+            /**
+             * Steady
+             * @description load value at steady speed: a quarter lies below it
+             */
+            steady: number | null;
+            /**
+             * Loaded
+             * @description load value while the speed changes: a quarter is below it
+             */
+            loaded: number | null;
+            /** Tried */
+            tried: components["schemas"]["CoolTried"][];
+            /** @description the one that was proved */
+            setting: components["schemas"]["CoolSetting"] | null;
+            /**
+             * Cycles
+             * @description of the proof, without a lost step
+             * @default 0
+             */
+            cycles: number;
+            /**
+             * Loss Rate Max
+             * @description upper bound of the loss rate there, 95 %, exact
+             */
+            loss_rate_max: number | null;
+            /** Pairs */
+            pairs: components["schemas"]["CoolPair"][];
+            /**
+             * Saved Share
+             * @description less heat by CoolStep while it moves, by the pairs
+             */
+            saved_share: number | null;
+            /** @description of that, 95 % */
+            interval_share: components["schemas"]["Interval"] | null;
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number | null;
+            saving: components["schemas"]["Saving"] | null;
+        };
+        /**
+         * CoolTried
+         * @description A setting of CoolStep that was tried.
+         */
+        CoolTried: {
+            setting: components["schemas"]["CoolSetting"];
+            /**
+             * Scale
+             * @description run current scale, the most that it goes up to
+             */
+            scale: number;
+            /**
+             * Held
+             * @description no step was lost with SEMIN one lower, at the run current less the margin
+             */
+            held: boolean;
+            /**
+             * Cycles
+             * @description of that
+             */
+            cycles: number;
+            /**
+             * Heat Share
+             * @description of the heat of the coils while it moves, of that with the chosen run current all the time
+             */
+            heat_share: number | null;
         };
         /**
          * CoverLink
@@ -9078,6 +9369,12 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a?: number | null;
+            /**
+             * Coolstep
+             * @description then CoolStep as well, where the chip has it: less current where the load is small
+             * @default true
+             */
+            coolstep?: boolean;
         };
         /**
          * LeastCurrent
@@ -9134,6 +9431,12 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a: number | null;
+            /**
+             * Coolstep
+             * @description then CoolStep as well, where the chip has it: less current where the load is small
+             * @default true
+             */
+            coolstep: boolean;
         };
         /**
          * LeastCurrentFound
@@ -9189,6 +9492,8 @@ export interface components {
              * @description then: so many times the speed lost none with the current as it was before
              */
             speed_times_held: number | null;
+            /** @description null: it was not asked for */
+            coolstep: components["schemas"]["CoolStepFound"] | null;
         };
         /**
          * Leg
@@ -9935,6 +10240,395 @@ export interface components {
             measured: number[];
             /** Expected */
             expected: number[];
+        };
+        /**
+         * MacroAxisTrial
+         * @description What an axis of the twin did. Positions in microsteps.
+         */
+        MacroAxisTrial: {
+            /** Axis */
+            axis: number;
+            /** Start */
+            start: number;
+            /** End */
+            end: number;
+            /** Least */
+            least: number;
+            /** Greatest */
+            greatest: number;
+            /** Top Speed Pps */
+            top_speed_pps: number;
+            /**
+             * Moving
+             * @description it still turns at the macro's end
+             */
+            moving: boolean;
+        };
+        /**
+         * MacroDetail
+         * @description A kept macro with its document, and which of its revisions are still there, the latest first.
+         */
+        MacroDetail: {
+            /** Revision */
+            revision: number;
+            /** Saved Unix S */
+            saved_unix_s: number;
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Note */
+            note: string;
+            /**
+             * Model
+             * @description what it was made for; empty: any
+             */
+            model: string;
+            /** Steps */
+            steps: number;
+            /** Revisions */
+            revisions: components["schemas"]["MacroRevision"][];
+            document: components["schemas"]["MacroDocument"];
+            /**
+             * Texts
+             * @description each step in words
+             */
+            texts: string[];
+        };
+        /**
+         * MacroDocument
+         * @description A macro. Its steps are done one after the other, each once.
+         */
+        MacroDocument: {
+            /**
+             * Format
+             * @description what this document is
+             * @constant
+             */
+            format: "stepscope.macro";
+            /**
+             * Version
+             * @constant
+             */
+            version: 1;
+            /** Name */
+            name: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /**
+             * Model
+             * @description what it was made for; it runs on no other one. Empty: on any
+             * @default
+             */
+            model?: string;
+            /** Steps */
+            steps: (components["schemas"]["WriteStep"] | components["schemas"]["MoveStep"] | components["schemas"]["RotateStep"] | components["schemas"]["StopStep"] | components["schemas"]["WaitStep"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
+        };
+        /**
+         * MacroDraft
+         * @description Steps made of the audit log, and what it tells that none could be made of.
+         */
+        MacroDraft: {
+            document: components["schemas"]["MacroDocument"];
+            /**
+             * Texts
+             * @description each step in words
+             */
+            texts: string[];
+            /** Left Out */
+            left_out: string[];
+        };
+        /**
+         * MacroIn
+         * @description A macro as a request brings it.
+         * @example {
+         *       "format": "stepscope.macro",
+         *       "name": "There and back",
+         *       "steps": [
+         *         {
+         *           "axis": 0,
+         *           "do": "move",
+         *           "relative": true,
+         *           "target": 1,
+         *           "unit": "rev"
+         *         },
+         *         {
+         *           "at_most_s": 10,
+         *           "axis": 0,
+         *           "do": "wait position"
+         *         },
+         *         {
+         *           "do": "wait",
+         *           "seconds": 0.5
+         *         },
+         *         {
+         *           "axis": 0,
+         *           "do": "move",
+         *           "relative": true,
+         *           "target": -1,
+         *           "unit": "rev"
+         *         }
+         *       ],
+         *       "version": 1
+         *     }
+         */
+        MacroIn: {
+            /**
+             * Format
+             * @description what this document is
+             * @constant
+             */
+            format: "stepscope.macro";
+            /**
+             * Version
+             * @constant
+             */
+            version: 1;
+            /** Name */
+            name: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /**
+             * Model
+             * @description what it was made for; it runs on no other one. Empty: on any
+             * @default
+             */
+            model?: string;
+            /** Steps */
+            steps: (components["schemas"]["WriteStep"] | components["schemas"]["MoveStep"] | components["schemas"]["RotateStep"] | components["schemas"]["StopStep"] | components["schemas"]["WaitStep"] | components["schemas"]["WaitPosition"] | components["schemas"]["WaitChannel"] | components["schemas"]["RecordStart"] | components["schemas"]["RecordStop"] | components["schemas"]["ApplyProfile"])[];
+        };
+        /**
+         * MacroInfo
+         * @description A kept macro, by its latest revision.
+         */
+        MacroInfo: {
+            /** Revision */
+            revision: number;
+            /** Saved Unix S */
+            saved_unix_s: number;
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Note */
+            note: string;
+            /**
+             * Model
+             * @description what it was made for; empty: any
+             */
+            model: string;
+            /** Steps */
+            steps: number;
+        };
+        /**
+         * MacroList
+         * @description All kept macros.
+         */
+        MacroList: {
+            /** Macros */
+            macros: components["schemas"]["MacroInfo"][];
+        };
+        /**
+         * MacroNew
+         * @description A macro to be kept under an id of its own.
+         */
+        MacroNew: {
+            document: components["schemas"]["MacroIn"];
+        };
+        /**
+         * MacroOrder
+         * @description A kept macro by its id, or a document that need not be kept.
+         */
+        MacroOrder: {
+            /** Macro */
+            macro?: string | null;
+            /**
+             * Revision
+             * @description of a kept one: which; null for the latest
+             */
+            revision?: number | null;
+            document?: components["schemas"]["MacroIn"] | null;
+        };
+        /**
+         * MacroPython
+         * @description A macro as a Python program for stepscope's client.
+         */
+        MacroPython: {
+            /** Text */
+            text: string;
+            /** File Name */
+            file_name: string;
+        };
+        /**
+         * MacroRevision
+         * @description When a macro was saved.
+         */
+        MacroRevision: {
+            /** Revision */
+            revision: number;
+            /** Saved Unix S */
+            saved_unix_s: number;
+        };
+        /**
+         * MacroRunState
+         * @description How a run goes, or how the latest one of a device went.
+         */
+        MacroRunState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            /**
+             * Macro
+             * @description its id; empty for a document that is not kept
+             */
+            macro: string;
+            /** Revision */
+            revision: number;
+            /** Name */
+            name: string;
+            /**
+             * By
+             * @description who began it
+             */
+            by: string;
+            /**
+             * Step
+             * @description the one under way, or where it ended, from 1; 0 before the first
+             */
+            step: number;
+            /** Steps */
+            steps: number;
+            /**
+             * Text
+             * @description that step in words
+             */
+            text: string;
+            /**
+             * Left S
+             * @description how long it takes yet, or may take at most [s]; null where nobody knows
+             */
+            left_s: number | null;
+            /** Started Unix S */
+            started_unix_s: number | null;
+            /** Took S */
+            took_s: number;
+            /**
+             * Message
+             * @description where it did not come to its end: at which step, and why
+             */
+            message: string;
+            /** Way Out */
+            way_out: string;
+            /** Done */
+            done: components["schemas"]["MacroStepDone"][];
+            /** Warnings */
+            warnings: string[];
+            /**
+             * Recordings
+             * @description ids of the recordings that it has made
+             */
+            recordings: string[];
+        };
+        /**
+         * MacroSave
+         * @description A macro to be kept over a revision of it.
+         */
+        MacroSave: {
+            /**
+             * Based On
+             * @description the revision that this one was made from; 0 where there was none
+             */
+            based_on: number;
+            document: components["schemas"]["MacroIn"];
+        };
+        /**
+         * MacroStanding
+         * @description Macros of a device: the present run, or the latest, and which ones were tried.
+         */
+        MacroStanding: {
+            run: components["schemas"]["MacroRunState"];
+            /** Tried */
+            tried: components["schemas"]["MacroTried"][];
+        };
+        /**
+         * MacroStepDone
+         * @description A step that is done.
+         */
+        MacroStepDone: {
+            /**
+             * Number
+             * @description from 1
+             */
+            number: number;
+            /** Text */
+            text: string;
+            /** Took S */
+            took_s: number;
+            /**
+             * Came
+             * @description what came of it: where it stands, what was read back
+             */
+            came: string;
+        };
+        /**
+         * MacroTrial
+         * @description What came of trying a macro on an emulated twin of a device: same model, registers, limits and places.
+         */
+        MacroTrial: {
+            /**
+             * Passed
+             * @description it came to its end
+             */
+            passed: boolean;
+            /**
+             * Why Not
+             * @description why it could not be tried at all; empty where it was
+             */
+            why_not: string;
+            run: components["schemas"]["MacroRunState"];
+            /** Axes */
+            axes: components["schemas"]["MacroAxisTrial"][];
+            /** Writes */
+            writes: components["schemas"]["MacroTrialWrite"][];
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * MacroTrialWrite
+         * @description A register that was written on the twin.
+         */
+        MacroTrialWrite: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /** Old */
+            old: number | null;
+            /** New */
+            new: number | null;
+        };
+        /**
+         * MacroTried
+         * @description Whether a kept macro, in its present revision, has come to its end on a twin of a device.
+         */
+        MacroTried: {
+            /** Macro */
+            macro: string;
+            /** Revision */
+            revision: number;
+            /**
+             * Passed
+             * @description null: it was not tried since the server began
+             */
+            passed: boolean | null;
         };
         /**
          * MapFinding
@@ -10973,6 +11667,35 @@ export interface components {
             predicted_duration_s: number | null;
             /** Warnings */
             warnings: string[];
+        };
+        /**
+         * MoveStep
+         * @description Start a move by the axis's ramp as it is set. A wait that follows waits for its end.
+         */
+        MoveStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "move";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /** Target */
+            target: number;
+            /**
+             * Relative
+             * @default false
+             */
+            relative?: boolean;
+            /**
+             * Unit
+             * @default microsteps
+             * @enum {string}
+             */
+            unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
         };
         /**
          * MoveTrigger
@@ -13427,6 +14150,40 @@ export interface components {
             rows_dropped: number;
         };
         /**
+         * RecordStart
+         * @description Begin to record. The macro's end ends it too.
+         */
+        RecordStart: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "record start";
+            /**
+             * Name
+             * @default macro
+             */
+            name?: string;
+            /** Channels */
+            channels: string[];
+            /**
+             * Rate Hz
+             * @default 200
+             */
+            rate_hz?: number;
+        };
+        /**
+         * RecordStop
+         * @description End the recording.
+         */
+        RecordStop: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "record stop";
+        };
+        /**
          * Recording
          * @description Columns of one length. `time_s` counts from the step, or from the beginning of the load.
          */
@@ -14615,6 +15372,30 @@ export interface components {
              * @description stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on
              */
             hold_s?: number | null;
+        };
+        /**
+         * RotateStep
+         * @description Turn on and on, until a later step, or a stop.
+         */
+        RotateStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "rotate";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /** Velocity */
+            velocity: number;
+            /**
+             * Unit
+             * @default pps
+             * @enum {string}
+             */
+            unit?: "pps" | "chip" | "fullsteps_per_s" | "rps" | "rpm" | "rad_per_s" | "mm_per_s";
         };
         /** Rotating */
         Rotating: {
@@ -16494,6 +17275,28 @@ export interface components {
             /** Took Ms */
             took_ms: number;
             problem: components["schemas"]["Problem"] | null;
+        };
+        /**
+         * StopStep
+         * @description Stop an axis.
+         */
+        StopStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "stop";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /**
+             * Mode
+             * @default ramp
+             * @enum {string}
+             */
+            mode?: "ramp" | "immediate";
         };
         /**
          * StorageHealth
@@ -18878,6 +19681,70 @@ export interface components {
             step_pps: number;
         };
         /**
+         * WaitChannel
+         * @description Wait until a telemetry channel is above, or below, a value.
+         */
+        WaitChannel: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "wait channel";
+            /** Channel */
+            channel: string;
+            /**
+             * When
+             * @enum {string}
+             */
+            when: "above" | "below";
+            /**
+             * Value
+             * @description in the channel's unit
+             */
+            value: number;
+            /**
+             * At Most S
+             * @description then the macro has failed
+             * @default 60
+             */
+            at_most_s?: number;
+        };
+        /**
+         * WaitPosition
+         * @description Wait until an axis is where it was sent.
+         */
+        WaitPosition: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "wait position";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /**
+             * At Most S
+             * @description then the macro has failed
+             * @default 60
+             */
+            at_most_s?: number;
+        };
+        /**
+         * WaitStep
+         * @description Wait for a time.
+         */
+        WaitStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "wait";
+            /** Seconds */
+            seconds: number;
+        };
+        /**
          * WirablePin
          * @description A pin of an emulated device that can be wired to others.
          */
@@ -19007,6 +19874,36 @@ export interface components {
             nets: components["schemas"]["Net"][];
             /** Pins */
             pins: components["schemas"]["WirablePin"][];
+        };
+        /**
+         * WriteStep
+         * @description Write a register, parameter or field, and read it back.
+         */
+        WriteStep: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "write";
+            /**
+             * Name
+             * @description as in the data sheet
+             */
+            name: string;
+            /**
+             * Axis
+             * @description null for registers of the whole chip
+             */
+            axis?: number | null;
+            /**
+             * Value
+             * @description the whole value; else `fields`
+             */
+            value?: number | null;
+            /** Fields */
+            fields?: {
+                [key: string]: number;
+            } | null;
         };
         /** Switches */
         MotionSwitches: {
@@ -29682,6 +30579,777 @@ export interface operations {
             };
             /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_macros: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MacroNew"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroDetail"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_macro: {
+        parameters: {
+            query?: {
+                /** @description an earlier one; the latest without */
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                macro: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroDetail"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                macro: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MacroSave"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroDetail"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The macro was saved by somebody else meanwhile (/problems/macro-changed); Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                macro: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_macro_python: {
+        parameters: {
+            query?: {
+                /** @description an earlier one; the latest without */
+                revision?: number | null;
+                /** @description the device that it is for, unless told otherwise */
+                device?: string;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                macro: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroPython"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    draft_macro: {
+        parameters: {
+            query: {
+                /** @description id of the audit entry before the first that counts */
+                after: number;
+                /** @description id of the last one; all without */
+                until?: number | null;
+                /** @description what was a longer pause is a wait for so long */
+                longest_pause_s?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroDraft"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    try_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MacroOrder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroTrial"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_macro_run: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroStanding"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    run_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MacroOrder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroRunState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Another session has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_macro: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MacroRunState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
