@@ -17,6 +17,7 @@ from tests.bench import (
     chain_drives,
     churn,
     cold_start,
+    collected,
     editor,
     emulation,
     emulation5xxx,
@@ -133,7 +134,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="shorter runs: figures for a look, not for a claim")
     parser.add_argument("--only", action="append", choices=MEASURES, help="only this; may be repeated")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with what earlier runs of the same commit have judged, by plant"
+    )
+    parser.add_argument("--within", type=float, metavar="S", help="a row of plants begins no further one after this")
     arguments = parser.parse_args()
+    if arguments.resume:
+        collected.KEEPING.folder = collected.cache()
+    if arguments.within is not None:
+        collected.KEEPING.within_s = arguments.within
     rows: list[Row] = []
     for name in arguments.only or MEASURES:
         print(f"measuring {name} ...", file=sys.stderr, flush=True)

@@ -22,6 +22,7 @@ from app.studies.chopper.setting import ChopperSetting, ChopperSpace, Coil
 from app.studies.families import chopper_of
 from app.studies.ramp_settings import held_of
 from app.studies.record import StudyRecord
+from tests.bench.collected import KEEPING, at_least, at_most, collected
 from tests.bench.table import Row
 from tests.plants.choppers import ChopperPlant, drawn
 from tests.studies.harness import START, Studied, studied
@@ -34,6 +35,8 @@ NAMES = ("CHOPCONF", "GCONF", "VMAX", "AMAX")
 UNITS_A_TURN = 53_687.1
 """VMAX of a turn a second."""
 SPEED_UP_S, RUN_S, PERIODS = 0.25, 0.4, 8
+PLANTS, NULLS, NULL = 100, 100, 1000
+"""So many of each kind, and the first seed of those where nothing is to be gained."""
 WITHIN, SHARE, CLAIMED_MAX = 1.03, 0.95, 0.05
 BEGINS = 1.1
 """Plants begin with a setting that shakes at least so much more than the best, as far as the grid has any."""
@@ -147,14 +150,18 @@ async def _set(s: Studied, chopconf: int) -> None:
 
 def measure(quick: bool) -> Sequence[Row]:
     """Two rows; quick: a few plants of each."""
-    plants, nulls = (3, 2) if quick else (40, 20)
+    plants, nulls = (3, 2) if quick else (PLANTS, NULLS)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
 
         async def all_of() -> tuple[list[Judged], list[Judged]]:
-            judged = [await _judged(seed, folder / f"p{seed}", best_before=False) for seed in range(plants)]
-            empty = [await _judged(1000 + seed, folder / f"n{seed}", best_before=True) for seed in range(nulls)]
-            return judged, empty
+            async def one(seed: int) -> Judged:
+                return await _judged(seed, folder / f"p{seed}", best_before=seed >= NULL)
+
+            return (
+                await collected("chopper", range(plants), one, KEEPING, 2 / 3),
+                await collected("chopper", range(NULL, NULL + nulls), one, KEEPING, 1 / 3),
+            )
 
         judged, empty = asyncio.run(all_of())
     near = [one for one in judged if one.ratio <= WITHIN]
@@ -165,22 +172,23 @@ def measure(quick: bool) -> Sequence[Row]:
     calculated = [one.calculated for one in judged]
     return [
         Row(
-            what=f"chopper on {plants} blind plants: ripple of what {TRIALS} trials leave set, over the best of the "
-            f"whole grid, {min(one.grid for one in judged)} to {max(one.grid for one in judged)} settings",
-            measured=f"{len(near)} within 3 %; median {np.median(ratios):.3f}, worst {max(ratios):.3f}",
+            what=f"chopper on {len(judged)} blind plants: ripple of what {TRIALS} trials leave set, over the best of "
+            f"the whole grid, {min(one.grid for one in judged)} to {max(one.grid for one in judged)} settings",
+            measured=f"{at_least(len(near), len(judged))}, within 3 %; "
+            f"median {np.median(ratios):.3f}, worst {max(ratios):.3f}",
             peer=f"before {np.median(before):.3f}, worst {max(before):.3f}; calculated {np.median(calculated):.3f}",
-            ratio=len(near) / plants,
+            ratio=len(near) / len(judged),
             required=f">= {SHARE:g}, every axis as before",
-            ok=len(near) >= SHARE * plants and not odd,
+            ok=len(near) >= SHARE * len(judged) and not odd,
             notes=tuple(one.record.verdict or one.record.message for one in (*odd, *far)),
         ),
         Row(
-            what=f"a calmer chopper claimed on {nulls} plants that have the best of the grid already",
-            measured=f"{len(claimed)}",
-            peer=f"{nulls}",
-            ratio=len(claimed) / nulls,
+            what=f"a calmer chopper claimed on {len(empty)} plants that have the best of the grid already",
+            measured=at_most(len(claimed), len(empty)),
+            peer=f"{len(empty)}",
+            ratio=len(claimed) / len(empty),
             required=f"<= {CLAIMED_MAX:g}",
-            ok=len(claimed) <= CLAIMED_MAX * nulls,
+            ok=len(claimed) <= CLAIMED_MAX * len(empty),
             notes=tuple(one.record.verdict for one in claimed),
         ),
     ]
