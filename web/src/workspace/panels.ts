@@ -146,7 +146,7 @@ export const PANELS: readonly PanelType[] = [
     needs: ["motion"],
     min: [320, 200],
     single: true,
-    Panel: later(() => import("./panels/MacrosPanel").then((part) => part.MacrosPanel)),
+    Panel: lazily(() => import("./panels/MacrosPanel").then((part) => part.MacrosPanel)),
   }),
   ofNothing({
     type: "notes",

@@ -44,8 +44,8 @@ export function MacrosPanel({ device }: DeviceProps) {
   const record = useWork(async () => {
     const key = `${RECORDING}.${device.id}`;
     if (after === null) {
-      const page = await api.GET("/api/v1/audit", { query: { limit: 1 } });
-      const newest = page.entries[0]?.id ?? 0;
+      const answer = await api.GET("/api/v1/audit", { query: { limit: 1 } });
+      const newest = (answer as Schemas["AuditPage"]).entries[0]?.id ?? 0;
       sessionStorage.setItem(key, String(newest));
       setAfter(newest);
       return;
