@@ -11,18 +11,17 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 
 from ..emulators.board.options import MODEL as BOARD
+from ..emulators.board.options import USUAL_CHIP
 from ..kernels import all_compiled, plain_meanwhile
 from ..preparation import Preparation, jobs_of
 from ..registers.catalog import find_model
-
-BOARDS_USUAL_CHIP = "tmc4361"
 
 Jobs = Mapping[str, Callable[[], None]]
 
 
 def serve_plain(model: str, chip: str = "") -> Jobs:
     """Have plain Python serve where `model`, or a board's `chip`, is not compiled yet; what is to be compiled then."""
-    jobs = jobs_of(find_model(chip or BOARDS_USUAL_CHIP if model == BOARD else model).family)
+    jobs = jobs_of(find_model(chip or USUAL_CHIP if model == BOARD else model).family)
     if not jobs or all_compiled(jobs):
         return {}
     plain_meanwhile(on=True)

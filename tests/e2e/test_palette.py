@@ -96,3 +96,22 @@ def test_on_a_phone_it_is_a_button_and_fits(new_context: Callable[..., BrowserCo
     page.get_by_role("combobox", name="Find", exact=True).fill("records")
     expect(page.get_by_role("option").first).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_layouts_and_macros_are_found_and_nothing_runs_by_that(page: Page, api: httpx.Client) -> None:
+    steps = [{"do": "wait", "seconds": 1}]
+    macro = {"format": "stepscope.macro", "version": 1, "name": "There and back", "steps": steps}
+    kept = api.post("/macros", json={"document": macro}).raise_for_status().json()
+    try:
+        page.goto("/")
+        find(page, "there and back")
+        first(page, "There and back")
+        page.keyboard.press("Enter")
+        expect(page).to_have_url(re.compile(r"/\?.*layout=macros"))
+        expect(page.get_by_role("region", name="Macros")).to_contain_text("There and back")
+        assert api.get("/devices/bench/macro-run").raise_for_status().json()["run"] is None
+        find(page, "3d beside")
+        first(page, "3D beside the scope")
+        page.keyboard.press("Control+k")
+    finally:
+        api.delete(f"/macros/{kept['id']}").raise_for_status()

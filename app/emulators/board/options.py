@@ -14,6 +14,8 @@ from ..tmc4361.options import Tmc4361Patch
 from ..tmc4361.state import Tmc4361State
 
 MODEL = "landungsbruecke"
+USUAL_CHIP = "tmc4361"
+"""In its slot where none is named."""
 
 
 class BoardFaults(Closed):

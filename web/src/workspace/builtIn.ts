@@ -28,6 +28,12 @@ export const BUILT_IN: readonly LayoutDocument[] = [
     "polar",
     "axes",
   ]),
+  builtIn(
+    "macros",
+    "Macros",
+    { row: [SIDE, one("scope"), { col: [one("macros", "content"), one("log", 1)], size: "380px" }] },
+    ["motion", "macros", "scope", "log", "axes"],
+  ),
   builtIn("view", "3D beside the scope", { row: [SIDE, one("twin", 1), one("scope", 1)] }, [
     "motion",
     "twin",

@@ -141,6 +141,30 @@ export function historyEntries({ past, future }: Steps, device: Device | undefin
   ];
 }
 
+/** Arrangements of the bench's panels. */
+export function layoutEntries(layouts: readonly { id: string; name: string }[]): Entry[] {
+  return layouts.map(({ id, name }) => ({
+    id: `layout ${id}`,
+    title: name,
+    section: "Layout",
+    detail: "panels of the bench",
+    off: null,
+    go: { to: `/?layout=${encodeURIComponent(id)}` },
+  }));
+}
+
+/** Macros, by the layout whose panel runs them: nothing moves by being found. */
+export function macroEntries(macros: readonly Schemas["MacroInfo"][]): Entry[] {
+  return macros.map(({ id, name, model }) => ({
+    id: `macro ${id}`,
+    title: name,
+    section: "Macro",
+    detail: model ?? "",
+    off: null,
+    go: { to: "/?layout=macros" },
+  }));
+}
+
 export function actionEntries(scheme: "light" | "dark"): Entry[] {
   const other = scheme === "light" ? "dark" : "light";
   return [

@@ -1,5 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
+import { api } from "../../api/client";
 import { useCatalogModel, useDevices } from "../../api/queries";
 import { useSteps } from "../../lib/history/history";
 import { useLocalKept } from "../../lib/useKept";
@@ -7,6 +8,8 @@ import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
 import { useProfiles } from "../../pages/profiles/useProfiles";
 import { PAGE_MAX, useRecordings } from "../../pages/recordings/api";
+import { BUILT_IN } from "../../workspace/builtIn";
+import { useLayouts } from "../../workspace/layouts";
 import { PAGES } from "../pages";
 import {
   actionEntries,
@@ -15,6 +18,8 @@ import {
   type HelpItem,
   helpEntries,
   historyEntries,
+  layoutEntries,
+  macroEntries,
   pageEntries,
   profileEntries,
   recordingEntries,
@@ -51,6 +56,8 @@ export function useFound(query: string): Found {
   const recordings = useRecordings("", PAGE_MAX);
   const profiles = useProfiles("");
   const help = useQuery({ queryKey: ["find", "help"], queryFn: helpIndex, staleTime: Number.POSITIVE_INFINITY });
+  const kept = useLayouts();
+  const macros = useQuery({ queryKey: ["macros"], queryFn: () => api.GET("/api/v1/macros") });
   const [recent] = useRecent();
 
   const index = useMemo(
@@ -60,12 +67,27 @@ export function useFound(query: string): Found {
         ...historyEntries(steps, device),
         ...pageEntries(PAGES, device),
         ...axisEntries(devices.data ?? []),
+        ...layoutEntries([
+          ...new Map([...BUILT_IN, ...(kept.data?.layouts ?? [])].map((each) => [each.id, each])).values(),
+        ]),
+        ...macroEntries(macros.data?.macros ?? []),
         ...registerEntries(catalog.data, device),
         ...recordingEntries(recordings.data?.recordings ?? []),
         ...profileEntries(profiles.data ?? []),
         ...helpEntries(help.data ?? []),
       ]),
-    [scheme, steps, device, devices.data, catalog.data, recordings.data, profiles.data, help.data],
+    [
+      scheme,
+      steps,
+      device,
+      devices.data,
+      kept.data,
+      macros.data,
+      catalog.data,
+      recordings.data,
+      profiles.data,
+      help.data,
+    ],
   );
   const entries = useMemo(() => {
     if (query.trim() !== "") return index.find(query);
