@@ -47,9 +47,10 @@ RUNS = {
         "start_recording",
         "delete_recording",
     ),
+    "guests": GUESTS,
 }
-"""Calls that get a server of their own: they add devices of any name, take the bench, or leave the others nothing to
-talk to."""
+"""Calls that get a server of their own: they add devices of any name, take the bench, leave the others nothing to talk
+to, or start a process each."""
 ALL_RUNS = tuple(name for names in RUNS.values() for name in names)
 
 PARTS = ("rest", *RUNS)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..calc.signals.step_response import score
 from ..clock import Clock
 from ..devices.core.device import Device
@@ -24,6 +26,8 @@ STILL_MAX = 40
 LONGEST = 3.0
 """A move may take so many times what it should."""
 LOOK_S = 0.25
+SAMPLES_LEAST = 2
+"""Behind the command of a move: a score needs them."""
 PERIOD_FULLSTEPS = 4.0
 """A rotor that slips does so by whole electrical periods."""
 
@@ -59,7 +63,13 @@ def deviation_of(state: AxisState) -> float:
 
 
 def figures_of(found: Sampled, target: int, before: float, full_step: int, band: float) -> MoveFigures:
-    """Of a move whose encoder was `before` off its position at rest; `band` it has to end within [all microsteps]."""
+    """Of a move whose encoder was `before` off its position at rest; `band` it has to end within [all microsteps].
+
+    Raises Failed where too few samples came.
+    """
+    counts = (found.time_s >= 0) & np.isfinite(found.position) & np.isfinite(found.encoder)
+    if np.count_nonzero(counts) < SAMPLES_LEAST:
+        raise Failed("hardly a sample came of a move: the link is too slow, or something else keeps it busy")
     off = (found.deviation - before) / full_step
     lost = PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
     scored = score(

@@ -71,3 +71,45 @@ def test_tags_are_found_by_the_search(page: Page, recording: str) -> None:
     page.goto("/recordings?find=warm")
     page.get_by_label("Search recordings").fill("warm motor")
     expect(page.get_by_test_id("recordings").locator("tbody tr")).to_have_count(1)
+
+
+RIGOL = "X,CH1,Start,Increment\nSequence,Volt,0.000000e+00,1.000000e-02\n" + "".join(
+    f"{row},{row % 7}.5e-01\n" for row in range(100)
+)
+"""As an oscilloscope exports it: a counter, start and step above; 1 s at 100 Hz."""
+
+DROP = """([target, text]) => {
+    const files = new DataTransfer();
+    files.items.add(new File([text], "dropped.csv", { type: "text/csv" }));
+    for (const kind of ["dragover", "drop"])
+        target.dispatchEvent(new DragEvent(kind, { dataTransfer: files, bubbles: true, cancelable: true }));
+}"""
+
+
+def test_a_file_of_an_oscilloscope_is_dropped_in_aligned_and_removed(
+    page: Page, api: httpx.Client, recording: str, check_axe: Callable[[Page], None]
+) -> None:
+    page.goto(f"/recordings/{recording}")
+    card = page.get_by_role("region", name="Other instruments")
+    expect(card).to_contain_text("Drop the CSV file")
+    page.evaluate(DROP, [card.element_handle(), RIGOL])
+    file = card.get_by_role("region", name="dropped.csv")
+    expect(file).to_contain_text("100 rows")
+    expect(file.get_by_role("img", name="CH1 over time")).to_be_visible()
+    expect(page.get_by_test_id("figures")).to_contain_text("CH1")
+    check_axe(page)
+    offset = file.get_by_role("textbox", name="Where the 0 of dropped.csv lies")
+    offset.fill("0.25")
+    offset.press("Enter")
+    expect(file).to_contain_text("0.250 to 1.240")
+    (kept,) = api.get(f"/recordings/{recording}").raise_for_status().json()["added"]
+    assert kept["offset_s"] == 0.25
+    card.locator("input[type=file]").set_input_files(
+        {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"time [s],CH1 [V]\n0.0,1.0\n0.1,word\n"}
+    )
+    alert = card.get_by_role("alert")
+    expect(alert).to_contain_text("line 3")
+    expect(card.get_by_test_id("added-file")).to_have_count(1)
+    file.get_by_role("button", name="Remove").click()
+    expect(card.get_by_test_id("added-file")).to_have_count(0)
+    assert api.get(f"/recordings/{recording}").raise_for_status().json()["added"] == []

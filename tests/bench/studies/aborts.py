@@ -256,12 +256,16 @@ def _abort(bench: Bench, number: int) -> Aborted:
     time.sleep(after_s)
     record = bench.end(way, name, chance.uniform(0, CUT_S))
     state = str(record["state"])
+    if state == "failed":
+        print(record["message"], file=sys.stderr)
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
     untold = [one for one in _other(before, bench.chip.setting()) if one not in " ".join(left)] if left else []
     may_turn = "turn" in " ".join([*left, record["message"]])
-    if way == "kill" and not may_turn:
-        return told(state, "nothing tells that the motor may still turn")
+    untold_motion = state == "interrupted" and not may_turn
     if may_turn and not left:  # nothing was set: it goes on to its target, and what a new server knows comes back
+        bench.at_rest()
+        bench.new()
+    if way == "kill" and not left and not may_turn:  # it was over before: what a new server cannot read comes back
         bench.at_rest()
         bench.new()
     if left:
@@ -276,6 +280,8 @@ def _abort(bench: Bench, number: int) -> Aborted:
     untold += _other(before, bench.chip.setting())
     if way == "kill":
         bench.new()
+    if untold_motion:
+        return told(state, "nothing tells that the motor may still turn")
     return told(state, f"{', '.join(untold)} other than before, and nothing tells it" if untold else "")
 
 

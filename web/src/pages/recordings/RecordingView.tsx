@@ -10,6 +10,7 @@ import { later } from "../../lib/later";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
+import { AddedFiles } from "./AddedFiles";
 import { isRunning, type RecordingDetail, titleOf, useChanges, useFigures, useRecording } from "./api";
 import { Configuration } from "./Configuration";
 import { colorOfQuantity, labelOf, severalAxes } from "./channels";
@@ -127,6 +128,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
       <div className={`${classes.below} columns until-62`}>
         <div className="grid shrink gap-8">
           <FiguresSection detail={detail} window={window} ready={ready} />
+          {!running && <AddedFiles detail={detail} window={window} />}
           <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
         </div>
         <div className="grid shrink gap-8">
@@ -272,7 +274,7 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
       <ProblemAlert error={figures.error} doing="Figures" />
       {figures.data && (
         <FiguresTable
-          channels={detail.channels}
+          channels={[...detail.channels, ...detail.added.flatMap(({ channels }) => channels)]}
           sides={[{ id: detail.id, name: "", figures: figures.data.figures }]}
           stale={figures.isPlaceholderData}
         />

@@ -84,12 +84,28 @@ export function useChanges() {
       void queries.invalidateQueries({ queryKey: ["recordings"] });
       void queries.invalidateQueries({ queryKey: ["recording"] });
     });
+  const measured = <T>(answer: Promise<T>): Promise<T> =>
+    done(answer).finally(() => void queries.invalidateQueries({ queryKey: ["figures"] }));
   const path = (recording: string) => ({ path: { recording } });
   return {
     start: (body: Start) => done(api.POST("/api/v1/recordings", { body })),
     stop: (id: string) => done(api.POST("/api/v1/recordings/{recording}/stop", path(id))),
     mark: (id: string, text: string) =>
       done(api.POST("/api/v1/recordings/{recording}/marks", { ...path(id), body: { text } })),
+    addFile: (id: string, file: File) =>
+      measured(
+        api.POST("/api/v1/recordings/{recording}/added", {
+          ...path(id),
+          query: { name: file.name.slice(-100) },
+          body: file as unknown as string,
+          bodySerializer: (body: unknown) => body,
+          headers: { "Content-Type": "text/csv" },
+        } as never),
+      ),
+    alignFile: (recording: string, number: number, body: Schemas["Align"]) =>
+      measured(api.PATCH("/api/v1/recordings/{recording}/added/{number}", { path: { recording, number }, body })),
+    removeFile: (recording: string, number: number) =>
+      measured(api.DELETE("/api/v1/recordings/{recording}/added/{number}", { path: { recording, number } })),
     label: (id: string, label: Schemas["RecordingLabel"]) =>
       done(api.PATCH("/api/v1/recordings/{recording}", { ...path(id), body: label })),
     remove: (id: string) =>
