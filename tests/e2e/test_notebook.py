@@ -9,7 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.conftest import PHONE
+from tests.e2e.conftest import PHONE, Errors
 from tests.e2e.motor import wait_for
 
 
@@ -87,8 +87,9 @@ DROP = """([target, text]) => {
 
 
 def test_a_file_of_an_oscilloscope_is_dropped_in_aligned_and_removed(
-    page: Page, api: httpx.Client, recording: str, check_axe: Callable[[Page], None]
+    page: Page, api: httpx.Client, recording: str, errors: Errors, check_axe: Callable[[Page], None]
 ) -> None:
+    errors.expect(r"status of 422 .*/added")
     page.goto(f"/recordings/{recording}")
     card = page.get_by_role("region", name="Other instruments")
     expect(card).to_contain_text("Drop the CSV file")

@@ -142,7 +142,7 @@ function AddedFile({ detail, file, window, busy, attempt }: FileProps) {
 function Curves({ detail, file, window }: Props & { file: Added }) {
   const names = file.channels.map(({ name }) => name);
   const plot = useQuery({
-    queryKey: ["recording", detail.id, "added", names, file.offset_s, window],
+    queryKey: ["added", detail.id, file.number, names, file.offset_s, window],
     queryFn: () =>
       api.GET("/api/v1/recordings/{recording}/plot", {
         path: { recording: detail.id },

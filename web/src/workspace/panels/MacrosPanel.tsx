@@ -154,7 +154,7 @@ function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowP
   return (
     <Group gap="xs" justify="space-between" data-testid={`macro-${info.id}`}>
       <Text size="sm">
-        {info.name} <span className="hint">{`${info.steps} steps, ${untried}`}</span>
+        {info.name} <span className="hint">{`${info.steps === 1 ? "1 step" : `${info.steps} steps`}, ${untried}`}</span>
       </Text>
       <Group gap={6}>
         <Button size="compact-sm" variant="default" onClick={edit.mutate}>
