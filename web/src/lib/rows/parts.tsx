@@ -132,8 +132,9 @@ interface PhysicalProps {
 /** A packed register's fields in one line, staged ones first. */
 export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number | null; edit: Edit | null }) {
   const staged = edit ? changes(edit, row, raw) : [];
+  const all = raw === null ? "" : [summary(row, raw), pairText(row, raw)].filter(Boolean).join(" · ");
   return (
-    <span className={`${css.packed} flex shrink gap-8`}>
+    <span className={`${css.packed} flex shrink gap-8`} title={all}>
       {staged.map((change) => (
         <span key={change.field?.name} className="rigid accent text-12 nowrap">
           {change.field?.access === "R+WC" ? (
@@ -150,10 +151,7 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
       {raw === null ? (
         <span className="dim">–</span>
       ) : (
-        <LiveText
-          className={`${css.live} ${css.summary} clip shrink text-12`}
-          text={[summary(row, raw), pairText(row, raw)].filter(Boolean).join(" · ")}
-        />
+        <LiveText className={`${css.live} ${css.summary} clip shrink text-12`} text={all} />
       )}
     </span>
   );

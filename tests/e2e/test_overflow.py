@@ -1,0 +1,127 @@
+"""Every page, at each size and at 200 % zoom: nothing reaches beyond the window, no label is cut off untold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Page, ViewportSize, expect
+
+from tests.e2e.conftest import DESKTOP, PHONE
+
+CHIP, CLOSED_LOOP, MODULE = "overflow-5160", "overflow-4361", "overflow-pd42"
+DEVICES = {"bench": "", CHIP: "tmc5160", CLOSED_LOOP: "tmc4361", MODULE: "pd42-1241"}
+PAGES = {
+    "bench": ("/", "/registers", "/ramps", "/velocity", "/microsteps", "/chain", "/together", "/rotary"),
+    CHIP: (
+        "/",
+        "/registers",
+        "/sixpoint",
+        "/currents",
+        "/microsteps",
+        "/encoder",
+        "/stallguard",
+        "/tune",
+        "/first-run",
+    ),
+    CLOSED_LOOP: ("/registers", "/sramp", "/closed-loop", "/filters", "/start", "/driver-sync", "/drive-currents"),
+    MODULE: ("/", "/parameters", "/program", "/console", "/encoder", "/stallguard"),
+}
+OF_NO_DEVICE = ("/recordings", "/profiles", "/connections", "/audit", "/health")
+VISITS = [(device, path) for device, paths in PAGES.items() for path in paths] + [
+    ("bench", path) for path in OF_NO_DEVICE
+]
+
+LAPTOP: ViewportSize = {"width": 1280, "height": 720}
+ZOOMED: ViewportSize = {"width": 720, "height": 450}
+"""1440x900 at 200 %: a browser lays out half as many pixels."""
+SIZES = {"desktop": DESKTOP, "laptop": LAPTOP, "phone": PHONE, "zoomed": ZOOMED}
+
+CUT_OFF = """() => {
+    const shown = (box) => box.width > 1 && box.height > 1;
+    const told = (each) => each.closest("[title], [aria-label], [data-tip]") !== null;
+    const found = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+        const text = node.textContent.trim();
+        const owner = node.parentElement;
+        if (text === "" || owner.closest("style, script, option, .unseen, pre, textarea")) continue;
+        if (!owner.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
+        const range = document.createRange();
+        range.selectNodeContents(node);
+        const words = range.getBoundingClientRect();
+        if (!shown(words)) continue;
+        for (let box = owner; box && box !== document.body; box = box.parentElement) {
+            const style = getComputedStyle(box);
+            if (style.position === "fixed" && box !== owner) break;
+            if (style.clipPath !== "none" || style.overflowX === "auto" || style.overflowX === "scroll") break;
+            if (style.overflowX === "visible") continue;
+            const edge = box.getBoundingClientRect();
+            if (edge.width <= 1 || edge.height <= 1) break;
+            const over = Math.max(words.right - edge.right, edge.left - words.left);
+            if (over <= 1.5) continue;
+            if (box.closest("[data-cut]") || told(owner) || told(box)) break;
+            found.push(`${text.slice(0, 60)}: ${Math.round(over)} px beyond ${box.tagName}.${box.className}`);
+            break;
+        }
+    }
+    return found;
+}"""
+"""Texts that a box around them cuts off, and no title tells."""
+
+BEYOND = """() => {
+    const wide = document.documentElement.clientWidth;
+    const over = document.scrollingElement.scrollWidth - wide;
+    if (over <= 0) return [];
+    const guilty = [...document.querySelectorAll("#main *")]
+        .filter((each) => each.getBoundingClientRect().right > wide + 1)
+        .slice(-3)
+        .map((each) => `${each.tagName}.${each.className} ${each.textContent.slice(0, 40)}`);
+    return [`scrolls sideways by ${over} px: ${guilty.join(" | ")}`];
+}"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def devices(api: httpx.Client) -> Iterator[None]:
+    """One of each family beside the demo bench."""
+    made = {name: model for name, model in DEVICES.items() if model}
+    for name, model in made.items():
+        body = {"name": name, "model": model, "link": {"kind": "emulator"}}
+        api.post("/devices", json=body, timeout=60).raise_for_status()
+    yield
+    for name in made:
+        api.delete(f"/devices/{name}").raise_for_status()
+
+
+def settled(page: Page) -> None:
+    expect(page.get_by_role("heading", level=1)).to_be_attached()
+    expect(page.get_by_label("Loading the page")).to_have_count(0)
+    expect(page.locator("#main [aria-busy=true]")).to_have_count(0)
+
+
+@pytest.mark.parametrize(("device", "path"), VISITS)
+def test_nothing_is_cut_off(page: Page, device: str, path: str) -> None:
+    page.goto(f"{path}?d={device}")
+    settled(page)
+    faults = []
+    for size, viewport in SIZES.items():
+        page.set_viewport_size(viewport)
+        settled(page)
+        faults += [f"{size}: {fault}" for look in (BEYOND, CUT_OFF) for fault in page.evaluate(look)]
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.parametrize("path", ["/", "/registers", "/recordings", "/connections"])
+def test_nothing_is_cut_off_for_fingers(new_context: Callable[..., BrowserContext], path: str) -> None:
+    page = new_context(viewport=PHONE, has_touch=True, is_mobile=True).new_page()
+    page.goto(path)
+    settled(page)
+    assert page.locator("html").get_attribute("data-density") == "touch"
+    assert page.evaluate(BEYOND) + page.evaluate(CUT_OFF) == []
+    small = page.locator("button:visible").evaluate_all(
+        "all => all.filter((each) => each.matches('.mantine-Button-root')"
+        " && each.getBoundingClientRect().height < 43.5)"
+        ".map((each) => each.textContent)"
+    )
+    assert small == []
