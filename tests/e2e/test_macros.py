@@ -42,6 +42,11 @@ def test_record_edit_try_run_and_stop(new_context: Callable[..., BrowserContext]
     for way in (800, -800):
         body = {"target": way, "relative": True}
         api.post("/devices/bench/axes/0/move", json=body).raise_for_status()
+    page.get_by_role("combobox", name="Device and axis").click()
+    page.get_by_role("option", name="slider").first.click()  # nothing of another device is recorded
+    expect(page.get_by_role("button", name="Record", exact=True)).to_be_visible()
+    page.get_by_role("combobox", name="Device and axis").click()
+    page.get_by_role("option", name="bench").first.click()
     page.get_by_role("button", name="Stop recording").click()
     editor = page.get_by_test_id("macro-editor")
     steps = editor.get_by_role("textbox", name="Steps, one a line")

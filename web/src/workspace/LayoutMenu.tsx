@@ -7,7 +7,7 @@ import { ApiError, problemOf } from "../api/problem";
 import { useShared } from "../lib/shared";
 import { usePhone } from "../lib/usePhone";
 import { copyLink } from "../shell/CopyLink";
-import { BUILT_IN } from "./builtIn";
+import { allLayouts, BUILT_IN } from "./builtIn";
 import { isNewer } from "./document";
 import { ARRANGING, type Layout } from "./layout";
 import { useLayouts } from "./layouts";
@@ -36,12 +36,6 @@ export function LayoutMenu({ layout, opened, onChange, children }: Props) {
   const [asked, ask] = useState<Asked>(null);
   const open = useRef<() => void>(null);
   const kept = list.data?.layouts ?? [];
-  const names = [
-    ...BUILT_IN.map(({ id: each, name }) => [each, kept.find((one) => one.id === each)?.name ?? name] as const),
-    ...kept
-      .filter(({ id: each }) => !BUILT_IN.some((one) => one.id === each))
-      .map((one) => [one.id, one.name] as const),
-  ];
   const builtIn = BUILT_IN.some((each) => each.id === id);
   const newer = isNewer(document);
 
@@ -90,7 +84,7 @@ export function LayoutMenu({ layout, opened, onChange, children }: Props) {
               </Menu.Item>
             )}
             <Menu.Label>Layouts</Menu.Label>
-            {names.map(([each, name]) => (
+            {allLayouts(kept).map(({ id: each, name }) => (
               <Menu.Item
                 key={each}
                 aria-current={each === id || undefined}

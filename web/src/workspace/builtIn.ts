@@ -51,3 +51,8 @@ export const BUILT_IN: readonly LayoutDocument[] = [
 export function builtInOf(id: string): LayoutDocument | undefined {
   return BUILT_IN.find((layout) => layout.id === id);
 }
+
+/** Every layout that there is: those that come with the program, called as they are saved, then the saved ones. */
+export function allLayouts(kept: readonly { id: string; name: string }[]): { id: string; name: string }[] {
+  return [...new Map([...BUILT_IN, ...kept].map(({ id, name }) => [id, { id, name }])).values()];
+}

@@ -8,7 +8,7 @@ import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
 import { useProfiles } from "../../pages/profiles/useProfiles";
 import { PAGE_MAX, useRecordings } from "../../pages/recordings/api";
-import { BUILT_IN } from "../../workspace/builtIn";
+import { allLayouts } from "../../workspace/builtIn";
 import { useLayouts } from "../../workspace/layouts";
 import { PAGES } from "../pages";
 import {
@@ -67,9 +67,7 @@ export function useFound(query: string): Found {
         ...historyEntries(steps, device),
         ...pageEntries(PAGES, device),
         ...axisEntries(devices.data ?? []),
-        ...layoutEntries([
-          ...new Map([...BUILT_IN, ...(kept.data?.layouts ?? [])].map((each) => [each.id, each])).values(),
-        ]),
+        ...layoutEntries(allLayouts(kept.data?.layouts ?? [])),
         ...macroEntries(macros.data?.macros ?? []),
         ...registerEntries(catalog.data, device),
         ...recordingEntries(recordings.data?.recordings ?? []),

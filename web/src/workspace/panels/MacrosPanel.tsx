@@ -14,7 +14,8 @@ type Info = Schemas["MacroInfo"];
 /** What stands open: of a kept macro its id and revision, of a new one neither. */
 export type Opened = { id: string | null; revision: number; document: Document; leftOut: readonly string[] };
 
-const POLL_MS = 250;
+/** While one runs, and else. */
+const POLL_MS = { running: 250, resting: 1000 };
 const RECORDING = "stepscope.macro-recording";
 
 /** The audit entry behind which the recording of that device began; in this tab alone, over a reload. */
@@ -25,6 +26,10 @@ const begun = (device: string) => {
 
 /** Macros: made of what is done to the device, tried on its twin, and run; a button each. */
 export function MacrosPanel({ device }: DeviceProps) {
+  return <MacrosOf key={device.id} device={device} />; // what is recorded, open or tried is of one device
+}
+
+function MacrosOf({ device }: Pick<DeviceProps, "device">) {
   const queries = useQueryClient();
   const path = { device: device.id };
   const [after, setAfter] = useState(() => begun(device.id));
@@ -34,7 +39,7 @@ export function MacrosPanel({ device }: DeviceProps) {
   const standing = useQuery({
     queryKey: ["macro-run", device.id],
     queryFn: () => api.GET("/api/v1/devices/{device}/macro-run", { path }),
-    refetchInterval: POLL_MS,
+    refetchInterval: ({ state }) => POLL_MS[state.data?.run.state === "running" ? "running" : "resting"],
   });
   const run = standing.data?.run;
   const refresh = () => {
