@@ -93,7 +93,7 @@ class ProfileService:
                 f"applying the profile {unfinished.profile!r} to {device.name} did not come to its end",
                 "take it back (POST .../profile/apply/way-back) or forget it (DELETE .../profile/apply)",
             )
-        settings = _settings(device, document, with_limits=with_limits)
+        _settings(device, document, with_limits=with_limits)  # raises before the first write
         progress = Progress()
         file = FileJournal(journal.path_of(self._data_dir, device.id), device, document)
         transaction = Transaction(device, document, progress, file, encoders or {})
@@ -101,8 +101,8 @@ class ProfileService:
         async def work() -> Outcome:
             began_s = time.perf_counter()
             applied = await transaction.run()
-            changed = [axis.settings for axis in device.axes] != settings
-            if changed:
+            settings = _settings(device, document, with_limits=with_limits)  # limits may have been set meanwhile
+            if [axis.settings for axis in device.axes] != settings:
                 await self._configure(device, settings)
             told = [entry for entry in applied.diff.differences if _is_set(entry, with_limits=with_limits)]
             return Outcome(applied, told, time.perf_counter() - began_s)

@@ -44,7 +44,9 @@ def test_it_ends_cleanly_and_takes_its_link_along(tmp_path: Path, how: signal.Si
     with emulator(pty=tmp_path / "module") as process:
         assert process.end(how) == 0
         assert process.process.stdout is not None
-        assert process.process.stdout.read() == b"", "nothing but its first line was said"
+        said = process.process.stdout.read().splitlines()
+        # that it was held up by a busy machine it says, and has to
+        assert [line for line in said if b"stood still" not in line] == [], "nothing but its first line was said"
     assert list(tmp_path.iterdir()) == []
 
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
 import random
+from collections.abc import Callable, Sequence
 from contextvars import Context
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.core.config import AxisSettings
+from app.devices.core.device import Device
+from app.devices.manager import DeviceChange
 from app.devices.tmc5xxx.memory import ChipMemory as SixPointMemory
 from app.devices.tmc4361.memory import ChipMemory
 from app.errors import SoftLimit, WrongState
@@ -18,6 +26,7 @@ from app.profiles.capture import capture
 from app.profiles.diff import compare, diff
 from app.profiles.document import ProfileDocument, parse
 from app.profiles.errors import ProfileMisfit, ProfileTakenBack, UnreadableProfile
+from app.profiles.service import ProfileService
 from app.registers.tmcl.modules import MODULES
 from tests.profiles.faults import FAULTS, Fault, Injector, target_of, try_fault
 from tests.profiles.harness import EVERY_MODEL, FAMILIES, Bench, bench, by_place, change
@@ -212,11 +221,6 @@ def test_an_empty_profile_fits_everywhere_and_says_nothing() -> None:
 
 
 async def test_soft_limits_are_looked_at_before_the_first_write() -> None:
-    from dataclasses import replace
-
-    from app.devices.core.axis_limits import AxisLimits
-    from app.devices.manager import DeviceChange
-
     async with bench("tmc428") as b:
         settings_ = [axis.settings for axis in b.device.axes]
         settings_[0] = replace(settings_[0], limits=AxisLimits(velocity_max_pps=25_000.0))
@@ -226,3 +230,26 @@ async def test_soft_limits_are_looked_at_before_the_first_write() -> None:
         with pytest.raises(SoftLimit):
             await Transaction(b.device, parse({**ramp_of("tmc428", 1), "registers": registers})).run()
         assert b.truth() == before
+
+
+async def test_soft_limits_that_are_set_meanwhile_stay(tmp_path: Path) -> None:
+    """The first run's page sets them while the start-up of before is still written."""
+    async with bench("tmc5160") as b:
+        document = await capture(b.device, unix_s=1.0)
+        document.axes[0].full_steps_per_rev = 400
+        await change(b.device, random.Random(1), 0.5)
+        limited = replace(b.device.axes[0].settings, limits=AxisLimits(velocity_max_pps=25_000.0))
+        edits: list[asyncio.Task[Device]] = []
+
+        def limit_it(frame: bytes, answer: Callable[[bytes], bytes]) -> bytes:
+            if not edits:
+                edits.append(asyncio.ensure_future(b.manager.edit(b.device.id, DeviceChange(axes=(limited,)))))
+            return answer(frame)
+
+        async def configure(device: Device, axes: Sequence[AxisSettings]) -> None:
+            assert edits[0].done(), "the limits were set before the end"
+            await b.manager.edit(device.id, DeviceChange(axes=tuple(axes)))
+
+        b.wire.spoil = limit_it
+        await ProfileService(tmp_path, lambda _: "", configure).apply(b.device, document)
+        assert b.device.axes[0].settings == replace(limited, full_steps_per_rev=400)

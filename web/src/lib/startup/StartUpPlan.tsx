@@ -47,6 +47,7 @@ export function StartUpPlan(props: PropsWithChildren<Props>) {
     return await ask(device, body, false);
   };
   const apply = useWork(work, {
+    mutationKey: ["start-up", device],
     onSuccess: () => onDone?.(),
     onSettled: () => queries.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== "start-up" }),
   });

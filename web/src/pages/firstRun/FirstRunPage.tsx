@@ -1,5 +1,6 @@
 import { Button, Group, Text } from "@mantine/core";
 import { IconCircle, IconCircleCheck, IconRoute } from "@tabler/icons-react";
+import { useIsMutating } from "@tanstack/react-query";
 import { lazy, Suspense } from "react";
 import { can, type Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
@@ -45,11 +46,13 @@ export default function FirstRunPage() {
 function FirstRun({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
   const [progress, setProgress] = useSessionKept<Progress>(progressKey(device.id, axis.index), BEGIN);
   const { condition } = useStanding(device.id, axis.index);
+  const settingUp = useIsMutating({ mutationKey: ["start-up", device.id] }) > 0;
   const step = STEPS.find(({ id }) => id === progress.at) ?? STEPS[0];
   if (step === undefined) return null;
   const Step = CONTENTS[step.id];
   const number = STEPS.indexOf(step) + 1;
-  const disabled = device.state !== "connected";
+  // a step that is gone on from while it is still written would be answered by the next one
+  const disabled = device.state !== "connected" || settingUp;
   return (
     <Page name="First run">
       <DeviceNotice device={device} />

@@ -53,7 +53,12 @@ export function TurnStep({ device, axis, onDone, disabled }: StepProps) {
             </Button>
           </>
         )}
-        <Button variant="light" color="red" disabled={disabled} onClick={() => void motion.stop(at, "ramp")}>
+        <Button
+          variant="light"
+          color="red"
+          disabled={device.state !== "connected"}
+          onClick={() => void motion.stop(at, "ramp")}
+        >
           Stop
         </Button>
       </Group>
