@@ -94,11 +94,11 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
         at = f"at {mark.time_s - zero_s:.3f} s: {mark.text}"
         if detail.get("do") not in DOING or (detail["do"] == "write" and detail.get("new") is None):
             # A command is often marked by the write that it makes, too; that one says what to do.
-            if not detail and any(_is_write_of(write, mark) for write in writes):
+            if not detail and any(is_write_of(write, mark) for write in writes):
                 continue
             left_out.append(f"{at}: the recording does not say enough to do it again")
         else:
-            steps.append(Step(_done_s(mark, starts) - first_s, mark.axis, at, detail))
+            steps.append(Step(done_s(mark, starts) - first_s, mark.axis, at, detail))
     for number, axis in enumerate(head.axes):
         if axis.get("velocity_pps"):
             left_out.append(f"axis {number} was turning already when the recording began; here it begins at rest")
@@ -112,7 +112,7 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
     return Plan(head, tuple(steps), last_s - first_s, zero_s - first_s, tuple(left_out))
 
 
-def _done_s(command: Mark, starts: Mapping[int | None, Sequence[float]]) -> float:
+def done_s(command: Mark, starts: Mapping[int | None, Sequence[float]]) -> float:
     """When a command reached the chip [s]: its mark is of a moment before, a start is marked exactly.
 
     `starts` are those of each axis [s].
@@ -123,7 +123,7 @@ def _done_s(command: Mark, starts: Mapping[int | None, Sequence[float]]) -> floa
     return min(soon, default=command.time_s)
 
 
-def _is_write_of(write: Mark, command: Mark) -> bool:
+def is_write_of(write: Mark, command: Mark) -> bool:
     """Whether `write` tells of the register whose write is marked as a command."""
     return (
         abs(write.time_s - command.time_s) < 0.05

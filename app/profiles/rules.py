@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 from ..calc.tmcl.instructions import InstructionSet
+from ..devices.core.prediction import Prediction
 from ..registers.model import Register
 
 
@@ -24,6 +25,38 @@ class Counted(Protocol):
 PhysicalOf: TypeAlias = Callable[[Counted, Register, int], tuple[float, str] | None]
 """What a number in a register means: how much, and in which unit; None where the family has no unit of its own for it.
 Raises ValueError, KeyError, ZeroDivisionError where it is set as no formula allows."""
+
+
+class Settings(Counted, Protocol):
+    """What is known of how a device was set."""
+
+    @property
+    def model(self) -> str: ...
+
+
+@dataclass(frozen=True, slots=True)
+class MotionStart:
+    """How an axis was when a command reached it: device time [s], position [microsteps], velocity, acceleration."""
+
+    axis: int
+    at_s: float
+    position: int
+    velocity_pps: float = 0.0
+    acceleration_pps2: float = 0.0
+
+
+ExpectedOf: TypeAlias = Callable[[Settings, MotionStart, int | None, int], Prediction]
+"""The motion from a start to a target [microsteps], or where that is None to a velocity [the device's own unit].
+Raises ValueError where the settings do not tell it; its text says what is missing."""
+
+
+def known(held: Settings, axis: int, names: Iterable[str]) -> dict[str, int]:
+    """Fields of an axis by name. Raises ValueError, naming those that nobody knows."""
+    found = {name: held.field(name, axis) for name in names}
+    unknown = [name for name, value in found.items() if value is None]
+    if unknown:
+        raise ValueError(f"what {', '.join(unknown)} held is not known")
+    return {name: value for name, value in found.items() if value is not None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +103,7 @@ class ProfileRules:
     physical : what numbers in units of its own mean
     is_state : whether a register is state, where names alone do not tell
     language : of programs that its devices store; None where they store none
+    expected : the motion that a command makes of settings; None where nobody can work it out
     """
 
     state: frozenset[str]
@@ -82,3 +116,4 @@ class ProfileRules:
     physical: PhysicalOf | None = None
     is_state: Callable[[Register], bool] | None = None
     language: Language | None = None
+    expected: ExpectedOf | None = None

@@ -158,7 +158,8 @@ class Recorder:
                     if self.state == "waiting" and (self._trigger.kind, self._trigger.axis) == ("move", event.axis):
                         self._triggered(event.started_at_s)
                 elif isinstance(event, MotionEnd):
-                    self.mark(event.detail or event.reason, "stopped", event.axis, event.time_s)
+                    ended = {"reason": event.reason, "position": event.position}
+                    self.mark(event.detail or event.reason, "stopped", event.axis, event.time_s, ended)
                 elif isinstance(event, ChipEvents):
                     self.mark(", ".join(event.names), "event", event.axis, event.time_s)
                 elif isinstance(event, ProgramEvent):

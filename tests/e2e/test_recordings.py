@@ -216,3 +216,33 @@ def test_several_are_one_report_with_their_plots_and_notes(
     expect(report.get_by_test_id("recording-plots")).to_have_count(2)
     page.goto("/recordings/report?search=nobody")
     expect(page.get_by_text("No recording has “nobody” in its name or note yet")).to_be_visible()
+
+
+def test_a_recording_is_compared_with_a_prediction(page: Page, moves: tuple[str, str], api: httpx.Client) -> None:
+    opened(page, moves[0])
+    page.get_by_role("button", name="Compare with a prediction").click()
+    section = page.get_by_test_id("prediction")
+    row = section.get_by_role("row").filter(has_text=re.compile("^position"))
+    expect(row).to_be_visible()
+    peak = float(row.get_by_role("cell").nth(1).inner_text().replace("\N{MINUS SIGN}", "-"))
+    assert abs(peak) <= 12, "the TMC428's ramp is known tick by tick"
+    expect(section.get_by_role("img", name=re.compile("measured less predicted"))).to_have_count(2)
+    expect(page).to_have_url(re.compile("predict=0"))
+
+    document = api.get("/devices/bench/profile").raise_for_status().json()
+    for entry in document["registers"]:
+        if entry["name"] == "a_max" and entry["axis"] == 0:
+            entry["value"] = max(1, entry["value"] // 2)
+    softer = api.post("/profiles", json={"name": "half as fast", "document": document}).raise_for_status().json()["id"]
+    try:
+        page.reload()
+        page.get_by_role("combobox", name="Settings to predict by").click()
+        page.get_by_role("option", name="half as fast").click()
+        expect(row).not_to_contain_text(str(peak))
+        wait_until(lambda: abs(float(row.get_by_role("cell").nth(1).inner_text().replace("\N{MINUS SIGN}", "-"))) > 50)
+        page.goto(page.url + "&t=0.1~0.3")  # a link to a part of it
+        expect(section.get_by_role("img", name=re.compile("measured less predicted"))).to_have_count(2)
+    finally:
+        api.delete(f"/profiles/{softer}").raise_for_status()
+    page.get_by_role("button", name="Close").click()
+    expect(section).to_have_count(0)

@@ -8,7 +8,15 @@ from itertools import groupby
 
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, moment, number, page, table, text
 from ...number_text import plain
-from .schemas import Curve, FiguresByChannel, MarkOut, RecordingDetail, RecordingFigures, RecordingPlot
+from .schemas import (
+    Curve,
+    FiguresByChannel,
+    MarkOut,
+    PredictionOut,
+    RecordingDetail,
+    RecordingFigures,
+    RecordingPlot,
+)
 
 COLOURS = ("#0068a8", "#a86400", "#6a0f5c", "#008060", "#4b2fa3", "#5c5200")
 """Told apart by colour-blind eyes too, and dark enough for text on white; further ones begin again, dashed."""
@@ -26,11 +34,13 @@ def report_of(
     from_s: float | None,
     to_s: float | None,
     notebook: Sequence[WrittenCell] = (),
+    predictions: Sequence[PredictionOut] = (),
 ) -> str:
     """What the page of a recording shows of the stretch that was plotted: what it is of, plots, marks and figures.
 
     from_s, to_s : the stretch that was asked for, since the zero [s]; None: from the beginning, to the end. A mark may
         lie behind the last sample.
+    predictions : what was to be expected of each axis, of the same stretch
     """
     zero_s = plot.zero_s
     first_s, last_s = -math.inf if from_s is None else from_s, math.inf if to_s is None else to_s
@@ -49,6 +59,7 @@ def report_of(
     units = {each.name: each.unit for each in detail.channels}
     if notebook:
         parts.append("<h2>Notebook</h2>" + "".join(_cell(cell, detail, units) for cell in notebook))
+    parts += [_predicted(each) for each in predictions]
     if marks:
         rows = [(number(mark.time_s - zero_s), mark.kind, mark.text) for mark in marks]
         parts.append("<h2>What happened</h2>" + table(("time [s]", "", ""), rows))
@@ -66,6 +77,25 @@ def _cell(cell: WrittenCell, detail: RecordingDetail, units: dict[str, str]) -> 
     if of:
         parts.append(f"<p>{number(of.from_s)} to {number(of.to_s)} s</p>" + _figures(of.figures, units))
     return "".join(parts)
+
+
+def _predicted(of: PredictionOut) -> str:
+    """The residual of one axis and its figures; what is not predicted, with the reason."""
+    heads = ("channel", "unit", "largest residual", "at [s]", "mean", "RMS", "samples")
+    rows, plots = [], []
+    for channel in of.channels:
+        for each in channel.differences:
+            told = each.figures
+            figures = (number(told.peak), number(told.peak_at_s), number(told.mean), number(told.rms))
+            rows.append((channel.channel, channel.unit, *figures, str(told.samples)))
+            if told.samples:
+                name = f"{channel.channel} less its prediction"
+                curve = Curve(channel=name, unit=channel.unit, time_s=each.time_s, values=each.values)
+                plots.append(figure(channel.unit, [curve], (), 0.0))
+    notes = "".join(f"<li>{text(note)}</li>" for note in of.notes)
+    settings = f"<p>By the settings {text(of.settings)}; {of.motions} motions.</p>" if of.motions else ""
+    heading = f"<h2>Beside the prediction of axis {of.axis}</h2>{settings}<ul>{notes}</ul>"
+    return heading + (table(heads, rows) + "".join(plots) if of.motions else "")
 
 
 def by_unit(curves: Sequence[Curve]) -> Iterator[tuple[str, list[Curve]]]:

@@ -13,6 +13,7 @@ from fastapi.responses import Response, StreamingResponse
 from ...calc.signals.instrument_csv import FILE_MAX_BYTES, read_table
 from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...profiles.errors import UnreadableProfile
 from ...recording.service import axes_of, configuration_of, options_of
 from ...store.recordings.added import FILES_MAX
 from ...store.recordings.library import Entry, Label
@@ -24,9 +25,11 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..profiles.views import detail as profile_detail
 from ..router import subject_router
 from .align import offset_of
 from .compare import compare, spectrum_of
+from .predict import predict as predicted
 from .report import WrittenCell, report_of
 from .schemas import (
     AddedFile,
@@ -35,6 +38,7 @@ from .schemas import (
     Comparison,
     LevelTrigger,
     MoveTrigger,
+    PredictionOut,
     RecordingDetail,
     RecordingFigures,
     RecordingInfo,
@@ -219,10 +223,17 @@ async def get_recording_figures(
 @router.get(
     "/{recording}/report",
     response_class=Response,
-    responses={**problems(UnknownThing, WrongState), 200: {"content": {"text/html": {"schema": {"type": "string"}}}}},
+    responses={
+        **problems(UnknownThing, WrongState, OutOfRange),
+        200: {"content": {"text/html": {"schema": {"type": "string"}}}},
+    },
 )
 async def get_recording_report(
-    bench: CurrentBench, recording: RecordingId, from_s: Since = None, to_s: Since = None
+    bench: CurrentBench,
+    recording: RecordingId,
+    from_s: Since = None,
+    to_s: Since = None,
+    predict: Annotated[list[int] | None, Query(description="axes to be laid beside a prediction", max_length=9)] = None,
 ) -> Response:
     """Plots, marks and figures, in full or of a stretch, as one HTML file that needs nothing else."""
     library, course = bench.recordings.library, bench.recordings.course(recording)
@@ -234,7 +245,10 @@ async def get_recording_report(
         added = library.rows_of_added(recording)
         shown = plot(opened, marks, (), from_s, to_s, REPORT_POINTS, added)
         cells = [written(opened, marks, cell) for cell in notes.cells]
-        return report_of(about, shown, stretch_figures(opened, marks, from_s, to_s, added), from_s, to_s, cells)
+        figures = stretch_figures(opened, marks, from_s, to_s, added)
+        axes = dict.fromkeys(predict or ())
+        predictions = [predicted(library, recording, axis, None, from_s, to_s, REPORT_POINTS) for axis in axes]
+        return report_of(about, shown, figures, from_s, to_s, cells, predictions)
 
     def written(opened: Opened, marks: Sequence[Mark], cell: Cell) -> WrittenCell:
         known = [column.name for column in opened.head.columns]
@@ -268,6 +282,32 @@ async def get_spectrum(
         lambda: spectrum_of(
             library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
         )
+    )
+
+
+@router.get(
+    "/{recording}/prediction",
+    responses=problems(UnknownThing, WrongState, UsageError, OutOfRange, UnreadableProfile, StoreUnavailable),
+)
+async def predict_recording(
+    bench: CurrentBench,
+    recording: RecordingId,
+    axis: Annotated[int, Query(ge=0, le=31)] = 0,
+    profile: Annotated[
+        int | None, Query(ge=1, le=1 << 53, description="a kept profile to work it out by; none: as it was set then")
+    ] = None,
+    from_s: Since = None,
+    to_s: Since = None,
+    points: Annotated[int, Query(description="of each curve, about", ge=8, le=20_000)] = 3000,
+) -> PredictionOut:
+    """What the calculators expect of the commands in it, beside what was measured, and the residual.
+
+    Worked out from the settings at the start and the writes meanwhile; where they are not known it says so.
+    """
+    library = bench.recordings.library
+    document = None if profile is None else profile_detail(await bench.profile_store.get(profile)).document
+    return await bench.recordings.readers.do(
+        lambda: predicted(library, recording, axis, document, from_s, to_s, points)
     )
 
 

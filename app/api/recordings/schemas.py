@@ -300,6 +300,18 @@ class Comparison(Answer):
     notes: list[str] = Field(description="what could not be compared, and why")
 
 
+class PredictionOut(Comparison):
+    """What the calculators expect of the commands in a recording: as a recording `predicted` beside the measured one.
+
+    `differences` are the residual: measured less predicted. Nothing is predicted (null) where `notes` say so, and
+    before the first command.
+    """
+
+    axis: int
+    settings: str = Field(description="by which it was worked out: those of the recording, or a profile by its name")
+    motions: int = Field(description="how many were predicted")
+
+
 class ReplayStart(Body):
     """What a replay is made with."""
 

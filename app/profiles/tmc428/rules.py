@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..rules import ProfileRules
+from .expected import expected
 from .physical import physical
 
 RULES = ProfileRules(
@@ -18,4 +19,5 @@ RULES = ProfileRules(
     ),
     target="x_target",
     physical=physical,
+    expected=expected,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..rules import Busy, Gates, ProfileRules
+from .expected import expected
 from .physical import physical
 
 RULES = ProfileRules(
@@ -24,4 +25,5 @@ RULES = ProfileRules(
     busy=(Busy("ENC_IN_CONF", 0, "regulation_modus", "the closed loop is on: switch it off first"),),
     gates=Gates("START_CONF", 0b1111 << 12 | 0b11111),  # pipeline_en, start_en
     physical=physical,
+    expected=expected,
 )

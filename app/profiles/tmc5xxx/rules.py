@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..rules import ProfileRules
+from .expected import expected
 from .physical import physical
 
 RULES = ProfileRules(
@@ -20,4 +21,5 @@ RULES = ProfileRules(
     # In velocity mode VMAX is the speed that it turns at.
     positioning=("RAMPMODE", "", 0),
     physical=physical,
+    expected=expected,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...links.tmcl_language import INSTRUCTIONS, standard_include
 from ...registers.tmcl.modules import MODULES
 from ..rules import Busy, Language, ProfileRules
+from .expected import expected
 from .physical import physical
 
 RULES = ProfileRules(
@@ -20,5 +21,6 @@ RULES = ProfileRules(
     ),
     busy=(Busy("tmcl_application_status", None, "", "a program runs on the module: stop it first"),),
     physical=physical,
+    expected=expected,
     language=Language(INSTRUCTIONS, lambda model, name: standard_include(MODULES[model], name)),
 )

@@ -2475,6 +2475,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/recordings/{recording}/prediction": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Predict Recording
+         * @description What the calculators expect of the commands in it, beside what was measured, and the residual.
+         *
+         *     Worked out from the settings at the start and the writes meanwhile; where they are not known it says so.
+         */
+        get: operations["predict_recording"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/recordings/{recording}/stop": {
         parameters: {
             query?: never;
@@ -12500,6 +12522,40 @@ export interface components {
             velocity_pps: number[];
             /** Phases */
             phases: components["schemas"]["Phase"][];
+        };
+        /**
+         * PredictionOut
+         * @description What the calculators expect of the commands in a recording: as a recording `predicted` beside the measured one.
+         *
+         *     `differences` are the residual: measured less predicted. Nothing is predicted (null) where `notes` say so, and
+         *     before the first command.
+         */
+        PredictionOut: {
+            /** From S */
+            from_s: number;
+            /** To S */
+            to_s: number;
+            /** Recordings */
+            recordings: components["schemas"]["ComparedRecording"][];
+            /** Channels */
+            channels: components["schemas"]["ComparedChannel"][];
+            /**
+             * Notes
+             * @description what could not be compared, and why
+             */
+            notes: string[];
+            /** Axis */
+            axis: number;
+            /**
+             * Settings
+             * @description by which it was worked out: those of the recording, or a profile by its name
+             */
+            settings: string;
+            /**
+             * Motions
+             * @description how many were predicted
+             */
+            motions: number;
         };
         /**
          * ProbeFound
@@ -32141,6 +32197,8 @@ export interface operations {
                 from_s?: number | null;
                 /** @description since the zero [s] */
                 to_s?: number | null;
+                /** @description axes to be laid beside a prediction */
+                predict?: number[] | null;
             };
             header?: never;
             path: {
@@ -32187,7 +32245,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -32260,6 +32318,84 @@ export interface operations {
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    predict_recording: {
+        parameters: {
+            query?: {
+                axis?: number;
+                /** @description a kept profile to work it out by; none: as it was set then */
+                profile?: number | null;
+                /** @description since the zero [s] */
+                from_s?: number | null;
+                /** @description since the zero [s] */
+                to_s?: number | null;
+                /** @description of each curve, about */
+                points?: number;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PredictionOut"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); This is no profile, or says what cannot be (/problems/unreadable-profile); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -106,11 +106,11 @@ export function CompareView() {
             {note}
           </p>
         ))}
-        {data && whole && (
+        {data && (
           <ComparePlots
             comparison={data}
             difference={view === "difference"}
-            whole={whole}
+            whole={whole ?? [data.from_s, data.to_s]}
             window={window}
             onWindow={setWindow}
           />
@@ -168,12 +168,15 @@ function Sides({ comparison }: { comparison: Comparison }) {
 interface PlotsProps {
   comparison: Comparison;
   difference: boolean;
+  /** what the difference is, for who does not see it */
+  differing?: string;
   whole: Window;
   window: Window | null;
   onWindow: (window: Window | null) => void;
 }
 
-function ComparePlots({ comparison, difference, whole, window, onWindow }: PlotsProps) {
+/** Plots of a comparison, a channel each: its curves, or how they differ. */
+export function ComparePlots({ comparison, difference, differing, whole, window, onWindow }: PlotsProps) {
   const scheme = useScheme();
   const channels = channelsOf(comparison);
   const several = severalAxes(channels);
@@ -206,7 +209,9 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
           <Plot
             key={channel.name}
             label={
-              difference ? `${label}: difference to the first recording` : `${label} of ${shown.length} recordings`
+              difference
+                ? `${label}: ${differing ?? "difference to the first recording"}`
+                : `${label} of ${shown.length} recordings`
             }
             title={`${difference ? "Δ " : ""}${label}${channel.unit ? ` [${unitText(channel.unit)}]` : ""}`}
             series={series}
@@ -226,7 +231,14 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
   );
 }
 
-function Differences({ comparison }: { comparison: Comparison }) {
+interface DifferencesProps {
+  comparison: Comparison;
+  title?: string;
+  note?: string;
+}
+
+/** Figures of the differences. */
+export function Differences({ comparison, title = "Differences", note }: DifferencesProps) {
   const names = new Map(comparison.recordings.map(({ id, name }) => [id, name || id]));
   const channels = channelsOf(comparison);
   const several = severalAxes(channels);
@@ -236,8 +248,11 @@ function Differences({ comparison }: { comparison: Comparison }) {
   if (rows.length === 0) return null;
   return (
     <Card
-      title="Differences"
-      note={`to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`}
+      title={title}
+      note={
+        note ??
+        `to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`
+      }
     >
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too */}
       <section className="scroll-x" tabIndex={0} aria-label="Differences by channel">

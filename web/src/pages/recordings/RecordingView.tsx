@@ -18,6 +18,7 @@ import { FiguresTable } from "./FiguresTable";
 import { Tags } from "./ListView";
 import { MarkList } from "./MarkList";
 import { Notebook } from "./Notebook";
+import { PredictionSection } from "./PredictionSection";
 import { RecordingPlots } from "./RecordingPlots";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
@@ -128,6 +129,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
       <div className={`${classes.below} columns until-62`}>
         <div className="grid shrink gap-8">
           <FiguresSection detail={detail} window={window} ready={ready} />
+          {!running && <PredictionSection detail={detail} window={window} onWindow={setWindow} />}
           {!running && <AddedFiles detail={detail} window={window} />}
           <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
         </div>

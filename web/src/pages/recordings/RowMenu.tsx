@@ -15,6 +15,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { IconDotsVertical, IconDownload, IconFileText, IconPencil, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
+import { useAddress } from "../../lib/address";
 import { sizeText } from "../../lib/format";
 import { downloadHref, isRunning, type Recording, reportHref, titleOf, useChanges } from "./api";
 import { COLOURS } from "./compare";
@@ -34,6 +35,7 @@ export function RowMenu({ recording, attempt, window = null, onRemoved }: Props)
   const [naming, naming_] = useDisclosure();
   const [deleting, deleting_] = useDisclosure();
   const changes = useChanges();
+  const { predict } = useAddress("predict");
   const title = titleOf(recording);
   const readable = recording.device !== null;
   return (
@@ -60,7 +62,7 @@ export function RowMenu({ recording, attempt, window = null, onRemoved }: Props)
           {readable && (
             <Menu.Item
               component="a"
-              href={reportHref(recording.id, window)}
+              href={reportHref(recording.id, window, predict)}
               download
               leftSection={<IconFileText size={15} aria-hidden />}
             >

@@ -120,10 +120,11 @@ export function downloadHref(id: string, format: "csv" | "parquet"): string {
   return `/api/v1/recordings/${encodeURIComponent(id)}?format=${format}`;
 }
 
-/** One HTML file with plots, marks and figures: of the stretch that is shown, or of all. */
-export function reportHref(id: string, window: readonly [number, number] | null): string {
-  const stretch = window === null ? "" : `?from_s=${window[0]}&to_s=${window[1]}`;
-  return `/api/v1/recordings/${encodeURIComponent(id)}/report${stretch}`;
+/** One HTML file with plots, marks and figures: of the stretch that is shown, or of all; with a prediction of an axis. */
+export function reportHref(id: string, window: readonly [number, number] | null, predict = ""): string {
+  const asked = new URLSearchParams(window === null ? {} : { from_s: String(window[0]), to_s: String(window[1]) });
+  if (predict !== "") asked.set("predict", predict);
+  return `/api/v1/recordings/${encodeURIComponent(id)}/report${asked.size > 0 ? `?${asked}` : ""}`;
 }
 
 /** What people call it. */
