@@ -13,6 +13,7 @@ from app.devices.manager import DeviceChange
 from app.studies.document import StudyDocument
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
+from app.studies.stealthchop.plan import LEAST_RPS, PARTS, TIMES, between_of
 from tests.devices.tmc5xxx.harness import bench
 from tests.studies.harness import START, Studied, studied
 
@@ -192,6 +193,46 @@ async def test_a_current_too_small_to_be_regulated_takes_what_is_calculated(tmp_
         assert found.chosen is not None
         assert (found.chosen.offset, found.chosen.gradient) == (found.calculated.offset, found.calculated.gradient)
         assert [each.name for each in found.effects] == ["jolt"]
+
+
+async def test_a_current_too_small_to_be_regulated_is_tuned_with_a_shorter_blank_time(tmp_path: Path) -> None:
+    """The sheet's resistance is 8 % too high: calculated amplitudes would be as far off, what the chip tunes is not."""
+    at = {"supply_v": 48.0, "motor": {**PLANT["motor"], "resistance_ohm": 1.6}}
+    told = {"supply_v": 48.0, "resistance_ohm": 1.6 * 1.08}
+    async with studied(tmp_path, FULL, **{**PLANT, **at}) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        (chopconf,) = await s.settings("CHOPCONF")
+        plan = await KINDS["stealthchop"].plan(s.device, 0, s.document({**STUDY, **told}))
+        assert any("tuned with a shorter" in line for line in plan.warnings)
+        record = await s.finish(s.begin(s.document({**STUDY, **told})), 900)
+        found = record.stealthchop
+        assert record.improved, record.verdict
+        assert found is not None
+        assert found.calculated is not None
+        assert found.chosen is not None
+        assert found.calculated.offset is not None
+        assert found.calculated.gradient is not None
+        exact = 374 * 1.6 * 1.5 / 48
+        assert found.offset_auto == found.chosen.offset == round(exact)
+        assert found.calculated.offset == round(1.08 * exact)
+        # Slowly and without a load the back-EMF is at right angles to the current.
+        assert found.chosen.gradient is not None
+        assert 0 < found.chosen.gradient < 0.8 * found.calculated.gradient
+        best = record.trial(record.best)
+        assert best is not None
+        assert {each.name: each.value for each in best.registers}["CHOPCONF"] == chopconf
+        assert await s.settings("CHOPCONF") == [chopconf]
+
+
+def test_the_same_switch_over_speeds_are_tried_wherever_a_study_begins() -> None:
+    grid = [LEAST_RPS * TIMES ** (index / PARTS) for index in range(4 * PARTS + 1)]
+    assert between_of(grid[4], grid[8]) == pytest.approx(grid[6])
+    assert between_of(1.02 * grid[4], grid[8]) == pytest.approx(grid[6])
+    assert between_of(grid[6], grid[7]) is None
+    held, above = grid[0], grid[4]
+    while (between := between_of(held, above)) is not None:
+        held = between
+    assert held == pytest.approx(grid[3])
 
 
 async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:

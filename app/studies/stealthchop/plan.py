@@ -23,10 +23,16 @@ AROUND_S = 0.7
 """What a run takes beside its way, with the settings before it [s]."""
 LEAST_RPS, TIMES = 0.1, 1.4
 """The slowest switch-over that is tried, and the next one over it."""
+PARTS = 4
+"""Between two of them more are tried, so many parts of the step apart. They are the same wherever a study begins: what
+has jolted once is not come upon again a little beside."""
 TOP = 1.15
 """So many times the switch-over speed is the greatest speed at least."""
 BASELINE_ROUNDS, TRIAL_ROUNDS = 2, 2
 TUNING_RPS = (0.5, 0.75, 1.0, 1.5, 2.2, 3.3)
+NEEDED_RPS = (0.25, 0.5, 1.0, 2.0, 4.0)
+"""Where it is seen what amplitude a turn needs [turns a second]."""
+NEEDED_TURNS = 0.75
 TUNING_TURNS = 1.5
 TUNING_RUNS = 12
 """Of ways at one speed until what velocity adds does not change, at most."""
@@ -69,9 +75,26 @@ class Ground:
         return [LEAST_RPS * TIMES**index for index in range(count)]
 
     @property
+    def needed_rps(self) -> list[float]:
+        """Where it is seen what amplitude a turn needs."""
+        return [each for each in NEEDED_RPS if each <= self.top_rps]
+
+    @property
+    def needed_way(self) -> int:
+        """Of a run there [microsteps]."""
+        return round(NEEDED_TURNS * self.turn)
+
+    @property
     def tuning_way(self) -> int:
         """Of a run at constant speed [microsteps]."""
         return round(TUNING_TURNS * self.turn)
+
+
+def between_of(held_rps: float, above_rps: float) -> float | None:
+    """The switch-over speed in the middle of one that held and one that did not; None: there is no further one."""
+    low, high = (PARTS * math.log(each / LEAST_RPS) / math.log(TIMES) for each in (held_rps, above_rps))
+    middle = round((low + high) / 2)
+    return LEAST_RPS * TIMES ** (middle / PARTS) if low + 0.5 < middle < high - 0.5 else None
 
 
 async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Ground]:
@@ -123,7 +146,7 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         speed / turn,
         {SPEED: speed, ACCELERATION: acceleration},
         length,
-        turns if stealth.tuned and stealth.regulates(stealth.frequency) else (),
+        turns if stealth.tuned and stealth.for_tuning(stealth.frequency) else (),
     )
     far = state.position + _longest(ground)
     if limits.beyond(far):
@@ -134,8 +157,11 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         looked.warnings.append("this chip's amplitude has no parts that are set: only the switch-over speed is found")
     if not stealth.regulates(stealth.frequency):
         looked.warnings.append(
-            "the current is too small to be regulated (t_blank f_PWM V / R): nothing tunes or checks the amplitudes, "
-            "so the calculated ones are taken; a shorter blank time (TBL) or a lower supply would help"
+            "the current is too small to be regulated (t_blank f_PWM V / R): its amplitudes are tuned with a shorter "
+            "blank time (TBL) or a slower PWM, and nothing corrects them afterwards"
+            if ground.turns
+            else "the current is too small to be regulated (t_blank f_PWM V / R): nothing tunes or checks the "
+            "amplitudes, so the calculated ones are taken; a lower supply would help"
         )
     looked.warnings += [*room_told(limits), *stealth.unfit]
     looked.ground = ground
@@ -159,18 +185,22 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 
 def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) -> None:
-    tunings = len(ground.turns) + TUNING_RUNS + 1 if ground.turns else 0
-    rounds = BASELINE_ROUNDS + TRIAL_ROUNDS * (len(ground.switches_rps) + 3) + 2 * wanted.pairs
+    needed = ground.needed_rps if ground.turns else []
+    tunings = len(ground.turns) + TUNING_RUNS if ground.turns else 0
+    rounds = BASELINE_ROUNDS + TRIAL_ROUNDS * (len(ground.switches_rps) + 6) + 2 * wanted.pairs
     told.position_from, told.position_to = ground.start, ground.start + _longest(ground)
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.through[SPEED], ground.through[ACCELERATION]
-    told.moves_max = 2 * (rounds + tunings)
-    told.way_fullsteps = 2 * (rounds * ground.length + tunings * ground.tuning_way) / ground.full_step
+    told.moves_max = 2 * (rounds + tunings + len(needed))
+    tuning_way = tunings * ground.tuning_way + len(needed) * ground.needed_way
+    told.way_fullsteps = 2 * (rounds * ground.length + tuning_way) / ground.full_step
     turning_s = 2 * (TUNING_TURNS / ground.turns[0][0] + SPEED_UP_S) if ground.turns else 0.0
     told.time_s = rounds * ground.round_s + tunings * turning_s
+    told.time_s += sum(2 * (NEEDED_TURNS / rps + SPEED_UP_S) for rps in needed)
     told.registers = [f"{name} of axis {axis}" for name in ground.before]
     top = plain(ground.top_rps, 3)
     tuned = [
         "the chip tunes itself at rest and in turns at constant speed: PWM_OFS_AUTO and PWM_GRAD_AUTO are read",
+        "in the same turns: the amplitude that its regulation needs at each speed",
         "each run begins afresh with the amplitudes as they are set: what its regulation adds is read under way",
     ]
     rising = (
@@ -182,7 +212,7 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) 
         *(tuned if ground.turns else []),
         rising,
         *(
-            ["what is calculated from the motor against what the chip has tuned, and needs at that speed"]
+            ["what it needs up to that speed against what the chip has tuned, and what is calculated from the motor"]
             if ground.turns
             else []
         ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ...devices.core.device import Device
@@ -13,6 +13,8 @@ from ..field_settings import FieldSpace, Place
 from ..record import Held
 
 OFFSET, GRADIENT, SWITCH = "PWM_OFS", "PWM_GRAD", "switch-over"
+SHORTEST_BLANK = 1
+"""Of the blank times, 0 to 3: 1 and 2 are what sheets recommend; with less the ringing of the bridges may be seen."""
 UNITS = {OFFSET: "", GRADIENT: "", SWITCH: "turns/s"}
 
 
@@ -161,6 +163,24 @@ class StealthSpace:
         """Whether the current is regulated at all with that PWM: shorter pulses than the blank time are not seen."""
         return self.places.calculator.regulates(self.motor, self._fields[self.places.blank], frequency)
 
+    def for_tuning(self, frequency: int) -> tuple[int, int] | None:
+        """Blank time and PWM frequency with which the chip can tune itself; None: it cannot.
+
+        As they are, where it can so; else the longest shorter blank time that is usual, then a PWM that suits as well.
+        What it tunes are voltages: they hold with any of both.
+        """
+        blank = self._fields[self.places.blank]
+        others = [each for each in self.places.calculator.suiting(self.motor) if each != frequency]
+        return next(
+            (
+                (shorter, pwm)
+                for shorter in (blank, *range(blank - 1, SHORTEST_BLANK - 1, -1))
+                for pwm in (frequency, *others)
+                if self.places.calculator.regulates(self.motor, shorter, pwm)
+            ),
+            None,
+        )
+
     def switch_rps(self, setting: StealthSetting) -> float | None:
         """Turns a second up to which StealthChop works; None at every speed."""
         return self.places.calculator.rps(setting.threshold, self.motor) if setting.threshold else None
@@ -194,11 +214,19 @@ class StealthSpace:
         """What to write before that, so that the chip forgets what it has tuned and begins with what is set."""
         return self._registers(setting, tunes=0)
 
-    def _registers(self, setting: StealthSetting, tunes: int) -> list[Held]:
+    def tuning(self, setting: StealthSetting, *, begins: bool) -> list[Held]:
+        """As `fresh` where it begins, else as `registers`, but with a blank time and a PWM that let it tune itself."""
+        found = self.for_tuning(setting.frequency)
+        assert found is not None
+        blank, frequency = found
+        return self._registers(replace(setting, frequency=frequency), tunes=int(not begins), blank=blank)
+
+    def _registers(self, setting: StealthSetting, tunes: int, blank: int | None = None) -> list[Held]:
         places = self.places
         own = {places.on: int(setting.on), places.frequency: setting.frequency, places.threshold: setting.threshold}
         if setting.offset is not None and setting.gradient is not None:
             own |= {places.offset: setting.offset, places.gradient: setting.gradient}
+        own[places.blank] = self._fields[places.blank] if blank is None else blank
         return self._fields.registers({**places.fixed, **own, **dict.fromkeys(places.tunes, tunes)})
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import statistics
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
@@ -21,7 +22,7 @@ from ..record import Figures, Trial
 from ..run import StudyRun
 from .decision import FASTER, Reach, decide
 from .found import StealthEffect, StealthFound, StealthPair, StealthTried
-from .plan import BASELINE_ROUNDS, TOP, TRIAL_ROUNDS, TUNING_RUNS, Ground, look
+from .plan import BASELINE_ROUNDS, TOP, TRIAL_ROUNDS, TUNING_RUNS, Ground, between_of, look
 from .seen import Amplitude, added_of, jolts_of, with_speeds
 from .setting import UNITS, StealthSetting
 
@@ -31,6 +32,10 @@ FULL = 255
 ALIKE = 0.005
 """Amplitudes that need so little more regulation than the best are as good."""
 POLL_S = 0.02
+CALM = 0.97
+"""Of the jolt that is allowed: a setting that just holds once is not shown to hold."""
+NEEDED_PARTS = 20
+"""So many speeds up to the switch-over count for the line through these amplitudes."""
 AMPLITUDE_MOST = 0.9
 """Of the greatest: beyond it the supply's voltage ends, and the current is not held any more."""
 TUNES_FROM, TUNES_TO = 1.7, 3.6
@@ -54,6 +59,8 @@ class StealthChopStudy(StudyRun):
     _ground: Ground
     _moves: MeasuredMoves
     _trials: dict[StealthSetting, tuple[Trial, StealthTried]]
+    _needed: dict[float, float]
+    """Amplitudes that were regulated, by turns a second, of the greatest."""
 
     @property
     def wanted(self) -> QuietStealthChop:
@@ -73,7 +80,7 @@ class StealthChopStudy(StudyRun):
         beside = (f"velocity.{self.axis}",)
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, 1.0, beside)
         record.findings, record.trials, record.best, record.units = [], [], None, dict(UNITS)
-        self._trials = {}
+        self._trials, self._needed = {}, {}
         record.stealthchop = StealthFound(velocity_max_rps=ground.top_rps, jolt_max_fullsteps=wanted.jolt_max_fullsteps)
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.current.before, *ground.stealth.before]
@@ -230,17 +237,17 @@ class StealthChopStudy(StudyRun):
     async def _turning_with(self, setting: StealthSetting) -> None:
         """Set it afresh, with the run current also at rest, so that the chip can tune itself there."""
         current, stealth = self._ground.current, self._ground.stealth
-        registers = [*current.registers(current.run_scale), *stealth.fresh(setting)]
+        registers = [*current.registers(current.run_scale), *stealth.tuning(setting, begins=True)]
         await self.apply(registers, "the run current, also at rest")
-        await self.apply(stealth.registers(setting), "StealthChop that tunes itself")
+        await self.apply(stealth.tuning(setting, begins=False), "StealthChop that tunes itself")
 
-    async def _turn(self, rps: float, ramp: Mapping[str, float]) -> float | None:
+    async def _turn(self, rps: float, ramp: Mapping[str, float], way: int) -> float | None:
         """The mean amplitude of a way there and back at constant speed, of the greatest; None: nothing was seen."""
         ground = self._ground
         await self.apply(ground.ramp.registers(ramp), f"turns at {plain(rps)} turns a second")
-        longest_s = 2 * (ground.tuning_way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
-        seen = await self._turns.there_and_back(ground.start, ground.tuning_way, longest_s)
-        self._moves.way_fullsteps += 2 * ground.tuning_way / ground.full_step
+        longest_s = 2 * (way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
+        seen = await self._turns.there_and_back(ground.start, way, longest_s)
+        self._moves.way_fullsteps += 2 * way / ground.full_step
         self.record.runs += 1
         return None if seen is None else self._share(seen)
 
@@ -255,11 +262,17 @@ class StealthChopStudy(StudyRun):
         ground, stealth = self._ground, self._ground.stealth
         steps = ground.current.steps
         offset = round(await self._turns.at_rest(steps - 1, steps))
-        rest = offset * (ground.current.run_scale + 1) / steps / FULL
+        rest = self._at_rest(offset)
+        for rps in ground.needed_rps:
+            seen = await self._turn(rps, {**ground.through, SPEED: rps * ground.turn}, ground.needed_way)
+            if seen is not None:
+                self._needed[rps] = seen
         for rps, ramp in ground.turns:
             last = None
             for _ in range(TUNING_RUNS):
-                seen = await self._turn(rps, ramp)
+                seen = await self._turn(rps, ramp, ground.tuning_way)
+                if seen is not None:
+                    self._needed[rps] = seen
                 if seen is None or not TUNES_FROM * rest <= seen <= TUNES_TO * rest:
                     break
                 now = (await self.device.registers.read(stealth.places.gradient_auto, self.axis)).value
@@ -267,6 +280,35 @@ class StealthChopStudy(StudyRun):
                     return offset, now
                 last = now
         return offset, None
+
+    def _at_rest(self, offset: int) -> float:
+        """The amplitude of the run current, of the greatest."""
+        current = self._ground.current
+        return offset * (current.run_scale + 1) / current.steps / FULL
+
+    def _needs(self, offset: int | None, up_to_rps: float) -> int | None:
+        """What velocity adds by the amplitudes that were regulated; None where nothing tells it.
+
+        It is less than what the chip tunes at a greater speed: there the current stands against the back-EMF, slowly
+        an unloaded motor's current and back-EMF are nearly at right angles. So it is no straight line either: the one
+        is taken that is least off up to that speed, as a share of the amplitude.
+        """
+        if not self._needed or offset is None:
+            return None
+        rest, stealth = self._at_rest(offset), self._ground.stealth
+        at, seen = [0.0, *sorted(self._needed)], [rest, *(self._needed[rps] for rps in sorted(self._needed))]
+        speeds = up_to_rps * (np.arange(NEEDED_PARTS) + 1) / NEEDED_PARTS
+        needed = np.interp(speeds, at, seen)
+        worth = np.array([stealth.places.calculator.of_velocity(rps, stealth.motor) for rps in speeds]) / FULL / needed
+        gradient = float(np.sum(worth * (1 - rest / needed)) / np.sum(worth**2))
+        return min(max(round(gradient), 0), FULL)
+
+    def _with_needs(self, setting: StealthSetting) -> StealthSetting:
+        """With the gradient that it needs up to its switch-over speed, where that was seen."""
+        top_rps = self._ground.top_rps
+        rps = min(self._ground.stealth.switch_rps(setting) or top_rps, top_rps)
+        gradient = self._needs(setting.offset, rps)
+        return setting if gradient is None else replace(setting, gradient=gradient)
 
     def _known(self, offset: int | None, gradient: int | None) -> tuple[int | None, int | None]:
         """With what is calculated, or as it was, in place of what is not known."""
@@ -312,34 +354,40 @@ class StealthChopStudy(StudyRun):
             else:
                 above = rps
                 break
-        if held is not None and above is not None and not self.spent(share=SEARCH_SHARE):
-            between = math.sqrt(held * above)
+        while held is not None and above is not None and not self.spent(share=SEARCH_SHARE):
+            between = between_of(held, above)
+            if between is None:
+                break
             if await self._try_switch(setting, between):
                 held = between
+            else:
+                above = between
         return None if held is None else stealth.threshold(held)
 
     async def _try_switch(self, setting: StealthSetting, rps: float) -> bool:
         stealth = self._ground.stealth
-        setting = replace(setting, threshold=stealth.threshold(rps))
+        setting = self._with_needs(replace(setting, threshold=stealth.threshold(rps)))
         self.tell("search", 0.2 + 0.4 * rps / self._ground.top_rps, f"switching over at {plain(rps, 3)} turns a second")
         return self._holds((await self._trial(setting, "switch-over"))[1])
 
     def _holds(self, tried: StealthTried) -> bool:
-        """Whether it loses no step, jolts by no more than asked, and has voltage left."""
+        """Whether it loses no step, jolts by less than asked, and has voltage left."""
         share = tried.amplitude_share
-        calm = tried.jolt_fullsteps <= self.wanted.jolt_max_fullsteps and not tried.lost_fullsteps
+        calm = tried.jolt_fullsteps <= CALM * self.wanted.jolt_max_fullsteps and not tried.lost_fullsteps
         return calm and (share is None or share <= AMPLITUDE_MOST)
 
     async def _amplitudes(
         self, offset: int | None, gradient: int | None, threshold: int
     ) -> tuple[Trial, StealthSetting] | None:
-        """At the chosen switch-over: amplitudes as they were, as tuned, as calculated, and as it needs at that speed;
+        """At the chosen switch-over: amplitudes as they were, as it needs up to there, as tuned, and as calculated;
         the ones that need the least regulation, and of equal ones the first."""
         stealth, found = self._ground.stealth, self.found
         tuned = self._with(offset, gradient, threshold)
         calculated = self._with(*self._known(*stealth.calculated), threshold=threshold)
+        needed = self._with_needs(tuned)
         wanted = {
             replace(stealth.now, threshold=threshold, frequency=stealth.frequency, on=True): "amplitudes as before",
+            needed: "as it needs up to the switch-over speed",
             tuned: "as the chip has tuned",
             calculated: "calculated",
         }
@@ -349,38 +397,17 @@ class StealthChopStudy(StudyRun):
             tried.append((setting, await self._trial(setting, why)))
             if setting == calculated and None not in stealth.calculated:
                 found.calculated = tried[-1][1][1]
-        needed = await self._needed(tuned)
-        if needed is not None:
-            tried.append((needed, await self._trial(needed, "as it needs at the switch-over speed")))
         held = [each for each in tried if self._holds(each[1][1])]
         if not held:
             return None
         told = [each.added_share for _, (_, each) in held if each.added_share is not None]
-        # Where nothing is regulated, which shows by nothing that is added to any, the calculated ones are taken.
         near = [each for each in held if any(told) and (each[1][1].added_share or 0.0) <= min(told) + ALIKE]
-        by_sheet = [each for each in held if each[0] == calculated]
-        setting, (trial, found.chosen) = (near or by_sheet or held)[0]
+        # Where nothing is regulated, which shows by nothing that is added to any, what it needs when it is, or what is
+        # calculated.
+        others = [each for one in (needed, calculated) for each in held if each[0] == one]
+        setting, (trial, found.chosen) = [*near, *others, *held][0]
         self.record.best = trial.number
         return trial, setting
-
-    async def _needed(self, setting: StealthSetting) -> StealthSetting | None:
-        """What velocity adds by the amplitude that is regulated at the switch-over speed; None where nothing tells it.
-
-        It is less than what the chip tunes at a greater speed: there the current stands against the back-EMF, slowly
-        an unloaded motor's current and back-EMF are nearly at right angles.
-        """
-        ground, stealth = self._ground, self._ground.stealth
-        rps = min(stealth.switch_rps(setting) or ground.top_rps, ground.top_rps)
-        if not ground.turns or setting.offset is None:
-            return None
-        ramp = {**ground.through, SPEED: rps * ground.turn}
-        await self._turning_with(replace(setting, threshold=0))
-        seen = await self._turn(rps, ramp)
-        if seen is None:
-            return None
-        rest = setting.offset * (ground.current.run_scale + 1) / ground.current.steps / FULL
-        worth = stealth.places.calculator.of_velocity(rps, stealth.motor) / FULL
-        return replace(setting, gradient=min(max(round((seen - rest) / worth), 0), FULL))
 
     async def _trial(self, setting: StealthSetting, why: str) -> tuple[Trial, StealthTried]:
         """Try a setting, once."""
