@@ -415,6 +415,12 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
         super().connection_lost(exc)
         self._taken()
 
+    def shutdown(self) -> None:
+        if self.transport.is_closing():  # the client's goodbye was answered: uvicorn would say another one, and fail
+            self.stop_keepalive()
+        else:
+            super().shutdown()
+
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
         if self.handshake_initiated and not self.transport.is_closing():

@@ -12,7 +12,7 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, MESSAGE_BYTES_MAX, STOPS_KEPT, Door, Limits
+from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, MESSAGE_BYTES_MAX, STOPS_KEPT, Door, LimitedWebSocket, Limits
 from tests.api.live import live_server
 
 TOTAL, OF_ADDRESS = 12, 9
@@ -213,6 +213,28 @@ async def test_a_long_message_is_read_to_its_end_and_a_longer_one_ends_the_webso
             while True:
                 await socket.recv()
         assert socket.close_code == 1009
+
+
+async def test_an_end_between_a_goodbye_and_its_last_byte_is_none_of_a_fault(
+    visitors: Visitors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The page is closed while the server ends: what uvicorn does to all connections then may not fail."""
+    failures: list[Exception] = []
+    received = LimitedWebSocket.data_received
+
+    def and_end(websocket: LimitedWebSocket, data: bytes) -> None:
+        received(websocket, data)
+        if data[0] == 0x88:  # a goodbye
+            try:
+                websocket.shutdown()
+            except Exception as failure:
+                failures.append(failure)
+
+    async with connect(visitors.url.replace("http", "ws") + CONDITIONS) as socket:
+        await socket.recv()
+        monkeypatch.setattr(LimitedWebSocket, "data_received", and_end)
+    assert failures == []
+    assert socket.close_code == 1000
 
 
 async def test_who_takes_no_answers_is_not_read_any_further_and_ended(
