@@ -9,15 +9,18 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
+from typing import TYPE_CHECKING
 
-from fastapi import FastAPI
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
 from .api.http.guard import Guard, is_loopback
 from .api.http.page import BuiltFiles, WebUi
-from .api.http.problems import Kind, problem_answer
+from .api.http.problem_document import Kind, problem_answer
 from .settings import Settings
+
+if TYPE_CHECKING:  # it takes 0.2 s to import, and is part of what the page does not wait for
+    from fastapi import FastAPI
 
 STARTED_WITHIN_S = 60.0
 """How long a call may wait for the program [s]; a start from an SD card without byte code takes 20 s."""

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlencode
 
 import uvicorn
-from fastapi import FastAPI
 from pydantic import SecretStr
 from uvicorn.supervisors import ChangeReload
 
@@ -38,6 +37,8 @@ from .settings import Settings
 from .store.files import kept_token, make_private, one_server
 
 if TYPE_CHECKING:  # the program takes two seconds to import: the page is served meanwhile
+    from fastapi import FastAPI
+
     from .api.server_state import ServerState
 
 log = logging.getLogger("stepscope")
@@ -148,7 +149,7 @@ class BenchServer(uvicorn.Server):
         super().__init__(uvicorn.Config(app, **options))  # type: ignore[arg-type]  # a table of options
         self._bench: ServerState | None = None
         self._on_ready = on_ready
-        if isinstance(app, FastAPI):
+        if not isinstance(app, PageFirst):
             self.serves(app)
 
     def serves(self, app: FastAPI) -> None:

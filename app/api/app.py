@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from starlette.routing import BaseRoute
 
 from .. import __version__
+from ..calc.signals.instrument_csv import FILE_MAX_BYTES
 from ..settings import Settings
 from .access import routes as access
 from .audit import routes as audit
@@ -152,6 +153,7 @@ def make_app(bench: ServerState, lifespan: Lifespan, urgent: Callable[[], Abstra
         allowed_hosts=bench.settings.allowed_hosts,
         body_limit_bytes=bench.settings.body_limit_bytes,
         local=is_loopback(bench.settings.host),
+        file_bytes_max=FILE_MAX_BYTES,
     )
     return app
 

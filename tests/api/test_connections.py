@@ -12,7 +12,15 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, MESSAGE_BYTES_MAX, STOPS_KEPT, Door, LimitedWebSocket, Limits
+from app.connections import (
+    DESCRIPTORS_KEPT,
+    HEAD_BYTES_MAX,
+    MESSAGE_BYTES_MAX,
+    STOPS_KEPT,
+    Door,
+    LimitedWebSocket,
+    Limits,
+)
 from tests.api.live import live_server
 
 TOTAL, OF_ADDRESS = 12, 9

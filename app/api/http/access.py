@@ -29,7 +29,7 @@ from ..access.tokens import Tokens
 from .identity import ANYBODY, OWN, Identity, identify
 from .log_ins import LogIns
 from .page import HEADERS
-from .problems import Kind, problem_answer
+from .problem_document import Kind, problem_answer
 from .sessions import SESSION_S, Sessions, cookie_name
 from .stops_first import is_stop
 

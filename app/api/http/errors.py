@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from ...calc.microsteps.mslut import Refusal
+from typing import TYPE_CHECKING
+
 from ...errors import UsageError, WrongState
-from ...store.tokens import Role
+
+if TYPE_CHECKING:  # the page is served before NumPy is there
+    from ...calc.microsteps.mslut import Refusal
+    from ...store.tokens import Role
 
 
 class UnencodableWave(UsageError):

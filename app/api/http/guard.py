@@ -20,9 +20,8 @@ from functools import lru_cache
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ...calc.signals.instrument_csv import FILE_MAX_BYTES
 from .errors import ForeignPage
-from .problems import FOREIGN, TOO_LARGE, problem_answer
+from .problem_document import FOREIGN, TOO_LARGE, problem_answer
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
@@ -86,18 +85,24 @@ def require_own_page(scope: Scope) -> None:
 
 
 class Guard:
-    """ASGI middleware: 403 for foreign pages, 413 for long bodies.
+    """ASGI middleware: 403 for foreign pages, 413 for long bodies; files of instruments may have `file_bytes_max`.
 
     `local`: as in `host_is_ours`; None is for those connections that came to an address of this machine alone.
     """
 
     def __init__(
-        self, app: ASGIApp, allowed_hosts: tuple[str, ...], body_limit_bytes: int, *, local: bool | None = None
+        self,
+        app: ASGIApp,
+        allowed_hosts: tuple[str, ...],
+        body_limit_bytes: int,
+        *,
+        local: bool | None = None,
+        file_bytes_max: int = 0,
     ) -> None:
         self._app = app
         self._local = local
         self._allowed = frozenset(allowed_hosts)
-        self._limit = body_limit_bytes
+        self._limit, self._file_limit = body_limit_bytes, max(body_limit_bytes, file_bytes_max)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -122,7 +127,7 @@ class Guard:
             await problem_answer(FOREIGN, finding, scope["path"])(scope, receive, send)
             return
         if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
-            limit = max(self._limit, FILE_MAX_BYTES) if _FILES.fullmatch(scope["path"]) else self._limit
+            limit = self._file_limit if _FILES.fullmatch(scope["path"]) else self._limit
             if length.isdecimal() and int(length[:20]) > limit:
                 detail = f"{length} bytes, at most {limit} are read"
                 await problem_answer(TOO_LARGE, detail, scope["path"], connection="close")(scope, receive, send)

@@ -19,7 +19,8 @@ from ..schemas import AxisProblem, Problem
 from ..telemetry.schemas import TelemetryMessage
 from .errors import RoleTooLow
 from .policies import Policies
-from .problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
+from .problem_document import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind
+from .problems import kind_of, problems
 
 REF = "#/components/schemas/{model}"
 

@@ -10,7 +10,6 @@ import http
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -50,23 +49,21 @@ from ...twin.process import TwinFailed
 from ..conditions.views import condition_out, remedy_out
 from ..schemas import AxisProblem, Condition, Problem, Remedy
 from .errors import ForeignPage, RoleTooLow, UnencodableWave
-
-MEDIA_TYPE = "application/problem+json"
+from .problem_document import (
+    FOREIGN,
+    INTERNAL,
+    INVALID,
+    MEDIA_TYPE,
+    TOO_LARGE,
+    UNDECODABLE,
+    Kind,
+    answer,
+    document_of,
+    problem_answer,
+)
 
 log = logging.getLogger("stepscope.api")
 
-
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """What one class of error is to a client."""
-
-    status: int
-    type: str
-    title: str
-    way_out: str | None = None
-
-
-FOREIGN = Kind(403, "/problems/foreign-origin", "Refused: this request comes from another web site")
 
 KINDS: dict[type[Exception], Kind] = {
     UnknownThing: Kind(404, "/problems/unknown-thing", "There is no such thing"),
@@ -112,11 +109,6 @@ KINDS: dict[type[Exception], Kind] = {
 }
 """Every class of the BenchError tree; a test walks the tree for one that is missing."""
 
-UNDECODABLE = Kind(400, "/problems/undecodable-body", "The body is not JSON", "send JSON with its content type")
-INVALID = Kind(422, "/problems/invalid-request", "The request does not fit the contract")
-TOO_LARGE = Kind(413, "/problems/body-too-large", "The body is too long")
-INTERNAL = Kind(500, "/problems/internal", "stepscope failed", "the server's log says more; please report it")
-
 
 def kind_of(error: type[BaseException]) -> Kind:
     """The nearest entry of `KINDS` on the way up from `error`."""
@@ -131,32 +123,7 @@ def problem_of(error: Exception, instance: str | None = None) -> Problem:
     kind = kind_of(type(error))
     facts = {key: _plain(value) for key, value in vars(error).items() if key != "way_out"}
     way_out = getattr(error, "way_out", "") or kind.way_out
-    return _problem(kind, str(error) or kind.title, instance, facts, way_out)
-
-
-def problem_answer(
-    kind: Kind, detail: str, instance: str | None, facts: Mapping[str, object] | None = None, **headers: str
-) -> JSONResponse:
-    """A problem as a response, for the few places that answer without an error of the tree."""
-    return _answer(_problem(kind, detail, instance, facts or {}, kind.way_out), headers)
-
-
-def _problem(
-    kind: Kind, detail: str, instance: str | None, facts: Mapping[str, object], way_out: str | None
-) -> Problem:
-    return Problem(
-        type=kind.type,
-        title=kind.title,
-        status=kind.status,
-        detail=detail,
-        instance=instance,
-        way_out=way_out or None,
-        facts=dict(facts),
-    )
-
-
-def _answer(problem: Problem, headers: Mapping[str, str] | None = None) -> JSONResponse:
-    return JSONResponse(problem.model_dump(), problem.status, headers=dict(headers or {}), media_type=MEDIA_TYPE)
+    return Problem.model_validate(document_of(kind, str(error) or kind.title, instance, facts, way_out))
 
 
 def _plain(value: object) -> object:
@@ -191,7 +158,8 @@ def error_answer(
 ) -> JSONResponse:
     """An error of the tree as a response; `condition` is that of the axis which it is about, `remedies` what helps."""
     problem = problem_of(error, instance).model_copy(update={"remedies": list(remedies)})
-    return _answer(problem if condition is None else AxisProblem(**problem.model_dump(), condition=condition))
+    told = problem if condition is None else AxisProblem(**problem.model_dump(), condition=condition)
+    return answer(told.model_dump(), told.status)
 
 
 async def _bench_error(request: Request, error: Exception) -> JSONResponse:
@@ -272,7 +240,7 @@ async def _http_error(request: Request, error: Exception) -> JSONResponse:
         # The framework names the methods of one of the routes at this path; all of them is right.
         methods = request.app.state.allowed_methods(request.url.path)
         headers["Allow"] = ", ".join(methods) or headers.get("Allow", "GET")
-    return _answer(_problem(kind, detail, request.url.path, {}, kind.way_out), headers)
+    return answer(document_of(kind, detail, request.url.path, {}, kind.way_out), kind.status, headers)
 
 
 async def _crash(request: Request, error: Exception) -> JSONResponse:
