@@ -87,6 +87,8 @@ EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 COMMAND_LINE = "on the command line"
 SAVE_EVERY_S = 2.0
 """Extended positions change all the time; they are saved no more often than that [s]."""
+DATABASE_AFTER_S = 0.6
+"""How long a start leaves the core to the page before the audit log is opened, unless somebody asks for it [s]."""
 STOP_WITHIN_S = 0.5
 """How long stopping the motors may hold up the end of the program [s]."""
 
@@ -164,7 +166,7 @@ def create_app(
         ports=emulator_port,
     )
     database = Database(settings.data_dir)
-    audit = AuditLog(database, clock)
+    audit = AuditLog(database, clock, first_after_s=DATABASE_AFTER_S) if pace else AuditLog(database, clock)
     audit_listener = AuditListener(audit)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     lease.listen(partial(lease_words, audit))
@@ -276,7 +278,8 @@ def create_app(
             log.warning("%s", warning)
             vitals.notes.append(warning)
         extended_positions.restore(kept.positions)
-        await asyncio.to_thread(database.open)
+        if not pace:  # else it is opened with the first entry of the audit log, or whoever asks for something earlier
+            await asyncio.to_thread(database.open)
         await bench.tokens.start()
         profiles.tell_unfinished()
         await asyncio.to_thread(studies.load)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.store.database import MIGRATIONS
+from app.store.database_file import MIGRATIONS
 
 ROOT = Path(__file__).parent.parent
 
@@ -91,6 +91,7 @@ def test_a_database_is_made_by_the_steps_that_the_wheel_brings(installed: Path, 
     steps = {path.relative_to(MIGRATIONS) for path in MIGRATIONS.rglob("*.py")}
     assert len(steps) >= 4
     assert steps <= {path.relative_to(migrations) for path in migrations.rglob("*.py")}
-    program = "from pathlib import Path; from stepscope.store.database import Database, MIGRATIONS\n"
+    program = "from pathlib import Path\nfrom stepscope.store.database import Database\n"
+    program += "from stepscope.store.database_file import MIGRATIONS\n"
     program += "d = Database(Path('data')); d.open(); print(MIGRATIONS, d.problem)"
     assert run(installed, tmp_path, "-W", "error", "-c", program).split() == [str(migrations), "None"]

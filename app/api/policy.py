@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 from fastapi import APIRouter
 from fastapi.routing import APIRoute, APIWebSocketRoute
 
-from ..store.tables import Value
+from ..store.audit_entries import Value
 from ..store.tokens import Role
 
 Lease = Literal["needed", "free", "free as a dry run"]

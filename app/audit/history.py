@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from ..devices.core.changes import DONE
 from ..profiles.earlier import changes_something
-from ..store.audit import ADDED, WRITTEN, AuditLog
-from ..store.audit_entries import Entry, EntryFilter
+from ..store.audit import AuditLog
+from ..store.audit_entries import ADDED, WRITTEN, Entry, EntryFilter
 
 LOOKED_THROUGH = 5000
 """Entries of one look: a page of history that would need more is shorter."""

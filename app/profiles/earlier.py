@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 
 from ..registers.catalog import MODELS
 from ..registers.model import Access, Register
-from ..store.audit import WRITTEN
-from ..store.audit_entries import Entry
+from ..store.audit_entries import WRITTEN, Entry
 from .diff import MECHANICS, UNIT_MODE
 from .items import Item, items_by_key, key_of
 

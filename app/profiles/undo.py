@@ -16,8 +16,8 @@ from ..devices.core.actor import Actor
 from ..devices.core.device import Device
 from ..errors import UnknownThing, UsageError, WrongState
 from ..registers.model import Register, to_raw
-from ..store.audit import ADDED, WRITTEN, AuditLog
-from ..store.audit_entries import Entry
+from ..store.audit import AuditLog
+from ..store.audit_entries import ADDED, WRITTEN, Entry
 from .capture import CapturedConfiguration, axis_part, document_of, read_held
 from .diff import units_of_device
 from .document import ProfileDocument, Tables

@@ -10,22 +10,22 @@ import asyncio
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import Context, ContextVar
 from dataclasses import replace
 from itertools import count
-
-from sqlalchemy import delete, func, insert, select
-from sqlalchemy.orm import InstrumentedAttribute, Session
+from typing import TYPE_CHECKING
 
 from ..clock import Clock
 from ..devices.core.actor import Actor, actor
 from ..devices.core.changes import DONE
 from ..errors import StoreUnavailable
-from .audit_entries import Entry, EntryFilter, Known, entry_of, matching, row_of
+from .audit_entries import Entry, EntryFilter, Known, Value
 from .database import Database
-from .tables import AuditRow, Value
+
+if TYPE_CHECKING:  # the page is there before the database is: see `database_file`
+    from sqlalchemy.orm import Session
 
 log = logging.getLogger("stepscope.audit")
 
@@ -36,9 +36,6 @@ RETRY_S = 1.0
 KEPT = 200_000
 """Entries in the database; some 50 MB."""
 TRIMMED_EVERY = 1000
-WRITTEN, ADDED = "write", "add device"
-"""Actions: a register was written, and a device is there from now on."""
-REFUSED = "refused%"
 WAITING_MAX = 20_000
 """Entries in memory while the database takes none; the oldest of them are lost, and counted."""
 
@@ -77,8 +74,12 @@ def request_under_way() -> Iterator[Request]:
 class AuditLog:
     """`add` from the loop; everything else waits for the database."""
 
-    def __init__(self, database: Database, clock: Clock, unix_s: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self, database: Database, clock: Clock, unix_s: Callable[[], float] = time.time, first_after_s: float = FLUSH_S
+    ) -> None:
+        """`first_after_s`: how long its first entries wait [s]."""
         self._database, self._clock, self._unix_s = database, clock, unix_s
+        self._flush_after_s = first_after_s
         self._waiting: deque[Entry] = deque()
         self._lost = 0
         self._since_trim = TRIMMED_EVERY  # so the first batch trims: an earlier version may have kept more
@@ -141,7 +142,8 @@ class AuditLog:
 
     async def _write_soon(self) -> None:
         while self._waiting and not self._closing:
-            await self._wait(RETRY_S if self._problem else FLUSH_S)
+            await self._wait(RETRY_S if self._problem else self._flush_after_s)
+            self._flush_after_s = FLUSH_S
             await self._flush()
 
     async def _wait(self, seconds: float) -> None:
@@ -159,8 +161,14 @@ class AuditLog:
             self._since_trim += len(batch)
             trim = self._since_trim >= TRIMMED_EVERY
             written = [_loss(batch[0], lost), *batch] if lost else batch
+
+            def insert(session: Session) -> None:
+                from . import audit_queries
+
+                audit_queries.insert_entries(session, written, kept=KEPT if trim else None)
+
             try:
-                await self._database.write(lambda session: _insert(session, written, trim=trim))
+                await self._database.write(insert)
             except StoreUnavailable as problem:
                 self._waiting.extendleft(reversed(batch))
                 self._shed()
@@ -188,72 +196,70 @@ class AuditLog:
         Everything that was added before is among them. Raises StoreUnavailable.
         """
         await self._flush()
-        query = matching(wanted).order_by(AuditRow.id.desc()).limit(limit)
-        if before is not None:
-            query = query.where(AuditRow.id < before)
-        return await self._database.read(lambda session: [entry_of(row) for row in session.scalars(query)])
+
+        def found(session: Session) -> list[Entry]:
+            from . import audit_queries
+
+            return audit_queries.search(session, wanted, limit, before)
+
+        return await self._database.read(found)
 
     async def of_device(self, device: str, first: int) -> list[Entry]:
         """All entries of a device from the id `first` on, the oldest first. Raises StoreUnavailable."""
         await self._flush()
-        query = select(AuditRow).where(AuditRow.device == device, AuditRow.id >= first).order_by(AuditRow.id)
-        return await self._database.read(lambda session: [entry_of(row) for row in session.scalars(query)])
+
+        def found(session: Session) -> list[Entry]:
+            from . import audit_queries
+
+            return audit_queries.of_device(session, device, first)
+
+        return await self._database.read(found)
 
     async def first_of_call(self, call: int) -> int:
         """The lowest id of the entries of a request; 0 where it has none. Raises StoreUnavailable."""
-        query = select(func.min(AuditRow.id)).where(AuditRow.call == call)
-        return await self._database.read(lambda session: session.scalar(query) or 0)
+
+        def found(session: Session) -> int:
+            from . import audit_queries
+
+            return audit_queries.first_of_call(session, call)
+
+        return await self._database.read(found)
 
     async def last_writes(self, device: str, before: int) -> list[Entry]:
         """Of each register of a device its last write before the id `before`, since the device was added last.
 
         Raises StoreUnavailable.
         """
-        earlier = (AuditRow.device == device, AuditRow.id < before)
 
-        def query(session: Session) -> list[Entry]:
-            added = session.scalar(select(func.max(AuditRow.id)).where(*earlier, AuditRow.action == ADDED)) or 0
-            last = (
-                select(func.max(AuditRow.id))
-                .where(*earlier, AuditRow.id > added, AuditRow.action == WRITTEN, AuditRow.outcome.not_like(REFUSED))
-                .group_by(AuditRow.subject, AuditRow.axis)
-            )
-            return [entry_of(row) for row in session.scalars(select(AuditRow).where(AuditRow.id.in_(last)))]
+        def found(session: Session) -> list[Entry]:
+            from . import audit_queries
 
-        return await self._database.read(query)
+            return audit_queries.last_writes(session, device, before)
+
+        return await self._database.read(found)
 
     async def first_since(self, unix_s: float) -> tuple[int, float | None]:
         """The id that entries since then begin with, and when the log itself begins [s]. Raises StoreUnavailable."""
         await self._flush()
 
-        def query(session: Session) -> tuple[int, float | None]:
-            since = session.scalar(select(func.min(AuditRow.id)).where(AuditRow.at_unix_s >= unix_s))
-            newest = session.scalar(select(func.max(AuditRow.id))) or 0
-            return since or newest + 1, session.scalar(select(func.min(AuditRow.at_unix_s)))
+        def found(session: Session) -> tuple[int, float | None]:
+            from . import audit_queries
 
-        return await self._database.read(query)
+            return audit_queries.first_since(session, unix_s)
+
+        return await self._database.read(found)
 
     async def known(self) -> Known:
         """All names that entries bear. Raises StoreUnavailable."""
         await self._flush()
 
-        def query(session: Session) -> Known:
-            devices = _names(session, AuditRow.device)
-            return Known(devices, _names(session, AuditRow.who), _names(session, AuditRow.action))
+        def found(session: Session) -> Known:
+            from . import audit_queries
 
-        return await self._database.read(query)
+            return audit_queries.known(session)
+
+        return await self._database.read(found)
 
 
 def _loss(first: Entry, lost: int) -> Entry:
     return Entry(first.at_unix_s, "stepscope", "server", "", None, None, "lost entries", "audit log", new=lost)
-
-
-def _insert(session: Session, batch: Sequence[Entry], *, trim: bool) -> None:
-    session.execute(insert(AuditRow), [row_of(entry) for entry in batch])
-    if trim:
-        newest = select(func.max(AuditRow.id)).scalar_subquery()
-        session.execute(delete(AuditRow).where(AuditRow.id <= newest - KEPT))
-
-
-def _names(session: Session, column: InstrumentedAttribute[str] | InstrumentedAttribute[str | None]) -> list[str]:
-    return sorted(name for name in session.scalars(select(column).distinct()) if name)

@@ -1,19 +1,16 @@
-"""Entries of the audit log: what they hold, how they lie in the database, and how they are looked for."""
+"""Entries of the audit log: what they hold, and what they are looked for by."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
-from typing import cast, get_args
-
-from sqlalchemy import ColumnElement, Select, String, func, select
-from sqlalchemy import cast as as_type
 
 from ..devices.core.actor import ActorKind
 from ..devices.core.changes import DONE
-from .tables import AuditRow, Value
 
+Value = int | float | str | None
+WRITTEN, ADDED = "write", "add device"
+"""Actions: a register was written, and a device is there from now on."""
 LONG = {"who": 100, "address": 60, "device": 80, "action": 60, "subject": 200, "outcome": 500, "detail": 500}
 """How long each text may be: much of it comes from outside."""
 
@@ -78,63 +75,3 @@ def row_of(entry: Entry) -> dict[str, object]:
             whole = text.encode("utf-8", "replace").decode()  # half a character of an address is no text for a database
             row[name] = whole if len(whole) <= length else whole[: length - 1] + "…"
     return row
-
-
-def entry_of(row: AuditRow) -> Entry:
-    """As it was read."""
-    return Entry(
-        row.at_unix_s,
-        row.who,
-        cast("ActorKind", row.kind) if row.kind in get_args(ActorKind) else "client",
-        row.address,
-        row.device,
-        row.axis,
-        row.action,
-        row.subject,
-        row.old,
-        row.new,
-        row.outcome,
-        row.detail,
-        row.id,
-        row.call,
-    )
-
-
-def matching(wanted: EntryFilter) -> Select[AuditRow]:
-    """All rows that are wanted, in no order."""
-    query = select(AuditRow)
-    for column, value in (
-        (AuditRow.device, wanted.device),
-        (AuditRow.who, wanted.who),
-        (AuditRow.action, wanted.action),
-    ):
-        if value:
-            query = query.where(column == value)
-    if wanted.outcome:
-        query = query.where(AuditRow.outcome.startswith(wanted.outcome, autoescape=True))
-    if wanted.since_unix_s is not None:
-        query = query.where(AuditRow.at_unix_s >= wanted.since_unix_s)
-    if wanted.until_unix_s is not None:
-        query = query.where(AuditRow.at_unix_s < wanted.until_unix_s)
-    if wanted.after is not None:
-        query = query.where(AuditRow.id > wanted.after)
-    for word in wanted.text.split():
-        query = query.where(_everything().icontains(word, autoescape=True))
-    return query
-
-
-def _everything() -> ColumnElement[str]:
-    """All that an entry says, as one text."""
-    columns = (
-        AuditRow.who,
-        AuditRow.address,
-        AuditRow.device,
-        AuditRow.action,
-        AuditRow.subject,
-        AuditRow.old,
-        AuditRow.new,
-        AuditRow.outcome,
-        AuditRow.detail,
-    )
-    texts: list[ColumnElement[str]] = [func.coalesce(as_type(column, String), "") for column in columns]
-    return reduce(lambda text, more: text.concat(" ").concat(more), texts)

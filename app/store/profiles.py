@@ -6,14 +6,13 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import func, select
-from sqlalchemy.orm import Session
-
-from ..errors import UnknownThing, WrongState
+from ..errors import WrongState
 from .database import Database
-from .tables import ProfileRow
+
+if TYPE_CHECKING:  # the page is there before the database is: see `database_file`
+    from sqlalchemy.orm import Session
 
 log = logging.getLogger("stepscope.store")
 
@@ -45,34 +44,25 @@ class ProfileStore:
         now_s = self._unix_s()
 
         def work(session: Session) -> SavedProfile:
-            if (session.scalar(select(func.count()).select_from(ProfileRow)) or 0) >= KEPT_MAX:
+            from . import profile_rows
+
+            if profile_rows.count(session) >= KEPT_MAX:
                 raise WrongState(f"{KEPT_MAX} profiles are kept already", "delete some of them")
-            row = ProfileRow(
-                name=name,
-                model=str(document["model"]),
-                created_unix_s=now_s,
-                note=note,
-                document={**document, "name": name, "note": note},
-                version=int(document["version"]),
-            )
-            session.add(row)
-            session.flush()
-            return _saved(row)
+            return profile_rows.insert(session, name, note, now_s, document)
 
         return await self._database.write(work)
 
     async def all(self, search: str = "", model: str = "") -> list[SavedProfile]:
         """Those of `model` (any) that have all words of `search` in name, note, model or device; the latest first."""
-        query = select(ProfileRow).order_by(ProfileRow.id.desc())
-        if model:
-            query = query.where(ProfileRow.model == model)
         words = search.casefold().split()
 
         def work(session: Session) -> list[SavedProfile]:
+            from . import profile_rows
+
             found = []
-            for row in session.scalars(query):
+            for row in profile_rows.latest_first(session, model):
                 try:
-                    found.append(_saved(row))
+                    found.append(profile_rows.saved(row))
                 except WrongState as damage:  # it alone
                     if str(damage) not in self._database.notes:
                         self._database.notes.append(str(damage))
@@ -83,43 +73,33 @@ class ProfileStore:
 
     async def get(self, profile: int) -> SavedProfile:
         """Raises UnknownThing, WrongState for one that is damaged."""
-        return await self._database.read(lambda session: _saved(_row(session, profile)))
+
+        def work(session: Session) -> SavedProfile:
+            from . import profile_rows
+
+            return profile_rows.saved(profile_rows.find(session, profile))
+
+        return await self._database.read(work)
 
     async def edit(self, profile: int, name: str | None = None, note: str | None = None) -> SavedProfile:
         """Another name or note; None leaves as it is. Raises UnknownThing, WrongState for one that is damaged."""
 
         def work(session: Session) -> SavedProfile:
-            row = _row(session, profile)
-            document = _saved(row).document
-            if name is not None:
-                row.name = name
-            if note is not None:
-                row.note = note
-            row.document = {**document, "name": row.name, "note": row.note}
-            session.flush()
-            return _saved(row)
+            from . import profile_rows
+
+            return profile_rows.rename(session, profile, name, note)
 
         return await self._database.write(work)
 
     async def delete(self, profile: int) -> None:
         """Raises UnknownThing."""
-        await self._database.write(lambda session: session.delete(_row(session, profile)))
 
+        def work(session: Session) -> None:
+            from . import profile_rows
 
-def _row(session: Session, profile: int) -> ProfileRow:
-    row = session.get(ProfileRow, profile) if 0 < profile < 1 << 63 else None
-    if row is None:
-        raise UnknownThing("profile", str(profile))
-    return row
+            session.delete(profile_rows.find(session, profile))
 
-
-def _saved(row: ProfileRow) -> SavedProfile:
-    """Raises WrongState for a row that something else wrote into: a broken disk, most likely."""
-    document = row.document
-    whole = isinstance(document, dict) and (document.get("name"), document.get("model")) == (row.name, row.model)
-    if not whole or not isinstance(row.created_unix_s, float) or not 0 <= row.created_unix_s < 1e11:
-        raise WrongState(f"profile {row.id} ({str(row.name)[:60]!r}) is damaged and left out", "delete it")
-    return SavedProfile(row.id, row.name, row.model, row.created_unix_s, row.note, row.version, row.document)
+        await self._database.write(work)
 
 
 def _has(saved: SavedProfile, words: list[str]) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import JSON, Index
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
-Value = int | float | str | None
+from .audit_entries import Value
 
 
 class Base(DeclarativeBase):

@@ -18,7 +18,8 @@ from sqlalchemy import Engine, create_engine, event, func, select
 from sqlalchemy.orm import Session
 
 from app.errors import StoreUnavailable
-from app.store.database import FILE_NAME, MIGRATIONS, Database, config_for, steps
+from app.store.database import FILE_NAME, Database
+from app.store.database_file import MIGRATIONS, config_for, steps
 from app.store.tables import AuditRow, ProfileRow
 
 ROOT = Path(__file__).parents[2]
@@ -298,7 +299,7 @@ def test_one_that_is_closed_says_so(tmp_path: Path) -> None:
 def test_a_writer_waits_for_another_one_and_gives_up_with_its_reason(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.store.database.BUSY_S", 0.05)
+    monkeypatch.setattr("app.store.database_file.BUSY_S", 0.05)
     with opened(tmp_path) as database:
         other = sqlite3.connect(tmp_path / FILE_NAME, isolation_level=None)
         other.execute("BEGIN IMMEDIATE")

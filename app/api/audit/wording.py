@@ -15,7 +15,7 @@ from typing import Any
 from urllib.parse import parse_qsl
 
 from ...number_text import plain as plain_number
-from ...store.tables import Value
+from ...store.audit_entries import Value
 from ..policy import Call, Policy, Said
 
 TEXT_MAX = 200
