@@ -35,6 +35,8 @@ TOLD_MAX = 40
 MOVING = ("move", "rotate")
 SOON_S = 0.1
 """A start within this time behind a command is that command's [s]."""
+JUST_BEFORE_S = 0.05
+"""So long after the start some drivers tell of the command, on a busy machine [s]."""
 DOING = ("move", "rotate", "stop", "set_position", "write")
 
 
@@ -113,14 +115,14 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
 
 
 def done_s(command: Mark, starts: Mapping[int | None, Sequence[float]]) -> float:
-    """When a command reached the chip [s]: its mark is of a moment before, a start is marked exactly.
+    """When a command reached the chip [s]: its mark is of a moment before or after, a start is marked exactly.
 
     `starts` are those of each axis [s].
     """
     if (command.detail or {}).get("do") not in MOVING:
         return command.time_s
-    soon = (at for at in starts.get(command.axis, ()) if 0 <= at - command.time_s < SOON_S)
-    return min(soon, default=command.time_s)
+    near = (at for at in starts.get(command.axis, ()) if -JUST_BEFORE_S <= at - command.time_s < SOON_S)
+    return min(near, key=lambda at: abs(at - command.time_s), default=command.time_s)
 
 
 def is_write_of(write: Mark, command: Mark) -> bool:

@@ -11,9 +11,11 @@ from fastapi import FastAPI
 
 from app.clock import VirtualClock
 from app.main import bench_of
+from app.procedures.replay import done_s
 from app.store.recordings.file import Rows
 from app.store.recordings.head import Column, Head
 from app.store.recordings.library import Label
+from app.store.recordings.marks import Mark
 from tests.api.test_recordings import run, start
 
 BOTH = ["position.0", "velocity.0"]
@@ -85,6 +87,13 @@ async def test_what_an_emulator_did_was_to_be_expected(
     assert max(value for value in expected["values"] if value is not None) == pytest.approx(
         max(measured["values"]), abs=within
     )
+
+
+def test_a_start_is_its_command_s_though_it_was_told_after_it() -> None:
+    command = Mark(10.0041, "command", "move to 2000", 0, {"do": "move", "target": 2000})
+    assert done_s(command, {0: [9.0, 10.0, 10.2]}) == 10.0
+    assert done_s(command, {0: [9.0, 10.05]}) == 10.05
+    assert done_s(command, {0: [9.0], 1: [10.0]}) == 10.0041
 
 
 async def test_a_write_meanwhile_is_part_of_it(client: httpx.AsyncClient, clock: VirtualClock) -> None:
