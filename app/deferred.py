@@ -5,10 +5,24 @@ A start imports 600 models, and uses some thirty until the page is there: the ot
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, RootModel
+
+RootT = TypeVar("RootT")
 
 
 class DeferredModel(BaseModel):
     """pydantic's BaseModel otherwise."""
 
     model_config = ConfigDict(defer_build=True)
+
+
+class DeferredRootModel(RootModel[RootT]):
+    """pydantic's RootModel otherwise."""
+
+    model_config = ConfigDict(defer_build=True)
+
+
+DEFERRED = ConfigDict(defer_build=True)
+"""For a TypeAdapter, which takes no model."""

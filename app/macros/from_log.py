@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from ..deferred import DEFERRED
 from ..number_text import plain
 from ..store.audit_entries import Entry
 from .document import STEPS_MAX, MoveStep, RotateStep, Step
@@ -21,7 +22,7 @@ _FIELD = re.compile(r"([A-Za-z0-9_]+) (?:-?\d+ )?-> (-?\d+)")
 _ASKED = re.compile(r"asked (by|to) (\S+) (\w+)")
 _TAKES = re.compile(r"in (\S+) s\b")
 _RECORDED = re.compile(r"device: ([^,]+), channels: \[([^\]]*)\](?:.*?rate_hz: ([0-9.]+))?")
-_STEP: TypeAdapter[Step] = TypeAdapter(Step)
+_STEP: TypeAdapter[Step] = TypeAdapter(Step, config=DEFERRED)
 WITHOUT_DEVICE = ("stop everything", "start recording", "stop recording")
 """Actions whose entries name no device, and may be about it all the same."""
 NO_STEP = ("lease", "add device", "edit device", "connect", "disconnect", "keep macro", "save macro", "macro over")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
+from ..deferred import DEFERRED
 from ..devices.core.config import AxisSettings, DeviceConfig, unique_slug
 from ..errors import BenchError
 from .document import Entries, Entry, writable
@@ -19,7 +20,7 @@ VERSION = 1
 
 NOT_ONE = (BenchError, TypeError, ValueError, KeyError, ArithmeticError, AttributeError)
 """What an entry raises that is no connection, whatever was written into it."""
-_axes = TypeAdapter(list[AxisSettings])
+_axes = TypeAdapter(list[AxisSettings], config=DEFERRED)
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,9 @@ from tests.bench.table import Row
 from tests.installation import answers, install, move, running, server, until, wheel
 
 PAGE_WITHIN_S, MOVING_WITHIN_S, LATER_WITHIN_S = 5.0, 10.0, 3.0
+BARE_STARTS = 2.0
+"""A later start may take 3 s, or as long as so many of what our libraries and our page take alone: on a machine of two
+cores that is half as fast at times, 3 s say more about its neighbours than about us."""
 WITHOUT_BYTE_CODE_WITHIN_S = 10.0
 """Python itself compiles 1,900 modules then, 2 s more of a core."""
 LATER_STARTS = 3
@@ -90,10 +93,11 @@ def row(what: str, seconds: float, limit_s: float) -> Row:
 
 
 def later_row(what: str, later: Sequence[Start]) -> Row:
-    """The median of them against the limit, with that of the bare starts."""
+    """The median of them against the limit: 3 s, or twice that of the bare starts where the machine is so slow."""
     page_s, bare_s = median(one.page_s for one in later), median(one.bare_s for one in later)
-    told = f"median of {len(later)}; bare libraries with the page: {bare_s:.2f} s"
-    return replace(row(what, page_s, LATER_WITHIN_S), notes=(told,))
+    limit_s = max(LATER_WITHIN_S, BARE_STARTS * bare_s)
+    told = f"median of {len(later)}; bare libraries with the page: {bare_s:.2f} s, of which {BARE_STARTS:g} are allowed"
+    return replace(row(what, page_s, limit_s), notes=(told,))
 
 
 def forget_caches(venv: Path, byte_code: bool) -> None:

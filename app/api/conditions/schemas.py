@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, RootModel
+from pydantic import Field
 
+from ...deferred import DeferredRootModel
 from ..schemas import Answer, Body, Standing
 
 SUBPROTOCOL = "stepscope.conditions.v1"
@@ -48,7 +49,7 @@ class Alive(Answer):
 ConditionsText = ConditionsSnapshot | AxisCondition | DeviceRemoved | Alive
 
 
-class ConditionsMessage(RootModel[ConditionsText]):
+class ConditionsMessage(DeferredRootModel[ConditionsText]):
     """Any message of the socket."""
 
     root: Annotated[ConditionsText, Field(discriminator="type")]

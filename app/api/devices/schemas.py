@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag, model_validator
+from pydantic import BaseModel, Discriminator, Field, StringConstraints, Tag, model_validator
 
+from ...deferred import DeferredRootModel
 from ...emulators.listed.options import ListedOptions
 from ...emulators.tmc5xxx.options import Tmc5xxxOptions
 from ...emulators.tmc428.options import EmulatorOptions
@@ -342,7 +343,7 @@ def of_model(body: object) -> str:
 
 
 class DeviceCreate(
-    RootModel[
+    DeferredRootModel[
         Annotated[
             Annotated[ChipCreate, Tag("chip")]
             | Annotated[Chip40Create, Tag("chip40")]
@@ -408,7 +409,7 @@ class ListedChipTrial(Body):
 
 
 class DeviceTrial(
-    RootModel[
+    DeferredRootModel[
         Annotated[
             Annotated[ChipTrial, Tag("chip")]
             | Annotated[Chip40Trial, Tag("chip40")]

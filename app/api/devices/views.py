@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from ...calc.driver_chain.chain import Chain, build_chain, decode_chain
 from ...calc.driver_chain.ram_words import unpack_words
 from ...conditions.service import AxisAssessment, ConditionService
+from ...deferred import DEFERRED
 from ...devices.core import prediction, results
 from ...devices.core.config import AxisSettings, slug, unique_slug
 from ...devices.core.device import Device
@@ -71,13 +72,13 @@ def calculating() -> Iterator[None]:
 
 
 _LINKS: dict[str, TypeAdapter[AnyLink]] = {
-    "chip": TypeAdapter(ChipLink),
-    "chip40": TypeAdapter(Chip40Link),
-    "sixpoint": TypeAdapter(SixPointLink),
-    "driver": TypeAdapter(DriverLink),
-    "module": TypeAdapter(ModuleLink),
-    "listed": TypeAdapter(ListedLink),
-    "listed-chip": TypeAdapter(ListedChipLink),
+    "chip": TypeAdapter(ChipLink, config=DEFERRED),
+    "chip40": TypeAdapter(Chip40Link, config=DEFERRED),
+    "sixpoint": TypeAdapter(SixPointLink, config=DEFERRED),
+    "driver": TypeAdapter(DriverLink, config=DEFERRED),
+    "module": TypeAdapter(ModuleLink, config=DEFERRED),
+    "listed": TypeAdapter(ListedLink, config=DEFERRED),
+    "listed-chip": TypeAdapter(ListedChipLink, config=DEFERRED),
 }
 
 

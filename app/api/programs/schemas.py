@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, RootModel, StringConstraints
+from pydantic import Field, StringConstraints
 
+from ...deferred import DeferredRootModel
 from ...procedures.debugging import BREAKPOINTS_MAX
 from ...procedures.trial import DURATION_MAX_S
 from ..schemas import Answer, Body, Flag, Problem
@@ -212,7 +213,7 @@ class ProgramRefused(Answer):
 ProgramTold = ProgramStarted | ProgramSeen | ProgramLost | ProgramAlive | ProgramRefused
 
 
-class ProgramMessage(RootModel[ProgramTold]):
+class ProgramMessage(DeferredRootModel[ProgramTold]):
     """Any message of the socket."""
 
     root: Annotated[ProgramTold, Field(discriminator="type")]

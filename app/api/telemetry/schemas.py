@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, RootModel
+from pydantic import Field
 
+from ...deferred import DeferredRootModel
 from ...devices.core.results import StopReason
 from ..schemas import Answer, Problem
 
@@ -108,7 +109,7 @@ TelemetryText = (
 )
 
 
-class TelemetryMessage(RootModel[TelemetryText]):
+class TelemetryMessage(DeferredRootModel[TelemetryText]):
     """Any text message of the socket."""
 
     root: Annotated[TelemetryText, Field(discriminator="type")]

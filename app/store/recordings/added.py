@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from ...deferred import DEFERRED
 from .file import FloatArray
 from .head import Column
 
@@ -57,7 +58,7 @@ class AddedRows:
     columns: FloatArray
 
 
-_all = TypeAdapter(tuple[Added, ...])
+_all = TypeAdapter(tuple[Added, ...], config=DEFERRED)
 
 
 def added_of(found: Mapping[str, object]) -> tuple[Added, ...]:
