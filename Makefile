@@ -91,8 +91,8 @@ bench: install $(STAMPS)/tools chromium  ## measured figures beside what is requ
 screenshots: install $(STAMPS)/tools chromium  ## every page, two sizes, light and dark, into test-results/
 	$(PY) scripts/screenshots.py test-results/screenshots $(ARGS)
 
-pictures: install $(STAMPS)/tools chromium  ## the pictures of the tutorials, by doing what they say
-	STEPSCOPE_PICTURES=1 $(BIN)/pytest -q tests/e2e/test_tutorials.py
+pictures: install $(STAMPS)/tools chromium  ## the pictures of the README and the tutorials, by doing what they say
+	STEPSCOPE_PICTURES=1 $(BIN)/pytest -q tests/e2e/test_newcomer.py tests/e2e/test_tutorials.py
 
 install: $(STAMPS)/kernels web help-site
 

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PIL import Image, ImageChops, ImageStat
 from playwright.sync_api import Browser, BrowserContext
 from server_process import ServerProcess
 
 from tests.e2e.conftest import Errors
+from tests.e2e.pictures import hold
 from tests.e2e.tutorials import DOCS, PICTURES, TUTORIALS, Reader, pictures_of, steps_of
 
-ALIKE = 12
-"""Mean difference of two pictures in grey [of 255], from afar: curves differ from run to run, pages do not."""
-FROM_AFAR = (64, 36)
 SPARING = "if (location.protocol !== 'about:') localStorage['stepscope.scope'] ??= '{\"rateHz\":100}'"
 """The scope begins with 100 Hz instead of 500, which is a tenth of what a browser and its server work for a page."""
 ALL = [TUTORIALS / name for name in re.findall(r"tutorials/([\w-]+\.md)", (DOCS / "zensical.toml").read_text())]
@@ -59,17 +54,8 @@ def test_what_a_tutorial_says_can_be_done(tutorial: Path, reader: Reader, errors
     reader.follow(tutorial)
     assert errors.unexpected() == []
     assert reader.taken == pictures_of(tutorial.read_text()), "each picture is shown where it is taken"
-    if os.environ.get("STEPSCOPE_PICTURES"):  # `make pictures`
-        for name in reader.taken:
-            shutil.copy(tmp_path / f"{name}.png", PICTURES)
     for name in reader.taken:
-        difference = _difference(tmp_path / f"{name}.png", PICTURES / f"{name}.png")
-        assert difference < ALIKE, f"{name}.png shows a page that has changed since: make pictures ({difference:.1f})"
-
-
-def _difference(one: Path, other: Path) -> float:
-    grey = [Image.open(path).convert("L").resize(FROM_AFAR) for path in (one, other)]
-    return float(ImageStat.Stat(ImageChops.difference(*grey)).mean[0])
+        hold(tmp_path / f"{name}.png", PICTURES / f"{name}.png")
 
 
 def test_no_picture_is_left_over() -> None:

@@ -18,7 +18,6 @@ const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/ramps", "Ramps", "design one and send it"],
   ["/registers", "Registers", "live, bit by bit"],
   ["/first-run", "First run", "step by step"],
-  ["/microsteps", "Microsteps", ""],
   ["/connections", "Connections", ""],
 ];
 
