@@ -435,3 +435,53 @@ async def test_a_file_of_an_instrument_lies_beside_a_recording(client: httpx.Asy
     assert (await client.delete(f"{path}/added/0")).status_code == 204
     assert (await client.delete(f"{path}/added/0")).status_code == 404
     assert len((await client.get(path)).json()["added"]) == 7
+
+
+async def test_channels_of_a_file_are_compared_analysed_and_exported(
+    client: httpx.AsyncClient, clock: VirtualClock
+) -> None:
+    recordings = []
+    for late in (0.0, 0.1):
+        recording = await start(client)
+        await run(clock, 1.0)
+        await client.post(f"recordings/{recording}/stop")
+        # 10 Hz of 2 V, at 1 kHz, `late` behind the recording's zero.
+        text = "time [s],probe [V]\n" + "".join(
+            f"{n / 1000:.3f},{2 * np.sin(2 * np.pi * 10 * n / 1000):.6f}\n" for n in range(900)
+        )
+        path = f"recordings/{recording}/added"
+        answer = await client.post(path, params={"name": "a.csv"}, content=text, headers={"content-type": "text/csv"})
+        assert answer.status_code == 201, answer.text
+        moved = await client.patch(f"{path}/0", json={"offset_s": late})
+        assert moved.status_code == 200, moved.text
+        recordings.append(recording)
+    first, second = recordings
+
+    found = (await client.get(f"recordings/{first}/spectrum", params={"channel": "probe"})).json()
+    assert found["peak_hz"] == pytest.approx(10, abs=0.6)
+    assert found["peak"] == pytest.approx(2, rel=0.1)
+    assert (found["unit"], found["samples"]) == ("V", 900)
+    part = await client.get(f"recordings/{first}/spectrum", params={"channel": "probe", "from_s": 0.2, "to_s": 0.6})
+    assert part.json()["samples"] == pytest.approx(400, abs=2)
+    assert (await client.get(f"recordings/{first}/spectrum", params={"channel": "prob"})).status_code == 404
+
+    both = (await client.post("recordings/compare", json={"recordings": recordings})).json()
+    (probe,) = [each for each in both["channels"] if each["channel"] == "probe"]
+    assert probe["unit"] == "V"
+    assert [curve["time_s"][0] for curve in probe["curves"]] == [pytest.approx(0.0), pytest.approx(0.1)]
+    assert probe["differences"][0]["figures"]["samples"] == pytest.approx(800, abs=2), "from 0.1 to 0.9 s"
+    assert abs(probe["differences"][0]["figures"]["peak"]) < 0.01, "a whole period later it is the same"
+    assert both["recordings"][0]["figures"]["probe"]["samples"] == 900
+
+    lines = list(csv.reader(io.StringIO((await client.get(f"recordings/{second}", params={"format": "csv"})).text)))
+    assert lines[0] == ["time_s", *CHANNELS, "probe"]
+    zero_s = float(lines[1][0])
+    read = {round(float(line[0]) - zero_s, 3): line[3] for line in lines[1:]}
+    assert read[0.05] == "", "the file begins later"
+    quarter = min(read, key=lambda at_s: abs(at_s - 0.125))
+    assert float(read[quarter]) == pytest.approx(2 * np.sin(2 * np.pi * 10 * (quarter - 0.1)), abs=0.05)
+    table = pa.parquet.read_table(
+        io.BytesIO((await client.get(f"recordings/{second}", params={"format": "parquet"})).content)
+    )
+    assert table.schema.field("probe").metadata == {b"unit": b"V"}
+    assert table.num_rows == len(lines) - 1

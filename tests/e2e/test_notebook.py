@@ -105,6 +105,13 @@ def test_a_file_of_an_oscilloscope_is_dropped_in_aligned_and_removed(
     expect(file).to_contain_text("0.250 to 1.240")
     (kept,) = api.get(f"/recordings/{recording}").raise_for_status().json()["added"]
     assert kept["offset_s"] == 0.25
+    page.get_by_role("button", name="Work it out").click()
+    page.get_by_role("combobox", name="Channel of the spectrum").click()
+    page.get_by_role("option", name="CH1").click()
+    expect(page.get_by_test_id("spectrum")).to_contain_text("highest at")
+    file.get_by_role("combobox", name="Mark that the 0 of dropped.csv lies on").click()
+    page.get_by_role("option").first.click()
+    expect(file).to_contain_text("its 0 on the mark")
     card.locator("input[type=file]").set_input_files(
         {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"time [s],CH1 [V]\n0.0,1.0\n0.1,word\n"}
     )

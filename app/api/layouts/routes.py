@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated
-
-from fastapi import Path, Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...store.layouts import LayoutChanged
@@ -14,6 +11,7 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..revisions import KeptId, RevisionNumber, revisions_of, told
 from ..router import subject_router
 from .schemas import (
     LayoutDetail,
@@ -21,15 +19,10 @@ from .schemas import (
     LayoutInfo,
     LayoutList,
     LayoutNew,
-    LayoutRevision,
     LayoutSave,
 )
 
 router = subject_router(prefix="/layouts", tags=["layouts"])
-
-LayoutId = Annotated[
-    str, Path(description="as in the list", min_length=1, max_length=40, pattern="^[a-z0-9][a-z0-9-]*$")
-]
 
 
 @router.get("", responses=problems(StoreUnavailable))
@@ -48,8 +41,8 @@ async def add_layout(bench: CurrentBench, body: LayoutNew) -> LayoutDetail:
 @router.get("/{layout}", responses=problems(UnknownThing, WrongState, StoreUnavailable))
 async def get_layout(
     bench: CurrentBench,
-    layout: LayoutId,
-    revision: Annotated[int | None, Query(ge=1, le=1 << 53, description="an earlier one; the latest without")] = None,
+    layout: KeptId,
+    revision: RevisionNumber = None,
 ) -> LayoutDetail:
     """A kept layout with its document."""
     return _detail(*await asyncio.to_thread(bench.layouts.revision, layout, revision))
@@ -57,34 +50,28 @@ async def get_layout(
 
 @router.put("/{layout}", responses=problems(UnknownThing, LayoutChanged, WrongState, UsageError, StoreUnavailable))
 @policy(lease="free", words=wording.named("save layout"))
-async def put_layout(bench: CurrentBench, layout: LayoutId, body: LayoutSave) -> LayoutDetail:
+async def put_layout(bench: CurrentBench, layout: KeptId, body: LayoutSave) -> LayoutDetail:
     """Keep a further revision, made from `based_on`. Another one that was saved since is never written over."""
     return _detail(await asyncio.to_thread(bench.layouts.put, layout, body.based_on, body.document.model_dump()))
 
 
 @router.delete("/{layout}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
 @policy(lease="free", words=wording.named("delete layout"))
-async def delete_layout(bench: CurrentBench, layout: LayoutId) -> None:
+async def delete_layout(bench: CurrentBench, layout: KeptId) -> None:
     """Forget a layout with its revisions."""
     await asyncio.to_thread(bench.layouts.delete, layout)
 
 
 def _info(saved: Saved) -> LayoutInfo:
     latest = saved.latest
-    return LayoutInfo(
-        id=saved.id, name=latest.document["name"], revision=latest.revision, saved_unix_s=latest.saved_unix_s
-    )
+    return LayoutInfo(name=latest.document["name"], **told(saved))
 
 
 def _detail(saved: Saved, of: Revision | None = None) -> LayoutDetail:
     shown = of or saved.latest
     return LayoutDetail(
-        id=saved.id,
         name=str(shown.document["name"]),
-        revision=shown.revision,
-        saved_unix_s=shown.saved_unix_s,
-        revisions=[
-            LayoutRevision(revision=each.revision, saved_unix_s=each.saved_unix_s) for each in reversed(saved.revisions)
-        ],
+        **told(saved, of),
+        revisions=revisions_of(saved),
         document=LayoutDocument.model_validate(shown.document),
     )

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from ..revisions import BasedOn, SavedRevision
 from ..schemas import Answer, Body
 
 LayoutName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=80)]
@@ -29,23 +30,13 @@ class LayoutNew(Body):
     document: LayoutDocument
 
 
-class LayoutSave(Body):
+class LayoutSave(BasedOn):
     """A layout to be kept over a revision of it."""
 
-    based_on: Annotated[int, Field(strict=True, ge=0, le=1 << 53)] = Field(
-        description="the revision that this one was made from; 0 where there was none"
-    )
     document: LayoutDocument
 
 
-class LayoutRevision(Answer):
-    """When a layout was saved."""
-
-    revision: int
-    saved_unix_s: float
-
-
-class LayoutInfo(LayoutRevision):
+class LayoutInfo(SavedRevision):
     """A kept layout, by its latest revision."""
 
     id: str
@@ -61,5 +52,5 @@ class LayoutList(Answer):
 class LayoutDetail(LayoutInfo):
     """A kept layout with its document, and which of its revisions are still there, the latest first."""
 
-    revisions: list[LayoutRevision]
+    revisions: list[SavedRevision]
     document: LayoutDocument

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Annotated
 
-from fastapi import Path, Query
+from fastapi import Query
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...macros.document import MacroDocument
@@ -17,16 +17,13 @@ from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
 from ..policy import policy
+from ..revisions import KeptId, RevisionNumber, revisions_of, told
 from ..router import subject_router
-from .schemas import MacroDetail, MacroInfo, MacroList, MacroNew, MacroPython, MacroRevision, MacroSave
+from .schemas import MacroDetail, MacroInfo, MacroList, MacroNew, MacroPython, MacroSave
 from .views import document_of, texts_of
 
 router = subject_router(prefix="/macros", tags=["macros"])
 
-MacroId = Annotated[
-    str, Path(description="as in the list", min_length=1, max_length=40, pattern="^[a-z0-9][a-z0-9-]*$")
-]
-RevisionNumber = Annotated[int | None, Query(ge=1, le=1 << 53, description="an earlier one; the latest without")]
 LOOK = problems(UnknownThing, WrongState, StoreUnavailable)
 
 
@@ -45,14 +42,14 @@ async def add_macro(bench: CurrentBench, body: MacroNew) -> MacroDetail:
 
 
 @router.get("/{macro}", responses=LOOK)
-async def get_macro(bench: CurrentBench, macro: MacroId, revision: RevisionNumber = None) -> MacroDetail:
+async def get_macro(bench: CurrentBench, macro: KeptId, revision: RevisionNumber = None) -> MacroDetail:
     """A kept macro with its document."""
     return _detail(*await asyncio.to_thread(bench.macro_store.revision, macro, revision))
 
 
 @router.put("/{macro}", responses=problems(UnknownThing, MacroChanged, WrongState, UsageError, StoreUnavailable))
 @policy(lease="free", words=wording.named("save macro"))
-async def put_macro(bench: CurrentBench, macro: MacroId, body: MacroSave) -> MacroDetail:
+async def put_macro(bench: CurrentBench, macro: KeptId, body: MacroSave) -> MacroDetail:
     """Keep a further revision, made from `based_on`. Another one that was saved since is never written over."""
     document = body.document.model_dump(mode="json")
     return _detail(await asyncio.to_thread(bench.macro_store.put, macro, body.based_on, document))
@@ -60,7 +57,7 @@ async def put_macro(bench: CurrentBench, macro: MacroId, body: MacroSave) -> Mac
 
 @router.delete("/{macro}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
 @policy(lease="free", words=wording.named("delete macro"))
-async def delete_macro(bench: CurrentBench, macro: MacroId) -> None:
+async def delete_macro(bench: CurrentBench, macro: KeptId) -> None:
     """Forget a macro with its revisions."""
     await asyncio.to_thread(bench.macro_store.delete, macro)
 
@@ -68,7 +65,7 @@ async def delete_macro(bench: CurrentBench, macro: MacroId) -> None:
 @router.get("/{macro}/python", responses=LOOK)
 async def get_macro_python(
     bench: CurrentBench,
-    macro: MacroId,
+    macro: KeptId,
     revision: RevisionNumber = None,
     device: Annotated[str, Query(max_length=200, description="the device that it is for, unless told otherwise")] = "",
 ) -> MacroPython:
@@ -82,13 +79,11 @@ def _info(saved: Saved) -> MacroInfo:
     latest = saved.latest
     steps = latest.document.get("steps")
     return MacroInfo(
-        id=saved.id,
         name=str(latest.document["name"]),
         note=str(latest.document.get("note", "")),
         model=str(latest.document.get("model", "")),
         steps=len(steps) if isinstance(steps, list) else 0,
-        revision=latest.revision,
-        saved_unix_s=latest.saved_unix_s,
+        **told(saved),
     )
 
 
@@ -96,16 +91,12 @@ def _detail(saved: Saved, of: Revision | None = None) -> MacroDetail:
     shown = of or saved.latest
     document = document_of(shown.document)
     return MacroDetail(
-        id=saved.id,
         name=document.name,
         note=document.note,
         model=document.model,
         steps=len(document.steps),
-        revision=shown.revision,
-        saved_unix_s=shown.saved_unix_s,
-        revisions=[
-            MacroRevision(revision=each.revision, saved_unix_s=each.saved_unix_s) for each in reversed(saved.revisions)
-        ],
+        **told(saved, of),
+        revisions=revisions_of(saved),
         document=document,
         texts=texts_of(document),
     )

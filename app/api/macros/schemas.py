@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from ...macros.document import MacroDocument
+from ..revisions import ID_MAX, ID_PATTERN, BasedOn, SavedRevision
 from ..schemas import Answer, Body
 
 EXAMPLE: dict[str, JsonValue] = {
@@ -20,7 +21,7 @@ EXAMPLE: dict[str, JsonValue] = {
         {"do": "move", "axis": 0, "target": -1, "relative": True, "unit": "rev"},
     ],
 }
-MacroName = Annotated[str, Field(min_length=1, max_length=40, pattern="^[a-z0-9][a-z0-9-]*$")]
+MacroName = Annotated[str, Field(min_length=1, max_length=ID_MAX, pattern=ID_PATTERN)]
 
 
 class MacroIn(MacroDocument):
@@ -35,23 +36,13 @@ class MacroNew(Body):
     document: MacroIn
 
 
-class MacroSave(Body):
+class MacroSave(BasedOn):
     """A macro to be kept over a revision of it."""
 
-    based_on: Annotated[int, Field(strict=True, ge=0, le=1 << 53)] = Field(
-        description="the revision that this one was made from; 0 where there was none"
-    )
     document: MacroIn
 
 
-class MacroRevision(Answer):
-    """When a macro was saved."""
-
-    revision: int
-    saved_unix_s: float
-
-
-class MacroInfo(MacroRevision):
+class MacroInfo(SavedRevision):
     """A kept macro, by its latest revision."""
 
     id: str
@@ -70,7 +61,7 @@ class MacroList(Answer):
 class MacroDetail(MacroInfo):
     """A kept macro with its document, and which of its revisions are still there, the latest first."""
 
-    revisions: list[MacroRevision]
+    revisions: list[SavedRevision]
     document: MacroDocument
     texts: list[str] = Field(description="each step in words")
 

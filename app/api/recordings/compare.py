@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,12 +13,22 @@ from ...calc.signals.decimation import extremes
 from ...calc.signals.min_max_pyramid import MinMaxSegments, size_for
 from ...calc.signals.spectrum import SAMPLES_MAX, Detrend, Window, spectrum
 from ...errors import OutOfRange, UnknownThing, UsageError, WrongState
+from ...store.recordings.added import AddedRows
 from ...store.recordings.file import FloatArray, Rows
+from ...store.recordings.head import Column
 from ...store.recordings.library import Library
 from ...store.recordings.marks import Mark
 from ...store.recordings.opened import Opened
 from . import schemas as out
-from .views import figures_of, nothing_as_null, rows_between, zero_of
+from .views import (
+    figures_of,
+    figures_of_added,
+    nothing_as_null,
+    part_of,
+    require_channels,
+    rows_between,
+    zero_of,
+)
 
 ROWS_MAX = 4_000_000
 """Of all compared recordings together: their rows are read whole, which takes 300 MB at eight channels each."""
@@ -33,13 +44,31 @@ class _Side:
     opened: Opened
     zero_s: float
     rows: Rows
+    added: Sequence[AddedRows]
+    """Files that lie beside it, likewise."""
 
-    def column(self, channel: str) -> FloatArray | None:
-        names = [column.name for column in self.opened.head.columns]
-        return self.rows.columns[names.index(channel)] if channel in names else None
+    @property
+    def offered(self) -> list[str]:
+        return [column.name for columns in self._columns for column in columns]
 
-    def unit(self, channel: str) -> str:
-        return next(column.unit for column in self.opened.head.columns if column.name == channel)
+    def samples(self, channel: str) -> _Samples | None:
+        """Those of a channel, of whatever measured it; None where nothing did."""
+        measured: tuple[Rows | AddedRows, ...] = (self.rows, *self.added)
+        for columns, rows in zip(self._columns, measured, strict=True):
+            for column, values in zip(columns, rows.columns, strict=True):
+                if column.name == channel:
+                    return _Samples(rows.time_s, values, column.unit)
+        return None
+
+    @property
+    def _columns(self) -> list[tuple[Column, ...]]:
+        return [self.opened.head.columns, *(each.of.columns for each in self.added)]
+
+
+class _Samples(NamedTuple):
+    time_s: FloatArray
+    values: FloatArray
+    unit: str
 
 
 def compare(library: Library, body: out.CompareWith) -> out.Comparison:
@@ -48,7 +77,7 @@ def compare(library: Library, body: out.CompareWith) -> out.Comparison:
         raise UsageError("a comparison is of two recordings at least")
     notes: list[str] = []
     sides = _sides(library, body, notes)
-    offered = [column.name for side in sides for column in side.opened.head.columns]
+    offered = [name for side in sides for name in side.offered]
     wanted = body.channels
     if wanted is None:
         wanted = [name for name in dict.fromkeys(offered) if offered.count(name) > 1]
@@ -79,8 +108,11 @@ def _sides(library: Library, body: out.CompareWith, notes: list[str]) -> list[_S
         if rows > ROWS_MAX:
             raise OutOfRange("rows to compare", rows, 0, ROWS_MAX, "rows; compare a part of them: from_s, to_s")
         read = opened.read(first, last)
+        shift_s = (zero_of(opened, marks) or 0.0) - zero_s
+        added = [part_of(each, shift_s, body.from_s, body.to_s) for each in library.rows_of_added(recording)]
+        rows += sum(len(each.time_s) for each in added)
         sides.append(
-            _Side(recording, name, entry.label.colour, opened, zero_s, Rows(read.time_s - zero_s, read.columns))
+            _Side(recording, name, entry.label.colour, opened, zero_s, Rows(read.time_s - zero_s, read.columns), added)
         )
     return sides
 
@@ -110,31 +142,29 @@ def _recording(side: _Side) -> out.ComparedRecording:
         zero_s=side.zero_s,
         from_s=float(time_s[0]) if len(time_s) else 0.0,
         to_s=float(time_s[-1]) if len(time_s) else 0.0,
-        figures=figures_of(head, lambda: (side.rows,)),
+        figures=figures_of(head, lambda: (side.rows,)) | figures_of_added(side.added, None, None),
     )
 
 
 def _channel(sides: list[_Side], channel: str, points: int, notes: list[str]) -> out.ComparedChannel:
-    having = [(side, values) for side in sides if (values := side.column(channel)) is not None]
-    unit = having[0][0].unit(channel)
+    having = [(side, samples) for side in sides if (samples := side.samples(channel)) is not None]
+    first, against = having[0]
     curves, differences = [], []
-    for side, values in having:
-        if side.unit(channel) != unit:
-            notes.append(f"{side.name}: its {channel} is in {side.unit(channel)}, not {unit}, and is left out")
+    for side, samples in having:
+        if samples.unit != against.unit:
+            notes.append(f"{side.name}: its {channel} is in {samples.unit}, not {against.unit}, and is left out")
             continue
-        at_s, thinned = extremes(side.rows.time_s, values, points)
+        at_s, thinned = extremes(samples.time_s, samples.values, points)
         curves.append(out.ComparedCurve(recording=side.id, time_s=at_s.tolist(), values=nothing_as_null(thinned)))
-        if side is not sides[0] and having[0][0] is sides[0]:
-            differences.append(_difference(sides[0], having[0][1], side, values, points))
-    return out.ComparedChannel(channel=channel, unit=unit, curves=curves, differences=differences)
+        if side is not sides[0] and first is sides[0]:
+            differences.append(_difference(against, side, samples, points))
+    return out.ComparedChannel(channel=channel, unit=against.unit, curves=curves, differences=differences)
 
 
-def _difference(
-    first: _Side, against: FloatArray, side: _Side, values: FloatArray, points: int
-) -> out.ComparedDifference:
-    wanted_s = first.rows.time_s
-    reach_s = REACH * max(usual_interval_s(side.rows.time_s), usual_interval_s(wanted_s))
-    difference = at_times(side.rows.time_s, values, wanted_s, reach_s) - against
+def _difference(against: _Samples, side: _Side, samples: _Samples, points: int) -> out.ComparedDifference:
+    wanted_s = against.time_s
+    reach_s = REACH * max(usual_interval_s(samples.time_s), usual_interval_s(wanted_s))
+    difference = at_times(samples.time_s, samples.values, wanted_s, reach_s) - against.values
     at_s, thinned = extremes(wanted_s, difference, points)
     return out.ComparedDifference(
         recording=side.id,
@@ -153,19 +183,13 @@ def spectrum_of(
     window: Window,
     detrend: Detrend,
     points: int,
+    added: Sequence[AddedRows] = (),
 ) -> out.Spectrum:
     """Raises UnknownThing, OutOfRange for too many samples, WrongState for too few."""
-    names = [column.name for column in opened.head.columns]
-    if channel not in names:
-        raise UnknownThing("recorded channel", channel, names)
-    number = names.index(channel)
-    zero_s = zero_of(opened, marks) or 0.0
-    first, last = rows_between(opened, zero_s, from_s, to_s)
-    if last - first > SAMPLES_MAX:
-        raise OutOfRange("samples of a spectrum", last - first, 8, SAMPLES_MAX, "samples; choose a part: from_s, to_s")
-    rows = opened.read(first, last)
+    require_channels(opened.head, [channel], added)
+    time_s, values, unit = _samples_of(opened, zero_of(opened, marks) or 0.0, channel, from_s, to_s, added)
     try:
-        found = spectrum(rows.time_s - zero_s, rows.columns[number], window=window, detrend=detrend)
+        found = spectrum(time_s, values, window=window, detrend=detrend)
     except ValueError as error:
         raise WrongState(
             f"{channel} has no spectrum here: {error}", "choose a longer part, or one without gaps"
@@ -176,7 +200,7 @@ def spectrum_of(
     top = int(swinging.argmax()) + 1 if len(swinging) and swinging.max() > 0 else None
     return out.Spectrum(
         channel=channel,
-        unit=opened.head.columns[number].unit,
+        unit=unit,
         frequency_hz=shown.high_s[0].tolist(),
         amplitude=shown.high[0].tolist(),
         density=shown.high[1].tolist(),
@@ -190,3 +214,26 @@ def spectrum_of(
         to_s=found.to_s,
         resampled=found.resampled,
     )
+
+
+def _samples_of(
+    opened: Opened, zero_s: float, channel: str, from_s: float | None, to_s: float | None, added: Sequence[AddedRows]
+) -> _Samples:
+    """A channel between two times since the zero. Raises OutOfRange for too many samples."""
+    for each in added:
+        for number, column in enumerate(each.of.columns):
+            if column.name == channel:
+                part = part_of(each, 0.0, from_s, to_s)
+                _require_few(len(part.time_s))
+                return _Samples(part.time_s, part.columns[number], column.unit)
+    names = [column.name for column in opened.head.columns]
+    number = names.index(channel)
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    _require_few(last - first)
+    rows = opened.read(first, last)
+    return _Samples(rows.time_s - zero_s, rows.columns[number], opened.head.columns[number].unit)
+
+
+def _require_few(samples: int) -> None:
+    if samples > SAMPLES_MAX:
+        raise OutOfRange("samples of a spectrum", samples, 8, SAMPLES_MAX, "samples; choose a part: from_s, to_s")

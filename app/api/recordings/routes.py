@@ -51,7 +51,7 @@ from .schemas import (
     ReplayStart,
     Spectrum,
 )
-from .views import added_file, csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures
+from .views import added_file, beside, csv_of, detail, info, parquet_of, plot, plot_frame, stretch_figures, zero_of
 
 router = subject_router(prefix="/recordings", tags=["recordings"])
 
@@ -144,12 +144,20 @@ async def get_recording(
     format: Annotated[Literal["json", "csv", "parquet"], Query(description="json: what it is; else its rows")] = "json",  # noqa: A002
     figures: Annotated[bool, Query(description="false: without figures, which take a reading of all rows")] = True,
 ) -> RecordingDetail:
-    """What a recording is of, its marks and figures; or with `format` all of its rows as a file."""
+    """What a recording is of, its marks and figures; or with `format` all of its rows as a file.
+
+    In a file the channels of files beside it are read off at the recording's times.
+    """
     recordings = bench.recordings
     opened = await recordings.readers.do(lambda: recordings.library.open(recording))
     if format != "json":
         write = csv_of if format == "csv" else parquet_of
-        content = await recordings.readers.stream(write(opened.head, opened.pieces(0, opened.rows)))
+        head, rows = opened.head, opened.pieces(0, opened.rows)
+        added = await recordings.readers.do(lambda: recordings.library.rows_of_added(recording))
+        if added:
+            marks = await _aside(lambda: recordings.library.marks(recording))
+            head, rows = beside(head, rows, added, zero_of(opened, marks) or 0.0)
+        content = await recordings.readers.stream(write(head, rows))
         named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
         return StreamingResponse(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
     course = recordings.course(recording)
@@ -276,11 +284,19 @@ async def get_spectrum(
     ] = "line",
     points: Annotated[int, Query(description="lines at the most", ge=8, le=100_000)] = 4000,
 ) -> Spectrum:
-    """What a channel swings at: amplitudes and power density over frequency."""
+    """What a channel swings at, one of a file beside it too: amplitudes and power density over frequency."""
     library = bench.recordings.library
     return await bench.recordings.readers.do(
         lambda: spectrum_of(
-            library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
+            library.open(recording),
+            library.marks(recording),
+            channel,
+            from_s,
+            to_s,
+            window,
+            detrend,
+            points,
+            library.rows_of_added(recording),
         )
     )
 

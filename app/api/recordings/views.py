@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...calc.signals.alignment import REACH, at_times, usual_interval_s
 from ...calc.signals.decimation import extremes
 from ...calc.signals.statistics import Piece, statistics
 from ...errors import UnknownThing
@@ -132,6 +134,34 @@ def curves_of_added(
                     Curve(channel=column.name, unit=column.unit, time_s=at_s.tolist(), values=nothing_as_null(thinned))
                 )
     return curves
+
+
+def part_of(rows: AddedRows, shift_s: float, from_s: float | None, to_s: float | None) -> AddedRows:
+    """What lies between two times, `shift_s` later than it says [s]."""
+    shifted = replace(rows, time_s=rows.time_s + shift_s)
+    part = slice(*_between(shifted, from_s, to_s))
+    return AddedRows(rows.of, shifted.time_s[part], rows.columns[:, part])
+
+
+def beside(
+    head: Head, pieces: Iterable[Rows], added: Sequence[AddedRows], zero_s: float
+) -> tuple[Head, Iterator[Rows]]:
+    """A recording with the channels of files beside it as further columns, read off at its rows' times.
+
+    Between two samples along the straight line; missing before the first, behind the last, and in gaps.
+    """
+    files = [(each, REACH * usual_interval_s(each.time_s)) for each in added]
+
+    def wider() -> Iterator[Rows]:
+        for rows in pieces:
+            since_s = rows.time_s - zero_s
+            read = [
+                at_times(each.time_s, values, since_s, reach_s) for each, reach_s in files for values in each.columns
+            ]
+            yield Rows(rows.time_s, np.vstack((rows.columns, *read)))
+
+    further = [column for each in added for column in each.of.columns]
+    return replace(head, columns=(*head.columns, *further)), wider()
 
 
 def _between(rows: AddedRows, from_s: float | None, to_s: float | None) -> tuple[int, int]:

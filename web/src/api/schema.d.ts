@@ -2357,6 +2357,8 @@ export interface paths {
         /**
          * Get Recording
          * @description What a recording is of, its marks and figures; or with `format` all of its rows as a file.
+         *
+         *     In a file the channels of files beside it are read off at the recording's times.
          */
         get: operations["get_recording"];
         put?: never;
@@ -2464,7 +2466,7 @@ export interface paths {
         };
         /**
          * Get Spectrum
-         * @description What a channel swings at: amplitudes and power density over frequency.
+         * @description What a channel swings at, one of a file beside it too: amplitudes and power density over frequency.
          */
         get: operations["get_spectrum"];
         put?: never;
@@ -9144,7 +9146,7 @@ export interface components {
             /** Name */
             name: string;
             /** Revisions */
-            revisions: components["schemas"]["LayoutRevision"][];
+            revisions: components["schemas"]["SavedRevision"][];
             document: components["schemas"]["LayoutDocument"];
         };
         /**
@@ -9200,16 +9202,6 @@ export interface components {
          */
         LayoutNew: {
             document: components["schemas"]["LayoutDocument"];
-        };
-        /**
-         * LayoutRevision
-         * @description When a layout was saved.
-         */
-        LayoutRevision: {
-            /** Revision */
-            revision: number;
-            /** Saved Unix S */
-            saved_unix_s: number;
         };
         /**
          * LayoutSave
@@ -10309,7 +10301,7 @@ export interface components {
             /** Steps */
             steps: number;
             /** Revisions */
-            revisions: components["schemas"]["MacroRevision"][];
+            revisions: components["schemas"]["SavedRevision"][];
             document: components["schemas"]["MacroDocument"];
             /**
              * Texts
@@ -10486,16 +10478,6 @@ export interface components {
             text: string;
             /** File Name */
             file_name: string;
-        };
-        /**
-         * MacroRevision
-         * @description When a macro was saved.
-         */
-        MacroRevision: {
-            /** Revision */
-            revision: number;
-            /** Saved Unix S */
-            saved_unix_s: number;
         };
         /**
          * MacroRunState
@@ -15463,6 +15445,16 @@ export interface components {
             velocity_pps: number;
             /** Warnings */
             warnings: string[];
+        };
+        /**
+         * SavedRevision
+         * @description When a document was saved.
+         */
+        SavedRevision: {
+            /** Revision */
+            revision: number;
+            /** Saved Unix S */
+            saved_unix_s: number;
         };
         /**
          * Saving

@@ -120,6 +120,22 @@ function AddedFile({ detail, file, window, busy, attempt }: FileProps) {
           disabled={busy}
           onChange={(like) => like && align({ like })}
         />
+        <Select
+          size="xs"
+          w={190}
+          searchable
+          aria-label={`Mark that the 0 of ${file.name} lies on`}
+          placeholder="0 on a mark …"
+          nothingFoundMessage="no such mark"
+          data={detail.marks.map((mark, index) => ({
+            value: String(index),
+            label: `${fixed(mark.time_s - (detail.zero_s ?? 0), 3, "s")} ${mark.text}`,
+          }))}
+          limit={100}
+          value={null}
+          disabled={busy || detail.marks.length === 0}
+          onChange={(mark) => mark !== null && align({ mark: Number(mark) })}
+        />
         <Button
           size="compact-xs"
           variant="subtle"

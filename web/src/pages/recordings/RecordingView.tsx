@@ -64,6 +64,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
     work().catch((error: unknown) => setProblem({ doing, error }));
   }, []);
   const title = titleOf(detail);
+  const channels = measured(detail);
   return (
     <Page name={`Recording ${title}`}>
       {problem && <ProblemAlert {...problem} onClose={() => setProblem(null)} />}
@@ -131,7 +132,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           <FiguresSection detail={detail} window={window} ready={ready} />
           {!running && <PredictionSection detail={detail} window={window} onWindow={setWindow} />}
           {!running && <AddedFiles detail={detail} window={window} />}
-          <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
+          <SpectrumSection recordings={[detail]} channels={channels} window={window} running={running} />
         </div>
         <div className="grid shrink gap-8">
           <MarkList detail={detail} onGo={setWindow} />
@@ -148,6 +149,11 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
       </div>
     </Page>
   );
+}
+
+/** Its channels, and those of files beside it. */
+function measured({ channels, added }: RecordingDetail) {
+  return [...channels, ...added.flatMap((file) => file.channels)];
 }
 
 interface ActionProps {
@@ -276,7 +282,7 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
       <ProblemAlert error={figures.error} doing="Figures" />
       {figures.data && (
         <FiguresTable
-          channels={[...detail.channels, ...detail.added.flatMap(({ channels }) => channels)]}
+          channels={measured(detail)}
           sides={[{ id: detail.id, name: "", figures: figures.data.figures }]}
           stale={figures.isPlaceholderData}
         />

@@ -32,8 +32,9 @@ export function sideLook(index: number, scheme: "light" | "dark", colour = ""): 
 /** The channels of a comparison as those of a recording are. */
 export function channelsOf(comparison: Comparison): Channel[] {
   return comparison.channels.map(({ channel, unit }) => {
-    const at = channel.lastIndexOf(".");
-    return { name: channel, quantity: channel.slice(0, at), axis: Number(channel.slice(at + 1)) || 0, unit };
+    // of a file of another instrument it has no axis
+    const [, quantity, axis] = /^(.+)\.(\d+)$/.exec(channel) ?? ["", channel, 0];
+    return { name: channel, quantity: quantity ?? channel, axis: Number(axis), unit };
   });
 }
 
