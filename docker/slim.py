@@ -19,7 +19,7 @@ UNUSED = {
     "pyarrow": (
         *("*flight*", "*_s3*", "_pyarrow_cpp_tests*", "include", "src"),
         *("_substrait*", "_orc*", "_azurefs*", "_gcsfs*", "_hdfs*", "*_parquet_encryption*", "_dataset*", "_acero*"),
-        *("_feather*", "_json*"),
+        *("_feather*", "_json*", "_compute*", "compute.py"),
     ),
     "viser": ("client/src", "client/package-lock.json", "_icons/*.zip"),
     "numba": ("cuda", "pycc", "testing"),
@@ -40,11 +40,11 @@ UNUSED = {
     "pydantic": ("v1",),
     "": ("*.dist-info/RECORD",),
 }
-"""Of recordings: Arrow Flight, stores in clouds, data sets, Substrait, ORC, Feather, JSON, encryption, tests and
-headers; what the page of viser is built of, and icons for its own panels; graphics cards and compilers ahead of time;
-NumPy's tests of itself; parts of SciPy that its statistics stand without; databases but SQLite and one that alembic
-imports; a second way into Zstandard; plots of Optuna's own; Pydantic as it was before; what an uninstallation would
-need."""
+"""Of recordings: Arrow Flight, stores in clouds, data sets, Substrait, ORC, Feather, JSON, calculations, encryption,
+tests and headers; what the page of viser is built of, and icons for its own panels; graphics cards and compilers ahead
+of time; NumPy's tests of itself; parts of SciPy that its statistics stand without; databases but SQLite and one that
+alembic imports; a second way into Zstandard; plots of Optuna's own; Pydantic as it was before; what an uninstallation
+would need."""
 NAMED_ONLY = ("pyarrow", "libarrow.so.*", ("libarrow_substrait.so.*", "libarrow_dataset.so.*", "libarrow_acero.so.*"))
 """Libraries that each module of a package names and none of those that are left calls: they become links to one that is
 loaded anyway, else the loader would miss them."""

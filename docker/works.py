@@ -5,6 +5,7 @@ In the image this runs before anybody has the chance to miss a part. It leaves n
 
 from __future__ import annotations
 
+import ast
 import importlib
 import io
 import json
@@ -17,6 +18,9 @@ from pathlib import Path
 BY_ALEMBIC = ".store.migrations."
 """Scripts that alembic runs; they are no modules of their own."""
 
+EXTRAS = {"can", "distributed", "pytrinamic", "spidev"}
+"""What comes only where it is asked for."""
+
 
 def main() -> int:
     """0, or the exception of the first part that does not."""
@@ -26,6 +30,8 @@ def main() -> int:
     for name in names:
         if BY_ALEMBIC not in name:
             importlib.import_module(name)
+    for path in Path(package.__path__[0]).rglob("*.py"):
+        import_what_it_needs(path)
     for use in (
         compile_something,
         try_statistics,
@@ -38,6 +44,23 @@ def main() -> int:
         use()
     print(f"{len(names)} modules, and all that they use, work")
     return 0
+
+
+def import_what_it_needs(path: Path) -> None:
+    """Parts of other packages that this module imports, also where it does so only when it needs them."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            wanted = [(each.name, "") for each in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            wanted = [(node.module, each.name) for each in node.names]
+        else:
+            continue
+        for name, part in wanted:
+            if name.split(".")[0] in EXTRAS:
+                continue
+            found = importlib.import_module(name)
+            if part and not hasattr(found, part):
+                importlib.import_module(f"{name}.{part}")
 
 
 def compile_something() -> None:

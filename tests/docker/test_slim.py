@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import subprocess
 import sys
+from fnmatch import fnmatch
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-from tests.docker.test_files import DOCKER
+from tests.docker.test_files import DOCKER, ROOT
 
 
 def slim() -> ModuleType:
-    """docker/slim.py, which is no part of a package."""
-    spec = importlib.util.spec_from_file_location("slim", DOCKER / "slim.py")
+    return module_of("slim")
+
+
+def module_of(name: str) -> ModuleType:
+    """A program in docker/, which is no part of a package."""
+    spec = importlib.util.spec_from_file_location(name, DOCKER / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -44,6 +50,7 @@ def test_tests_headers_and_unused_libraries_go_and_what_is_imported_stays(
         "scipy/_lib.pyx",
         "pyarrow/libarrow_flight.so.2600",
     )
+    gone += ("pyarrow/_compute.cpython-312.so", "pyarrow/compute.py")
     gone += ("pygments/lexers/perl.py", "scipy/io/matlab.py", "sqlalchemy/testing/engines.py")
     gone += ("stepscope/_web/assets/index-abc.js", "numba/_lapack.c")
     gone += ("numpy-2.4.6.dist-info/RECORD", "scipy/_lib/cobyqa/main.py")
@@ -89,6 +96,42 @@ def test_libraries_that_were_put_into_a_wheel_keep_their_symbols(tmp_path: Path)
         (tmp_path / name).write_bytes(b"\x7fELF and more")
     (tmp_path / "llvmlite/a.sorting.ts").write_text("no library")
     assert {path.name for path in slim().libraries(tmp_path)} == {"math.cpython-312.so", "libllvmlite.so"}
+
+
+def test_a_part_that_is_missed_only_when_it_is_needed_is_missed_by_the_trial(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "half").mkdir()
+    (tmp_path / "half" / "__init__.py").write_text("from . import whole\n")
+    (tmp_path / "half" / "whole.py").touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    works = module_of("works")
+    asks = tmp_path / "asks.py"
+    asks.write_text("import can\n\ndef late():\n    from half import whole\n")
+    works.import_what_it_needs(asks)
+    asks.write_text("def late():\n    from half import left_out\n")
+    with pytest.raises(ModuleNotFoundError, match="left_out"):
+        works.import_what_it_needs(asks)
+
+
+def test_nothing_of_ours_imports_what_the_image_leaves_out() -> None:
+    left_out = {f"{name}/{part}".removesuffix(".py") for name, parts in slim().UNUSED.items() if name for part in parts}
+    imported: set[str] = set()
+    for path in (ROOT / "app").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                imported |= {each.name for each in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                imported |= {f"{node.module}.{each.name}" for each in node.names}
+    folders = {name: Path(name.replace(".", "/")) for name in imported}
+    missed = [
+        (name, part)
+        for name, folder in folders.items()
+        for part in left_out
+        if any(fnmatch(above.as_posix(), part) for above in (folder, *folder.parents))
+    ]
+    assert missed == []
+    assert {"scipy.stats", "pyarrow.csv"} <= imported
 
 
 def test_what_the_image_is_tried_by_works_where_all_is_there() -> None:

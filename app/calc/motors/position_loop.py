@@ -113,11 +113,25 @@ def open_loop_curves(gains: Gains, plant: Plant, points: int) -> tuple[FloatArra
 
 def step_answer(gains: Gains, plant: Plant, time_s: FloatArray) -> FloatArray:
     """Answer of the closed loop to a step of 1, at times that are evenly apart."""
-    from scipy import signal
+    from scipy import linalg  # not its `signal`, which the image leaves out
 
     # the delay as a lag of the first order: it is far shorter than anything that shows in a step
     w, d, lag = plant.w, plant.damping, max(plant.delay_s, 1e-6)
     numerator = [w * w * gains.proportional, w * w * gains.integral]
     denominator = np.polymul(np.polymul([1.0, 2 * d * w, w * w], [lag, 1.0]), [1.0, 0.0, 0.0])
-    closed = signal.TransferFunction(numerator, np.polyadd(denominator, numerator))
-    return np.asarray(signal.step(closed, T=time_s)[1])
+    closed = np.polyadd(denominator, numerator)
+    order = len(closed) - 1
+    # the step beside the states, as one that stays 1
+    motion = np.zeros((order + 1, order + 1))
+    motion[:order, :order] = linalg.companion(closed)
+    motion[0, order] = 1.0
+    seen = np.zeros(order + 1)
+    seen[order - len(numerator) : order] = np.divide(numerator, closed[0])
+    advance = linalg.expm(motion * (time_s[1] - time_s[0]))
+    state = np.zeros(order + 1)
+    state[order] = 1.0
+    answer = np.empty(len(time_s))
+    for at in range(len(time_s)):
+        answer[at] = seen @ state
+        state = advance @ state
+    return answer

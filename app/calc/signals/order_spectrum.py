@@ -14,8 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# scipy is imported where it is used: the server starts without it.
-
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
@@ -97,13 +95,20 @@ def _waves(angle: FloatArray, orders: Sequence[int]) -> FloatArray:
 
 
 def _strongest(time_s: FloatArray, left: FloatArray) -> tuple[float, float]:
-    """Frequency [Hz] and amplitude of the strongest line of what is left, up to half the mean rate of samples."""
-    from scipy import signal
+    """Frequency [Hz] and amplitude of the strongest line of what is left, up to half the mean rate of samples.
 
+    SciPy has it too, but in a part that the image leaves out.
+    """
     span = float(np.ptp(time_s))
     if span <= 0 or not left.any():
         return 0.0, 0.0
     lines = np.linspace(2 / span, max(2.5 / span, 0.5 * len(time_s) / span), LINES)
-    power = signal.lombscargle(time_s - time_s[0], left, 2 * math.pi * lines)
+    angle = 2 * math.pi * np.outer(lines, time_s - time_s[0])
+    # turned so that cosine and sine at these samples are nothing to each other: each is fitted alone
+    angle -= 0.5 * np.arctan2(np.sin(2 * angle).sum(axis=1), np.cos(2 * angle).sum(axis=1))[:, None]
+    least = len(time_s) * np.finfo(np.float64).epsneg
+    power = sum(
+        (wave @ left) ** 2 / np.maximum((wave**2).sum(axis=1), least) for wave in (np.cos(angle), np.sin(angle))
+    )
     at = int(np.argmax(power))
-    return float(lines[at]), float(2 * math.sqrt(max(power[at], 0.0) / len(left)))
+    return float(lines[at]), math.sqrt(2 * float(power[at]) / len(left))
