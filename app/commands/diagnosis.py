@@ -30,6 +30,7 @@ EXTRAS = {
     "spidev": ("spidev", "SPI buses of this machine"),
 }
 """Optional parts by name: what to import, and what for."""
+REINSTALL = f"{sys.executable} -m pip install --upgrade stepscope"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,12 @@ def doctor(
     except ValueError as error:
         typer.secho(f"stepscope: {error}", fg="red", err=True)
         raise typer.Exit(2) from error
-    found = [finding for check in CHECKS for finding in check(settings)]
+    found: list[Finding] = []
+    for check in CHECKS:
+        try:
+            found += check(settings)
+        except ImportError as error:  # a package is broken: what does not need it is looked at all the same
+            found.append(Finding(check.__name__.replace("_", " "), "wrong", f"cannot be told: {error}", REINSTALL))
     if as_json:
         print_json([asdict(finding) for finding in found])
     else:
@@ -80,6 +86,32 @@ def versions(settings: Settings) -> Iterator[Finding]:
             yield Finding(extra, "note", f"not installed: no {what_for}", f'pip install "stepscope[{extra}]"')
         else:
             yield Finding(extra, "well", f"{_version_of(extra, module)}, for {what_for}")
+
+
+def packages(settings: Settings) -> Iterator[Finding]:
+    """Whether what stepscope stands on is there, in versions that it goes with."""
+    del settings
+    from packaging.requirements import Requirement
+
+    try:
+        lines = metadata.requires("stepscope") or []
+    except metadata.PackageNotFoundError:
+        yield Finding("packages", "note", "stepscope is not installed here, but run from its source")
+        return
+    needed = [one for one in map(Requirement, lines) if one.marker is None or one.marker.evaluate({"extra": ""})]
+    wrong = []
+    for one in needed:
+        try:
+            found = metadata.version(one.name)
+        except metadata.PackageNotFoundError:
+            wrong.append(f"{one.name} is missing")
+        else:
+            if not one.specifier.contains(found, prereleases=True):
+                wrong.append(f"{one.name} {found} is installed, {one.specifier} is needed")
+    if wrong:
+        yield Finding("packages", "wrong", "; ".join(wrong), REINSTALL)
+    else:
+        yield Finding("packages", "well", f"all {len(needed)} are there, in versions that go with it")
 
 
 def _version_of(extra: str, module: str) -> str:
@@ -181,6 +213,7 @@ def _devices(what: str, names: list[str], group: str, none: str) -> Iterator[Fin
 
 CHECKS: tuple[Callable[[Settings], Iterator[Finding]], ...] = (
     versions,
+    packages,
     page,
     directory,
     kernels,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import socket
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,10 +35,29 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_machine_on_which_all_is_well(tmp_path: Path) -> None:
     found = findings("--data-dir", str(tmp_path / "data"))
-    assert {found[what]["state"] for what in ("version", "page", "data directory", "compiled parts", "address")} == {
-        "well"
-    }
+    assert {
+        found[what]["state"] for what in ("version", "packages", "page", "data directory", "compiled parts", "address")
+    } == {"well"}
     assert not (tmp_path / "data").exists(), "it only looks"
+
+
+def test_packages_that_are_missing_too_old_or_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def installed(name: str, version: str, *needs: str) -> None:
+        folder = tmp_path / f"{name}-{version}.dist-info"
+        folder.mkdir()
+        lines = ["Metadata-Version: 2.1", f"Name: {name}", f"Version: {version}"]
+        (folder / "METADATA").write_text("\n".join([*lines, *(f"Requires-Dist: {one}" for one in needs)]))
+
+    installed("stepscope", "0.1.0", "numba>=0.63", "nothing-like-it>=1", "no-bus>=4; extra == 'can'", "typer>=0.15")
+    installed("numba", "0.55.1")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(sys.modules, "serial.tools", None)
+    found = findings("--data-dir", str(tmp_path / "data"), code=1)
+    told = "numba 0.55.1 is installed, >=0.63 is needed; nothing-like-it is missing"
+    assert (found["packages"]["state"], found["packages"]["detail"]) == ("wrong", told)
+    assert "pip install --upgrade stepscope" in found["packages"]["remedy"]
+    assert found["serial lines"]["state"] == "wrong"
+    assert found["data directory"]["state"] == "well", "what does not need it is told all the same"
 
 
 def test_a_page_that_is_missing(page: Path, tmp_path: Path) -> None:
