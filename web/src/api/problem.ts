@@ -14,6 +14,9 @@ export class ApiError extends Error {
 /** What a problem may leave out (RFC 9457): one from a proxy, or of another version of the server, does. */
 const LEFT_OUT = { way_out: null, facts: {}, remedies: [], instance: null };
 
+/** The type of a problem that is none of the server's: nobody answered. */
+export const NO_ANSWER = "/problems/no-answer";
+
 /** A whole problem out of whatever a failed call gave: a problem+json, or no answer at all. */
 export function problemOf(error: unknown): Problem {
   if (error instanceof ApiError) return error.problem;
@@ -21,7 +24,7 @@ export function problemOf(error: unknown): Problem {
     return { ...LEFT_OUT, ...(error as Problem) };
   return {
     ...LEFT_OUT,
-    type: "/problems/no-answer",
+    type: NO_ANSWER,
     title: "The server does not answer",
     status: 0,
     detail: error instanceof Error ? error.message : String(error),

@@ -2,6 +2,7 @@ import { Alert, Button, Group, Text } from "@mantine/core";
 import { IconAlertTriangle, IconEye } from "@tabler/icons-react";
 import { problemOf } from "../api/client";
 import { ONLY_LOOKING } from "../api/lease/gate";
+import { NO_ANSWER } from "../api/problem";
 import { Remedies } from "./Remedies";
 
 interface Props {
@@ -19,6 +20,23 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
   const problem = problemOf(error);
   // the user has said no to the question for the bench: no fault, and no red
   const wanted = problem.type === ONLY_LOOKING;
+  if (problem.type === NO_ANSWER)
+    // what that means, and what to do, is said above every page
+    return (
+      <Alert
+        color="gray"
+        role="status"
+        p="xs"
+        withCloseButton={onClose !== undefined}
+        closeButtonLabel="Dismiss"
+        {...(onClose ? { onClose } : {})}
+      >
+        <Group gap="sm">
+          <Text size="sm">{doing ? `${doing}: ${problem.title}` : problem.title}</Text>
+          {retry && <TryAgain retry={retry} />}
+        </Group>
+      </Alert>
+    );
   return (
     <Alert
       color={wanted ? "gray" : "red"}
@@ -39,11 +57,17 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
       <Remedies remedies={problem.remedies} onDone={onClose} />
       {retry && (
         <Group mt="xs">
-          <Button size="compact-sm" variant="default" onClick={retry}>
-            Try again
-          </Button>
+          <TryAgain retry={retry} />
         </Group>
       )}
     </Alert>
+  );
+}
+
+function TryAgain({ retry }: { retry: () => void }) {
+  return (
+    <Button size="compact-sm" variant="default" onClick={retry}>
+      Try again
+    </Button>
   );
 }

@@ -2,7 +2,7 @@ import { Alert, Button, Group, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api } from "../../api/client";
-import type { Device } from "../../api/queries";
+import { type Device, useDevices } from "../../api/queries";
 import { isHeldBack } from "../heldBack";
 import { ProblemAlert } from "../ProblemAlert";
 
@@ -13,7 +13,9 @@ export function DeviceNotice({ device }: { device: Device }) {
     mutationFn: () => api.POST("/api/v1/devices/{device}/connect", { path: { device: device.id } }),
     onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
   });
-  if (device.state === "connected" || isHeldBack(device)) return null; // that one is told of above every page
+  const devices = useDevices();
+  // a server that is gone, and what is held back, are told of above every page
+  if (device.state === "connected" || isHeldBack(device) || devices.isError) return null;
   if (device.state === "connecting") return <Alert p="xs">Connecting to {device.name}…</Alert>;
   if (device.problem) return <ProblemAlert error={device.problem} doing={device.name} retry={() => connect.mutate()} />;
   return (

@@ -3,9 +3,11 @@ import { PIPED, type Start, TRIGGERS, WAITING } from "./start";
 import classes from "./start.module.css";
 
 const ROW = 30;
-const LEFT = { x: 8, width: 150 };
-const MIDDLE = { x: 228, width: 128 };
-const RIGHT = { x: 426, width: 166 };
+// as narrow as its texts allow: it stands whole, and not scaled below 12 px, in half a page of 1280
+const WIDTH = 512;
+const LEFT = { x: 2, width: 136 };
+const MIDDLE = { x: 176, width: 124 };
+const RIGHT = { x: 340, width: 170 };
 const TOP = 12;
 
 /** What triggers what: from the triggers over the delay to what waits for a start. */
@@ -22,7 +24,7 @@ export function StartPicture({ start }: { start: Start }) {
   const rightAt = (n: number) => TOP + n * ROW + ROW / 2;
   return (
     <svg
-      viewBox={`0 0 600 ${height}`}
+      viewBox={`0 0 ${WIDTH} ${height}`}
       className={classes.picture}
       role="img"
       aria-label={spoken(start, targets)}
@@ -35,7 +37,7 @@ export function StartPicture({ start }: { start: Start }) {
           <g key={name} data-on={on}>
             <path
               className={classes.wire}
-              d={`M${LEFT.x + LEFT.width} ${leftAt(n)} C ${MIDDLE.x - 30} ${leftAt(n)} ${MIDDLE.x - 40} ${centre} ${MIDDLE.x} ${centre}`}
+              d={`M${LEFT.x + LEFT.width} ${leftAt(n)} C ${MIDDLE.x - 18} ${leftAt(n)} ${MIDDLE.x - 22} ${centre} ${MIDDLE.x} ${centre}`}
             />
             <rect className={classes.box} x={LEFT.x} y={leftAt(n) - 17} width={LEFT.width} height={34} rx={4} />
             <text className={classes.name} x={LEFT.x + 8} y={leftAt(n) - 2}>
@@ -60,7 +62,7 @@ export function StartPicture({ start }: { start: Start }) {
         <g key={name} data-on={on && any}>
           <path
             className={classes.wire}
-            d={`M${MIDDLE.x + MIDDLE.width} ${centre} C ${MIDDLE.x + MIDDLE.width + 36} ${centre} ${RIGHT.x - 36} ${rightAt(n)} ${RIGHT.x} ${rightAt(n)}`}
+            d={`M${MIDDLE.x + MIDDLE.width} ${centre} C ${MIDDLE.x + MIDDLE.width + 22} ${centre} ${RIGHT.x - 22} ${rightAt(n)} ${RIGHT.x} ${rightAt(n)}`}
           />
           <rect className={classes.box} x={RIGHT.x} y={rightAt(n) - 12} width={RIGHT.width} height={24} rx={4} />
           <text className={classes.name} x={RIGHT.x + 8} y={rightAt(n) + 4}>
