@@ -299,3 +299,64 @@ def test_a_layout_shows_how_far_the_encoder_is_over_time_and_over_the_turn(page:
         expect(page.get_by_role("heading", name="Deviation against shaft angle")).to_be_visible()
     finally:
         api.delete("/devices/turning").raise_for_status()
+
+
+def test_f6_goes_round_the_panels(page: Page) -> None:
+    opened(page)
+
+    def focused() -> str | None:
+        name: str | None = page.evaluate("document.activeElement?.closest('[data-panel]')?.dataset.panel ?? null")
+        return name
+
+    while focused() is None:  # what listens comes a moment after the first panels
+        page.keyboard.press("F6")
+        page.wait_for_timeout(50)
+    first = str(focused())
+    round_trip = [first]
+    for _ in range(8):
+        page.keyboard.press("F6")
+        round_trip.append(str(focused()))
+        if round_trip[-1] == first:
+            break
+    assert round_trip[-1] == first
+    assert {"motion", "axes", "scope"} <= set(round_trip), "what has nothing to show is left out"
+    page.keyboard.press("Shift+F6")
+    assert focused() == round_trip[-2]
+    expect(page.get_by_role("group", name="Scope", exact=True)).to_have_count(1)
+    page.keyboard.press("Tab")
+    assert focused() == round_trip[-2], "from there one goes on into the panel"
+
+
+def test_a_layout_keeps_how_the_scope_is_set(page: Page, api: httpx.Client) -> None:
+    opened(page, "/?t=-5s&rows=velocity")
+    expect(page.get_by_role("img", name=re.compile("^Velocity"))).to_be_visible()
+    choose(page, "Save as…")
+    page.get_by_role("dialog").get_by_label("Name").fill("Only speed")
+    page.get_by_role("dialog").get_by_role("button", name="OK").click()
+    expect(page).to_have_url(re.compile("layout=only-speed"))
+    kept = api.get("/layouts/only-speed").raise_for_status().json()["document"]["panels"]["scope"]["config"]["scope"]
+    assert (kept["spanS"], kept["rows"]) == (5, ["velocity"])
+    page.evaluate("sessionStorage.clear(); localStorage.clear()")
+    opened(page, "/?rows=position")
+    expect(page.get_by_role("img", name=re.compile("^Position"))).to_be_visible()
+    expect(page.get_by_role("img", name=re.compile("^Velocity"))).to_have_count(0)
+    page.evaluate("sessionStorage.clear(); localStorage.clear()")
+    opened(page, "/?layout=only-speed")
+    expect(page.get_by_role("img", name=re.compile("^Velocity"))).to_be_visible()
+    expect(page.get_by_role("img", name=re.compile("^Position"))).to_have_count(0)
+    expect(page).to_have_url(re.compile("t=-5s"))
+
+
+def test_the_layout_recording_begins_one_and_leads_to_it(page: Page, api: httpx.Client) -> None:
+    opened(page, "/?layout=recording")
+    card = page.get_by_role("region", name="Recordings")
+    before = {each["id"] for each in api.get("/recordings").raise_for_status().json()["recordings"]}
+    card.get_by_role("button", name="Record this axis").click()
+    card.get_by_role("button", name="End the recording").click()
+    expect(card.get_by_role("button", name="Record this axis")).to_be_visible()
+    (made,) = {each["id"] for each in api.get("/recordings").raise_for_status().json()["recordings"]} - before
+    try:
+        card.get_by_test_id("recordings-panel").get_by_role("link", name=made).click()
+        expect(page).to_have_url(re.compile(f"/recordings/{made}"))
+    finally:
+        api.delete(f"/recordings/{made}").raise_for_status()

@@ -12,6 +12,7 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
       ],
       ["Ctrl Shift Z", "Redo"],
       ["?", "This list"],
+      ["F6 Shift F6", "On the bench: to the next panel, or back"],
       ["Alt 1 … 9", "Go to a page, in the order of the menu"],
     ],
   ],

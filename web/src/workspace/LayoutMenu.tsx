@@ -13,6 +13,7 @@ import { ARRANGING, type Layout } from "./layout";
 import { useLayouts } from "./layouts";
 import { NameDialog } from "./NameDialog";
 import { exportFile, importFile, remove, reset, revert, save, saveAs, show } from "./saving";
+import { withScope } from "./scopeKept";
 
 const TOAST = "layout";
 
@@ -95,7 +96,7 @@ export function LayoutMenu({ layout, opened, onChange, children }: Props) {
               </Menu.Item>
             ))}
             <Menu.Divider />
-            <Menu.Item disabled={!touched || newer} onClick={() => void run("Saving", () => save(queries, document))}>
+            <Menu.Item disabled={newer} onClick={() => void run("Saving", () => save(queries, document))}>
               Save
             </Menu.Item>
             <Menu.Item onClick={() => ask("saveAs")}>Save as…</Menu.Item>
@@ -135,7 +136,7 @@ export function LayoutMenu({ layout, opened, onChange, children }: Props) {
         done={(name) =>
           asked === "rename"
             ? put({ ...document, name }, `The layout is called ${name}`)
-            : void run("Saving", () => saveAs(queries, document, name))
+            : void run("Saving", () => saveAs(queries, withScope(document), name))
         }
       />
     </>

@@ -17,6 +17,18 @@ export const BUILT_IN: readonly LayoutDocument[] = [
     ["motion", "stage", "scope", "changes", "notes", "axes"],
   ),
   builtIn(
+    "recording",
+    "Recording",
+    {
+      row: [
+        SIDE,
+        { col: [one("stage", "content"), one("scope")] },
+        { col: [one("recordings", 1), one("notes", 1)], size: "320px" },
+      ],
+    },
+    ["motion", "recordings", "stage", "scope", "notes", "axes"],
+  ),
+  builtIn(
     "registers",
     "Registers",
     { row: [SIDE, one("registers"), { col: [one("changes", "content"), one("log", 1)], size: "380px" }] },

@@ -148,6 +148,14 @@ export const PANELS: readonly PanelType[] = [
     single: true,
     Panel: lazily(() => import("./panels/MacrosPanel").then((part) => part.MacrosPanel)),
   }),
+  ofDevice({
+    type: "recordings",
+    title: "Recordings",
+    version: 1,
+    min: [280, 160],
+    single: true,
+    Panel: lazily(() => import("./panels/RecordingsPanel").then((part) => part.RecordingsPanel)),
+  }),
   ofNothing({
     type: "notes",
     title: "Notes",

@@ -9,6 +9,7 @@ import { type LayoutDocument, VERSION } from "./document";
 import { SAID } from "./layout";
 import { COPIES, documentOf, LAYOUTS_KEY, SAVED, without } from "./layouts";
 import { read } from "./reading";
+import { withScope } from "./scopeKept";
 
 function kept(queries: QueryClient, document: LayoutDocument | null, said: string): void {
   if (document) {
@@ -21,7 +22,7 @@ function kept(queries: QueryClient, document: LayoutDocument | null, said: strin
 
 /** Over the revision that it was made from; `over`: over whatever revision there is now. */
 export async function save(queries: QueryClient, document: LayoutDocument, over?: number): Promise<void> {
-  const body = { based_on: over ?? document.revision, document: { ...document } };
+  const body = { based_on: over ?? document.revision, document: { ...withScope(document) } };
   const answer = await api.PUT("/api/v1/layouts/{layout}", { path: { layout: document.id }, body });
   kept(queries, documentOf(answer), `Layout ${document.name} is saved`);
 }
@@ -62,7 +63,11 @@ export function show(id: string): void {
 }
 
 export function exportFile(document: LayoutDocument): void {
-  saveText(fileName(document.name, ".layout.json"), `${JSON.stringify(document, null, 2)}\n`, "application/json");
+  saveText(
+    fileName(document.name, ".layout.json"),
+    `${JSON.stringify(withScope(document), null, 2)}\n`,
+    "application/json",
+  );
 }
 
 /** A layout out of a file. Throws where there is none in it. */

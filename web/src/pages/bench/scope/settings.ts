@@ -67,6 +67,8 @@ export function keepS(rateHz: number): number {
   return rateHz > 200 ? 60 : 300;
 }
 
+export const SCOPE_KEY = "stepscope.scope";
+
 const NO_ROWS = "none";
 const inOrder = (rows: readonly RowId[]) => ROWS.flatMap(({ id }) => (rows.includes(id) ? [id] : [])).join();
 
@@ -101,7 +103,7 @@ export function putSettings(settings: ScopeSettings): void {
 
 /** How the scope is set: by the address, else as it was last in this browser. */
 export function useScopeSettings() {
-  const [stored, setStored] = useLocalKept<Partial<ScopeSettings>>("stepscope.scope", {});
+  const [stored, setStored] = useLocalKept<Partial<ScopeSettings>>(SCOPE_KEY, {});
   const address = useAddress("t", "rows", "unit");
   const settings: ScopeSettings = { ...DEFAULTS, ...stored, ...settingsOf(address) };
   // a paused scope has its stretch in the place of its span, which it goes on with
