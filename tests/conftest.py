@@ -57,21 +57,29 @@ SLOW = (
     "test_wheel.py",
 )
 """What `make test-fast` leaves to `make test`."""
+DRIVES = ("conditions", "devices", "emulators", "positions", "procedures", "profiles", "studies")
+"""Where tests drive emulated chips in their own process."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Refuse `sheet` marks that name no section of a data sheet, and mark what is slow."""
     sections.check(items)
     for item in items:
-        place = item.path.relative_to(HERE).as_posix() if item.path.is_relative_to(HERE) else ""
+        place = item.path.relative_to(HERE).as_posix() if _is_here(item) else ""
         if place.startswith(SLOW):
             item.add_marker(pytest.mark.slow)
 
 
+def _is_here(item: pytest.Item) -> bool:
+    return item.path.is_relative_to(HERE)
+
+
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Compile what servers of tests need: else they would do it behind their answers, as on a user's first start."""
-    serve = any(item.get_closest_marker(name) for item in session.items for name in ("slow", "e2e"))
-    if serve and not session.config.option.collectonly and not all_compiled():
+    """Compile what tests need: else servers would do it behind their answers, as on a user's first start, and a test
+    within its own time, which ends before where the machine has other work too."""
+    need = any(item.get_closest_marker(name) for item in session.items for name in ("slow", "e2e"))
+    need = need or any(item.path.relative_to(HERE).parts[0] in DRIVES for item in session.items if _is_here(item))
+    if need and not session.config.option.collectonly and not all_compiled():
         compile_kernels()
     # As the server does: to look through all modules and tests takes half a second, whenever a device was removed.
     gc.freeze()
