@@ -63,9 +63,12 @@ def set_up(chip: Chip) -> None:
 
 
 @contextmanager
-def a_chip(api: httpx.Client, name: str, model: str = "tmc5160", axis: int = 0) -> Iterator[Chip]:
-    """Add an emulated chip as it comes out of a reset, and take it away again: the other tests count the devices."""
-    body = {"name": name, "model": model, "link": {"kind": "emulator"}}
+def a_chip(api: httpx.Client, name: str, model: str = "tmc5160", axis: int = 0, **options: Any) -> Iterator[Chip]:
+    """Add an emulated chip as it comes out of a reset, and take it away again: the other tests count the devices.
+
+    options : of its emulator
+    """
+    body = {"name": name, "model": model, "link": {"kind": "emulator", **options}}
     device = api.post("/devices", json=body).raise_for_status().json()["id"]
     try:
         wait_for(

@@ -132,3 +132,70 @@ def test_moves_by_hand_are_scored_ranked_taken_and_undone(
     expect(rows).to_have_count(2)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     page.goto("/connections")  # before the chip is gone
+
+
+def fill(page: Page, fields: dict[str, str]) -> None:
+    for label, value in fields.items():
+        field = page.get_by_role("textbox", name=label)
+        field.fill(value)
+        field.press("Tab")
+
+
+def test_stealthchop_is_found_told_taken_and_undone(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    options = {"motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005}, "encoder": {"lines": 10_000}, "supply_v": 36.0}
+    with a_chip(api, "quiet axis", load={"inertia_kgm2": 5e-6}, full_scale_a=2.1, **options) as chip:
+        start = {"velocity_pps": 51_200, "acceleration_pps2": 256_000, "counts_per_rev": 40_000, "stops": False}
+        api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
+        chip.write("IHOLD_IRUN", IHOLD=12, IRUN=25, IHOLDDELAY=1)
+        for tunes in (0, 1):
+            chip.write("PWMCONF", PWM_OFS=90, PWM_GRAD=0, pwm_autoscale=tunes, pwm_autograd=tunes)
+        chip.write("TPWMTHRS", round(16e6 / (1.5 * 51_200)))
+        chip.write("GCONF", en_pwm_mode=1)
+        chip.emulator(time_scale=8.0)
+        select(page, chip)
+        page.goto("/tune")
+        page.get_by_role("radio", name="Silent by StealthChop").check()
+        plan = page.get_by_test_id("plan")
+        expect(plan).to_contain_text("It sets, and sets back: VMAX, AMAX, DMAX")
+        told = {"Inductance of one coil": "4.4", "Run current as it is set now": "1.22", "Supply of the motor": "36"}
+        fill(page, {**told, "Holding torque": "0.45", "Rated current": "1.5", "Up to a speed of": "1"})
+        expect(plan).to_contain_text("up to 1 turns a second")
+        expect(page.get_by_test_id("begin")).to_be_enabled()
+        check_axe(page)
+        page.get_by_test_id("begin").click()
+        table = page.get_by_role("table", name="Settings of StealthChop")
+        expect(table).to_contain_text("before", timeout=LONG_MS)
+        verdict = page.get_by_test_id("verdict")
+        expect(verdict).to_contain_text(re.compile(r"PWM_OFS \d+.*instead of PWM_OFS 90"), timeout=LONG_MS)
+        expect(page.get_by_role("img", name="Jolt over switch-over speed")).to_be_visible()
+        before = chip.register("PWMCONF")["value"]
+        page.get_by_role("button", name="Take the best").click()
+        wait_for(lambda: chip.register("PWMCONF")["value"] != before, "the new amplitudes are taken")
+        page.get_by_role("button", name="Undo").click()
+        wait_for(lambda: chip.register("PWMCONF")["value"] == before, "the amplitudes are as before")
+        check_axe(page)
+        page.set_viewport_size(PHONE)
+        expect(verdict).to_be_visible()
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.goto("/connections")  # before the chip is gone
+
+
+def test_coolstep_is_told_of_as_soon_as_it_is_looked_for(
+    page: Page, slide: Chip, check_axe: Callable[[Page], None]
+) -> None:
+    select(page, slide)
+    page.goto("/tune")
+    page.get_by_role("radio", name="Cooler").check()
+    fill(page, {"Load cycle: there and back": "0.1", "Margin of speed": "0", "Cycles that may lose": "20"})
+    plan = page.get_by_test_id("plan")
+    expect(plan).to_contain_text("CoolStep at the run current that was found")
+    expect(plan).to_contain_text("14 cycles")
+    page.get_by_test_id("begin").click()
+    expect(page.get_by_role("table", name="Currents that were tried")).to_be_visible(timeout=LONG_MS)
+    expect(page.get_by_test_id("verdict")).to_have_attribute("data-outcome", re.compile("better|same"), timeout=LONG_MS)
+    card = page.get_by_role("region", name="CoolStep")
+    expect(card).to_contain_text("There is none")
+    check_axe(page)
+    page.goto("/connections")  # before the chip is gone

@@ -35,7 +35,7 @@ export function StudyList({ studies, error, shown, onPick, retry }: Props) {
               <Text size="sm" fw={study.id === shown ? 700 : 400}>
                 {study.title}, {dateTimeOf(study.started_unix_s * 1000)}
               </Text>
-              <Text size="sm" className="dim">
+              <Text size="sm" className="dim" lineClamp={3}>
                 {study.state === "running" ? study.message : study.verdict || study.message || study.state}
               </Text>
             </button>

@@ -10,6 +10,7 @@ import { GoalCards } from "./GoalCards";
 import type { FieldsProps } from "./kind";
 import { documentOf, type Forms, firstForms, KINDS, NAMES, WISHES } from "./kinds";
 import type { Kind, Plan } from "./study";
+import classes from "./tune.module.css";
 import { type Changes, usePlan } from "./useStudies";
 import { VIEWS } from "./views";
 
@@ -38,13 +39,15 @@ export function WishCard({ device, axis, changes, busy }: Props) {
       <div className="column">
         <GoalCards label="The axis shall be" goals={WISHES} value={kind} onChange={setKind} />
         <Text size="sm">{KINDS[kind].text}</Text>
-        <KindFields
-          kind={kind}
-          forms={forms}
-          change={change}
-          scale={scale}
-          axis={{ device: device.id, index: axis.index }}
-        />
+        <div className={classes.fields}>
+          <KindFields
+            kind={kind}
+            forms={forms}
+            change={change}
+            scale={scale}
+            axis={{ device: device.id, index: axis.index }}
+          />
+        </div>
         {busy ? (
           <Text size="sm">A study of this axis runs. A stop, or any other command to it, ends it.</Text>
         ) : (
@@ -77,6 +80,14 @@ interface KindFieldsProps<K extends Kind> extends Pick<FieldsProps<never>, "scal
 function KindFields<K extends Kind>({ kind, forms, change, ...axis }: KindFieldsProps<K>) {
   const { Fields } = VIEWS[kind];
   return <Fields form={forms[kind]} change={(part) => change(kind, part)} {...axis} />;
+}
+
+/** "VMAX of axis 0", "AMAX of axis 0": the axis once. */
+function namedOnce(registers: string[]): string {
+  const names = registers.map((each) => each.split(" of "));
+  const of = names[0]?.[1];
+  const alike = of !== undefined && names.every(([, each]) => each === of);
+  return alike ? `${names.map(([name]) => name).join(", ")} of ${of}` : registers.join(", ");
 }
 
 /** The plan, in words: what moves, how far, how fast, how long; and what is missing. */
@@ -116,7 +127,7 @@ function WhatHappens({ plan }: { plan: Plan }) {
       )}
       {plan.registers.length > 0 && (
         <Text size="sm" className="dim">
-          It sets, and sets back: {plan.registers.join(", ")}.
+          It sets, and sets back: {namedOnce(plan.registers)}.
         </Text>
       )}
       {plan.no_twin && (

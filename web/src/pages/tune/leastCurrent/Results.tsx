@@ -16,13 +16,14 @@ export function Results({ study }: { study: Study }) {
   return (
     <>
       <Found found={found} />
-      {found.coolstep && <CoolStep cool={found.coolstep} />}
+      {found.coolstep && (found.coolstep.why || found.coolstep.tried.length > 0) && <CoolStep cool={found.coolstep} />}
     </>
   );
 }
 
-const settingOf = ({ semin, semax, seup, sedn, seimin }: CoolSetting) =>
-  `SEMIN ${semin}, SEMAX ${semax}, SEUP ${seup}, SEDN ${sedn}, SEIMIN ${seimin}`;
+const FIELDS = ["semin", "semax", "seup", "sedn", "seimin"] as const;
+const settingOf = (setting: CoolSetting) =>
+  FIELDS.map((field) => `${field.toUpperCase()} ${setting[field]}`).join(", ");
 
 /** What CoolStep takes away where the load is small, or why there is none. */
 function CoolStep({ cool }: { cool: CoolStepFound }) {
@@ -43,18 +44,26 @@ function CoolStep({ cool }: { cool: CoolStepFound }) {
           <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Settings of CoolStep that were tried">
             <Table.Thead>
               <Table.Tr>
-                <Table.Th scope="col">Setting</Table.Th>
+                {FIELDS.map((field) => (
+                  <Table.Th scope="col" key={field}>
+                    {field.toUpperCase()}
+                  </Table.Th>
+                ))}
                 <Table.Th scope="col">Up to</Table.Th>
                 <Table.Th scope="col">Cycles</Table.Th>
-                <Table.Th scope="col">Heat of without</Table.Th>
+                <Table.Th scope="col">Heat left</Table.Th>
                 <Table.Th scope="col" />
               </Table.Tr>
             </Table.Thead>
             <Table.Tbody>
               {cool.tried.map((one, index) => (
                 // biome-ignore lint/suspicious/noArrayIndexKey: a setting may be tried again, and the list only grows
-                <Table.Tr key={index}>
-                  <Table.Th scope="row">{settingOf(one.setting)}</Table.Th>
+                <Table.Tr key={index} fw={setting && settingOf(one.setting) === settingOf(setting) ? 700 : undefined}>
+                  {FIELDS.map((field) => (
+                    <Table.Td className="num" key={field}>
+                      {one.setting[field]}
+                    </Table.Td>
+                  ))}
                   <Table.Td className="num">{one.scale + 1}/32</Table.Td>
                   <Table.Td className="num">{one.cycles}</Table.Td>
                   <Table.Td className="num">
