@@ -32,6 +32,22 @@ def test_help_is_a_click_away_and_works_without_a_network(
     slider.focus()
     slider.press("End")
     expect(figure).not_to_have_attribute("aria-label", before or "")
+    numbers = help_page.locator("[data-live=registers]")
+    for pulse_div, ramp_div in ((3, 6), (4, 5)):
+        numbers.get_by_role("slider", name="pulse_div").fill(str(pulse_div))
+        numbers.get_by_role("slider", name="ramp_div").fill(str(ramp_div))
+        # the formulas of the page, at the v, a and f that the sliders and the text begin with
+        velocity_pps = 1500 * 16e6 / (2**pulse_div * 2048 * 32)
+        acceleration_pps2 = round(400 * 16e6**2 / 2 ** (pulse_div + ramp_div + 29))
+        p = 400 / (128 * 2 ** (ramp_div - pulse_div))
+        told = (
+            ("velocity", f"{velocity_pps:,.6g} pps"),
+            ("acceleration", f"{acceleration_pps2:,} pps²"),
+            ("p, wanted", f"{p:,.6g}"),
+        )
+        for what, value in told:
+            row = numbers.get_by_role("row").filter(has=help_page.get_by_role("rowheader", name=what, exact=True))
+            expect(row.get_by_role("cell")).to_have_text(value)
     check_axe(help_page)
     assert help_page.evaluate(TOO_SMALL) == []
 
