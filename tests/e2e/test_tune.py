@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import httpx
 import pytest
@@ -144,7 +145,11 @@ def fill(page: Page, fields: dict[str, str]) -> None:
 def test_stealthchop_is_found_told_taken_and_undone(
     page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
 ) -> None:
-    options = {"motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005}, "encoder": {"lines": 10_000}, "supply_v": 36.0}
+    options: dict[str, Any] = {
+        "motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005},
+        "encoder": {"lines": 10_000},
+        "supply_v": 36.0,
+    }
     with a_chip(api, "quiet axis", load={"inertia_kgm2": 5e-6}, full_scale_a=2.1, **options) as chip:
         start = {"velocity_pps": 51_200, "acceleration_pps2": 256_000, "counts_per_rev": 40_000, "stops": False}
         api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
