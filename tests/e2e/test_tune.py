@@ -158,7 +158,7 @@ def test_stealthchop_is_found_told_taken_and_undone(
             chip.write("PWMCONF", PWM_OFS=90, PWM_GRAD=0, pwm_autoscale=tunes, pwm_autograd=tunes)
         chip.write("TPWMTHRS", round(16e6 / (1.5 * 51_200)))
         chip.write("GCONF", en_pwm_mode=1)
-        chip.emulator(time_scale=8.0)
+        chip.emulator(time_scale=5.0)
         select(page, chip)
         page.goto("/tune")
         page.get_by_role("radio", name="Silent by StealthChop").check()

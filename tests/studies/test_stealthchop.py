@@ -12,7 +12,10 @@ from app.devices.core.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
 from app.studies.document import StudyDocument
 from app.studies.kinds import KINDS
+from app.studies.proof import pair_order
 from app.studies.report import html_of
+from app.studies.stealthchop.decision import Reach, decide
+from app.studies.stealthchop.found import StealthPair
 from app.studies.stealthchop.plan import LEAST_RPS, PARTS, TIMES, between_of
 from tests.devices.tmc5xxx.harness import bench
 from tests.studies.harness import START, Studied, studied
@@ -222,6 +225,24 @@ async def test_a_current_too_small_to_be_regulated_is_tuned_with_a_shorter_blank
         assert best is not None
         assert {each.name: each.value for each in best.registers}["CHOPCONF"] == chopconf
         assert await s.settings("CHOPCONF") == [chopconf]
+
+
+@pytest.mark.parametrize(("unseen", "names"), [(0, ["jolt", "added"]), (3, ["jolt", "added"]), (4, ["jolt"])])
+def test_runs_in_which_no_amplitude_was_seen_do_not_hide_the_others(unseen: int, names: list[str]) -> None:
+    def pair(index: int) -> StealthPair:
+        before = None if index < unseen else 0.7 + 0.01 * index
+        return StealthPair(
+            baseline_jolt_fullsteps=0.1,
+            winner_jolt_fullsteps=0.1,
+            baseline_added_share=before,
+            winner_added_share=0.04,
+            order=pair_order(index),
+        )
+
+    shown = decide([pair(index) for index in range(10)], Reach(1.0, 1.0), 0.5, 0.05, 1)
+    assert [each.name for each in shown.effects] == names
+    assert shown.improved == ("added" in names)
+    assert [each.pairs for each in shown.effects] == [10, 10 - unseen][: len(names)]
 
 
 def test_the_same_switch_over_speeds_are_tried_wherever_a_study_begins() -> None:

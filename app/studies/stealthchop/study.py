@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import statistics
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -401,7 +402,7 @@ class StealthChopStudy(StudyRun):
         if not held:
             return None
         told = [each.added_share for _, (_, each) in held if each.added_share is not None]
-        near = [each for each in held if any(told) and (each[1][1].added_share or 0.0) <= min(told) + ALIKE]
+        near = [each for each in held if any(told) and _added(each[1][1]) <= min(told) + ALIKE]
         # Where nothing is regulated, which shows by nothing that is added to any, what it needs when it is, or what is
         # calculated.
         others = [each for one in (needed, calculated) for each in held if each[0] == one]
@@ -486,6 +487,11 @@ class StealthChopStudy(StudyRun):
             return
         then = "it is set" if wanted.keep else "one click takes it"
         record.verdict = f"{new} instead of {old}: {'; '.join(_told(each) for each in shown.effects)}; {then}"
+
+
+def _added(tried: StealthTried) -> float:
+    """What its regulation added; where nothing told it, it is not the one that needs least."""
+    return math.inf if tried.added_share is None else tried.added_share
 
 
 def _told(effect: StealthEffect) -> str:

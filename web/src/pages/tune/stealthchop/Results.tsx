@@ -38,8 +38,8 @@ function Found({ found }: { found: StealthFound }) {
               <Table.Th scope="col">PWM_OFS</Table.Th>
               <Table.Th scope="col">PWM_GRAD</Table.Th>
               <Table.Th scope="col">Up to</Table.Th>
-              <Table.Th scope="col">Jolt</Table.Th>
-              <Table.Th scope="col">Added by its regulation</Table.Th>
+              <Table.Th scope="col">Jolt [full steps]</Table.Th>
+              <Table.Th scope="col">Added</Table.Th>
             </Table.Tr>
           </Table.Thead>
           <Table.Tbody>
@@ -49,7 +49,7 @@ function Found({ found }: { found: StealthFound }) {
                 <Table.Td className="num">{one.offset ?? "none"}</Table.Td>
                 <Table.Td className="num">{one.gradient ?? "none"}</Table.Td>
                 <Table.Td className="num">{reachOf(one, (value) => compact(value, 3))}</Table.Td>
-                <Table.Td className="num">{compact(one.jolt_fullsteps, 3)} full steps</Table.Td>
+                <Table.Td className="num">{compact(one.jolt_fullsteps, 3)}</Table.Td>
                 <Table.Td className="num">{percent(one.added_share)}</Table.Td>
               </Table.Tr>
             ))}
