@@ -97,6 +97,14 @@ def test_no_script_stands_in_a_page(site: Path) -> None:
             assert (page.parent / script).resolve().is_file(), script
 
 
+def test_words_that_a_page_explains_are_in_the_glossary(site: Path) -> None:
+    sources = "".join(path.read_text() for path in (ROOT / "web" / "src").rglob("*.tsx"))
+    words = set(re.findall(r'<Term name="([^"]*)"', sources))
+    assert {"encoder", "microstep", "soft-limit"} <= words
+    glossary = (site / "glossary.html").read_text()
+    assert {word for word in words if f'id="{word}"' not in glossary} == set()
+
+
 def test_what_tutorials_mean_to_tests_is_not_shown(site: Path) -> None:
     for page in (site / "tutorials").glob("*.html"):
         assert "<!-- do" not in page.read_text()

@@ -133,6 +133,11 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
             Show it on every page
           </button>
         )}
+        {can(device, "motion") && (
+          <Link href="/first-run" className="underlined accent" onClick={onUse}>
+            First run
+          </Link>
+        )}
         <Link href="/" className="underlined accent" onClick={onUse}>
           Bench
         </Link>
