@@ -153,7 +153,7 @@ export function layoutEntries(layouts: readonly { id: string; name: string }[]):
   }));
 }
 
-/** Macros, by the layout whose panel runs them: nothing moves by being found. */
+/** Macros: each opens its form, and runs from there; nothing moves by being found. */
 export function macroEntries(macros: readonly Schemas["MacroInfo"][]): Entry[] {
   return macros.map(({ id, name, model }) => ({
     id: `macro ${id}`,
@@ -161,7 +161,7 @@ export function macroEntries(macros: readonly Schemas["MacroInfo"][]): Entry[] {
     section: "Macro",
     detail: model ?? "",
     off: null,
-    go: { to: "/?layout=macros" },
+    go: { to: `/?layout=macros&macro=${encodeURIComponent(id)}` },
   }));
 }
 

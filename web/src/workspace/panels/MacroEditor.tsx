@@ -1,18 +1,21 @@
-import { Alert, Button, Group, JsonInput, TextInput } from "@mantine/core";
+import { Alert, Button, Group, JsonInput, SegmentedControl, TextInput } from "@mantine/core";
 import { useState } from "react";
-import { api, type Schemas } from "../../api/client";
+import { api } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useWork } from "../../lib/useWork";
+import { MacroSteps } from "./MacroSteps";
 import type { Opened } from "./MacrosPanel";
+import { linesOf, stepsOf } from "./macroSteps";
 
-type Steps = Schemas["MacroDocument"]["steps"];
-
-/** A macro's name and its steps as they are kept: one a line, to be changed, ordered and deleted; the server judges. */
+/** A macro's name and its steps: as a form, or as they are kept, one a line; the server judges. */
 export function MacroEditor({ opened, onClose }: { opened: Opened; onClose: () => void }) {
   const [name, setName] = useState(opened.document.name);
   const [text, setText] = useState(() => linesOf(opened.document.steps));
+  const [view, setView] = useState("form");
+  const steps = stepsOf(text);
   const save = useWork(async () => {
-    const document = { ...opened.document, name, steps: JSON.parse(text) as Steps };
+    if (steps === null) return;
+    const document = { ...opened.document, name, steps };
     if (opened.id === null) await api.POST("/api/v1/macros", { body: { document } });
     else
       await api.PUT("/api/v1/macros/{macro}", {
@@ -35,18 +38,32 @@ export function MacroEditor({ opened, onClose }: { opened: Opened; onClose: () =
         </Alert>
       )}
       <TextInput label="Name" maxLength={80} value={name} onChange={(event) => setName(event.currentTarget.value)} />
-      <JsonInput
-        label="Steps, one a line"
-        validationError="This is no JSON"
-        autosize
-        minRows={4}
-        maxRows={16}
-        value={text}
-        onChange={setText}
+      <SegmentedControl
+        size="xs"
+        aria-label="Steps as"
+        data={[
+          { value: "form", label: "Form", disabled: steps === null },
+          { value: "json", label: "JSON" },
+        ]}
+        value={view}
+        onChange={setView}
       />
+      {view === "form" && steps !== null ? (
+        <MacroSteps steps={steps} onChange={(next) => setText(linesOf(next))} />
+      ) : (
+        <JsonInput
+          label="Steps, one a line"
+          error={steps === null && "These are no steps"}
+          autosize
+          minRows={4}
+          maxRows={16}
+          value={text}
+          onChange={setText}
+        />
+      )}
       <ProblemAlert error={save.error ?? remove.error} doing="Keeping the macro" />
       <Group gap={6}>
-        <Button size="compact-sm" onClick={save.mutate}>
+        <Button size="compact-sm" disabled={steps === null} onClick={save.mutate}>
           Save
         </Button>
         <Button size="compact-sm" variant="default" onClick={onClose}>
@@ -60,8 +77,4 @@ export function MacroEditor({ opened, onClose }: { opened: Opened; onClose: () =
       </Group>
     </section>
   );
-}
-
-function linesOf(steps: Steps): string {
-  return steps.length === 0 ? "[]" : `[\n${steps.map((step) => ` ${JSON.stringify(step)}`).join(",\n")}\n]`;
 }

@@ -1,7 +1,8 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
-import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useId, useState } from "react";
 import { api, type Schemas } from "../../api/client";
+import { putIntoAddress, useAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -60,6 +61,19 @@ function MacrosOf({ device }: Pick<DeviceProps, "device">) {
     setAfter(null);
     setOpened({ id: null, revision: 0, document: draft.document, leftOut: draft.left_out });
   });
+  const { macro: asked } = useAddress("macro");
+  const open = useMutation({
+    mutationFn: async (id: string) => {
+      const kept = await api.GET("/api/v1/macros/{macro}", { path: { macro: id } });
+      setOpened({ id: kept.id, revision: kept.revision, document: kept.document, leftOut: [] });
+    },
+  });
+  const { mutate: openAsked } = open;
+  useEffect(() => {
+    if (asked !== "") openAsked(asked);
+  }, [asked, openAsked]);
+  const all = macros.data?.macros ?? [];
+  const fitting = all.filter(({ model }) => model === "" || model === device.model);
   const stop = useWork(async () => {
     await api.DELETE("/api/v1/devices/{device}/macro-run", { path });
     refresh();
@@ -76,12 +90,14 @@ function MacrosOf({ device }: Pick<DeviceProps, "device">) {
       }
     >
       {after !== null && <Text size="sm">What you do to {device.name} now becomes steps.</Text>}
-      <ProblemAlert error={record.error ?? stop.error ?? macros.error} doing="Macros" />
+      <ProblemAlert error={record.error ?? stop.error ?? open.error ?? macros.error} doing="Macros" />
       {opened !== null && (
         <MacroEditor
+          key={`${opened.id}/${opened.revision}`}
           opened={opened}
           onClose={() => {
             setOpened(null);
+            putIntoAddress({ macro: "" }, "replace");
             refresh();
           }}
         />
@@ -89,20 +105,23 @@ function MacrosOf({ device }: Pick<DeviceProps, "device">) {
       {macros.data?.macros.length === 0 && opened === null && (
         <Text size="sm">No macro is kept yet: press Record, do something, and stop.</Text>
       )}
-      {macros.data?.macros
-        .filter(({ model }) => model === "" || model === device.model)
-        .map((info) => (
-          <MacroRow
-            key={info.id}
-            info={info}
-            device={device.id}
-            busy={run?.state === "running"}
-            passed={standing.data?.tried.find(({ macro }) => macro === info.id)?.passed ?? null}
-            onTrial={(came) => setTrial({ info, came })}
-            onEdit={setOpened}
-            refresh={refresh}
-          />
-        ))}
+      {fitting.map((info) => (
+        <MacroRow
+          key={info.id}
+          info={info}
+          device={device}
+          busy={run?.state === "running" ? run.name : null}
+          passed={standing.data?.tried.find(({ macro }) => macro === info.id)?.passed ?? null}
+          onTrial={(came) => setTrial({ info, came })}
+          onEdit={() => open.mutate(info.id)}
+          refresh={refresh}
+        />
+      ))}
+      {all.length > fitting.length && (
+        <p className="hint m-0">
+          {`${all.length - fitting.length} more ${all.length - fitting.length === 1 ? "is" : "are"} for other models than ${device.title}.`}
+        </p>
+      )}
       {trial !== null && <Trial {...trial} onClose={() => setTrial(null)} />}
       {run !== undefined && run.state !== "idle" && (
         <section aria-label="Run" data-testid="macro-run">
@@ -132,16 +151,18 @@ function MacrosOf({ device }: Pick<DeviceProps, "device">) {
 
 interface RowProps {
   info: Info;
-  device: string;
-  busy: boolean;
+  device: DeviceProps["device"];
+  /** the macro that runs; null: none does */
+  busy: string | null;
   passed: boolean | null;
   onTrial: (came: Schemas["MacroTrial"]) => void;
-  onEdit: (opened: Opened) => void;
+  onEdit: () => void;
   refresh: () => void;
 }
 
 function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowProps) {
-  const path = { device };
+  const hint = useId();
+  const path = { device: device.id };
   const order = { macro: info.id, revision: info.revision };
   const attempt = useWork(async () => {
     onTrial(await api.POST("/api/v1/devices/{device}/macro-trial", { path, body: order }));
@@ -151,18 +172,27 @@ function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowP
     await api.POST("/api/v1/devices/{device}/macro-run", { path, body: order });
     refresh();
   });
-  const edit = useWork(async () => {
-    const kept = await api.GET("/api/v1/macros/{macro}", { path: { macro: info.id } });
-    onEdit({ id: kept.id, revision: kept.revision, document: kept.document, leftOut: [] });
-  });
   const untried = passed === null ? "not tried in this revision" : passed ? "tried" : "did not pass its trial";
+  const off = device.state !== "connected" ? `${device.name} is not connected` : busy !== null ? `${busy} runs` : null;
+  const why =
+    off ??
+    (passed === null
+      ? "Try shows on a twin what it does; nothing here moves"
+      : passed
+        ? null
+        : "on a twin it did not come to its end: Try shows where");
   return (
     <Group gap="xs" justify="space-between" data-testid={`macro-${info.id}`}>
       <Text size="sm">
         {info.name} <span className="hint">{`${info.steps === 1 ? "1 step" : `${info.steps} steps`}, ${untried}`}</span>
+        {why !== null && (
+          <span className="hint" id={hint}>
+            {`. ${why}`}
+          </span>
+        )}
       </Text>
       <Group gap={6}>
-        <Button size="compact-sm" variant="default" onClick={edit.mutate}>
+        <Button size="compact-sm" variant="default" onClick={onEdit}>
           Edit
         </Button>
         <Button
@@ -173,11 +203,17 @@ function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowP
         >
           Try
         </Button>
-        <Button size="compact-sm" variant={passed ? "filled" : "default"} disabled={busy} onClick={run.mutate}>
+        <Button
+          size="compact-sm"
+          variant={passed ? "filled" : "default"}
+          disabled={off !== null}
+          aria-describedby={why === null ? undefined : hint}
+          onClick={run.mutate}
+        >
           {passed ? "Run" : "Run untried"}
         </Button>
       </Group>
-      <ProblemAlert error={attempt.error ?? run.error ?? edit.error} doing={info.name} />
+      <ProblemAlert error={attempt.error ?? run.error} doing={info.name} />
     </Group>
   );
 }

@@ -28,7 +28,7 @@ export function RecordingsPanel({ device, axis }: DeviceProps) {
       {list.data !== undefined && own.length === 0 && (
         <Text size="sm">No recording of it yet: press Record, and move the motor.</Text>
       )}
-      <ul className="bare stack gap-4 m-0 p-0" data-testid="recordings-panel">
+      <ul className="list stack gap-4" data-testid="recordings-panel">
         {own.slice(0, SHOWN).map((each) => (
           <Line key={each.id} recording={each} />
         ))}
