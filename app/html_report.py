@@ -10,13 +10,16 @@ from collections.abc import Sequence
 from .number_text import plain
 
 WIDTH, HEIGHT, EDGE = 640, 260, 66
+DECADES = 2.5
+"""From so many on an axis is marked at each."""
 COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", "failed": "#e8590c"}
 
 STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
 h1{font-size:1.5rem}h2{font-size:1.1rem;margin-top:2rem}table{border-collapse:collapse;width:100%}
 td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{text-align:right}
-.verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}svg{max-width:100%}
+.verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}svg{width:100%;min-width:40rem}
+.wide{overflow-x:auto}
 @media (prefers-color-scheme:dark){body{color:#e9ecef;background:#1a1b1e}
 .verdict{background:#25262b}td,th{border-color:#373a40}}
 """
@@ -26,7 +29,8 @@ def page(title: str, parts: Sequence[str]) -> str:
     """The file: `parts` are HTML, the title is not."""
     body = "\n".join(parts)
     return (
-        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>{text(title)}</title><style>{STYLE}</style>\n'
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">\n'
+        f"<title>{text(title)}</title><style>{STYLE}</style>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
 
@@ -45,7 +49,7 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of cells below their heads."""
     head = "".join(f"<th>{text(name)}</th>" for name in heads)
     body = "".join("<tr>" + "".join(f"<td>{text(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><tr>{head}</tr>{body}</table>"
+    return f'<div class="wide"><table><tr>{head}</tr>{body}</table></div>'
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -69,27 +73,33 @@ class PlotAxis:
         return self._low + (shown - self._from) / (self._to - self._from) * (self._high - self._low)
 
     def ticks(self) -> list[float]:
-        """Five values to be written."""
-        shown = [self._from + (self._to - self._from) * (index + 0.5) / 5 for index in range(5)]
-        return [10**value for value in shown] if self._log else shown
+        """Round values to be written, three to eight of them; of several decades their tens."""
+        if self._log and self._to - self._from >= DECADES:
+            return [10.0**power for power in range(math.ceil(self._from), math.floor(self._to) + 1)]
+        low, high = (10**self._from, 10**self._to) if self._log else (self._from, self._to)
+        power = 10.0 ** math.floor(math.log10((high - low) / 3))
+        step = max(power * times for times in (1, 2, 5) if power * times <= (high - low) / 3)
+        return [step * index for index in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
 def frame(x: PlotAxis, y: PlotAxis, x_name: str, y_name: str, marks: str) -> str:
     """A plot: its axes with names and ticks around `marks`."""
     ticks = "".join(
-        f'<text x="{x.at(value):.1f}" y="{HEIGHT - EDGE + 18}" text-anchor="middle">{plain(value, 3)}</text>'
+        f'<path d="M{x.at(value):.1f} 10V{HEIGHT - EDGE}" stroke="#868e96" opacity=".3"/>'
+        f'<text x="{x.at(value):.1f}" y="{HEIGHT - EDGE + 18}" text-anchor="middle">{plain(value, 6)}</text>'
         for value in x.ticks()
     ) + "".join(
-        f'<text x="{EDGE - 6}" y="{y.at(value) + 4:.1f}" text-anchor="end">{plain(value, 3)}</text>'
+        f'<path d="M{EDGE} {y.at(value):.1f}H{WIDTH - 10}" stroke="#868e96" opacity=".3"/>'
+        f'<text x="{EDGE - 6}" y="{y.at(value) + 4:.1f}" text-anchor="end">{plain(value, 6)}</text>'
         for value in y.ticks()
     )
     return (
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{text(y_name)} over {text(x_name)}" '
+        f'<div class="wide"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{text(y_name)} over {text(x_name)}" '
         f'font-size="12" fill="currentColor"><rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
         f'height="{HEIGHT - EDGE - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
         f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">{text(x_name)}</text>'
         f'<text transform="translate(13 {HEIGHT / 2 - 20}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
-        "</svg>"
+        "</svg></div>"
     )
 
 
