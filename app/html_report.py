@@ -18,8 +18,8 @@ STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
 h1{font-size:1.5rem}h2{font-size:1.1rem;margin-top:2rem}table{border-collapse:collapse;width:100%}
 td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{text-align:right}
-.verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}svg{width:100%;min-width:40rem}
-.wide{overflow-x:auto}
+.verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}
+.wide{overflow-x:auto}svg{width:100%;min-width:40rem}
 @media (prefers-color-scheme:dark){body{color:#e9ecef;background:#1a1b1e}
 .verdict{background:#25262b}td,th{border-color:#373a40}}
 """
@@ -94,8 +94,8 @@ def frame(x: PlotAxis, y: PlotAxis, x_name: str, y_name: str, marks: str) -> str
         for value in y.ticks()
     )
     return (
-        f'<div class="wide"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{text(y_name)} over {text(x_name)}" '
-        f'font-size="12" fill="currentColor"><rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
+        f'<div class="wide"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="{text(y_name)} over {text(x_name)}" font-size="12" fill="currentColor"><rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
         f'height="{HEIGHT - EDGE - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
         f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">{text(x_name)}</text>'
         f'<text transform="translate(13 {HEIGHT / 2 - 20}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
