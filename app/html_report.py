@@ -95,7 +95,8 @@ def frame(x: PlotAxis, y: PlotAxis, x_name: str, y_name: str, marks: str) -> str
     )
     return (
         f'<div class="wide"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
-        f'aria-label="{text(y_name)} over {text(x_name)}" font-size="12" fill="currentColor"><rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
+        f'aria-label="{text(y_name)} over {text(x_name)}" font-size="12" fill="currentColor">'
+        f'<rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
         f'height="{HEIGHT - EDGE - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
         f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">{text(x_name)}</text>'
         f'<text transform="translate(13 {HEIGHT / 2 - 20}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
