@@ -163,6 +163,9 @@ async def test_coolstep_takes_current_from_the_steady_part_and_loses_no_step(tmp
         assert held["COOLCONF"] >> 5 & 3 == cool.setting.seup
         assert held["TCOOLTHRS"] > 0
         assert "CoolStep" in html_of(record)
+        # the page's table of before and best has all that taking the best sets
+        assert set(record.units) == set(best.setting) == set(record.baseline_setting)
+        assert (record.baseline_setting["SEMIN"], best.setting["SEMIN"]) == (0, cool.setting.semin)
 
 
 async def test_a_chip_that_is_set_to_stealthchop_has_no_coolstep_and_the_plan_says_why(tmp_path: Path) -> None:

@@ -61,6 +61,15 @@ class CoolSpace:
         """From where on it worked before."""
         self.level = self._space[places.level]
 
+    @property
+    def now(self) -> CoolSetting:
+        """As the axis had it before."""
+        places = self._places
+        fields = places.lower, places.width, places.up, places.down, places.least
+        return CoolSetting.model_validate(
+            dict(zip(CoolSetting.model_fields, (self._space[each] for each in fields), strict=True))
+        )
+
     def why_not(self, peak_pps: float) -> str:
         """What keeps CoolStep from working in a cycle of that speed, as the axis is set; empty where nothing does."""
         if self._stealth:

@@ -330,6 +330,8 @@ class LeastCurrentStudy(StudyRun):
             )
         )
         record.best, record.improved = 2, True
+        record.units |= {name.upper(): "" for name, _ in found.setting}
+        record.baseline_setting |= {name.upper(): float(value) for name, value in ground.cool.now}
         around = found.interval_share
         watts = "" if found.saving is None else f", about {plain(found.saving.saved_w, 3)} W"
         low, saved, high = (plain(100 * each, 3) for each in (around.low, found.saved_share, around.high))
