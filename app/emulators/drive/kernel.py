@@ -624,29 +624,28 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
 
 
 @inlined
-def _coil(
-    i: float, goal: float, emf: float, bridges: int, keep: float, gain: float, alpha: float, reach: float, fall: float
-) -> float:
+def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
     """Current of a coil one physics step later: the regulator's wish within what the supply can do.
 
     An open bridge leads what is left of the current back into the supply; a shorted one is no voltage at all. With
     constant off time a current rises with the whole supply, and falls with its share `FALL` besides what resistance
     and back-EMF take.
     """
-    free = keep * i - gain * emf
+    free = f[KEEP] * i - f[GAIN] * emf
     if bridges == SHORTED:
         return free
+    reach = f[GAIN] * f[SUPPLY]
     if bridges == OPEN:
         wanted = 0.0
     elif bridges == VOLTAGE:
-        wanted = free + gain * goal
+        wanted = free + f[GAIN] * goal
     else:
-        wanted = i + alpha * (goal - i)
+        wanted = i + f[ALPHA] * (goal - i)
         if abs(goal - wanted) < NANO_AMPERE:
             wanted = goal
         if bridges == CLASSIC:
             on = reach if goal > 0.0 else -reach
-            away, back = free + on, free - on * fall
+            away, back = free + on, free - on * f[FALL]
             return min(max(wanted, min(away, back)), max(away, back))
     return min(max(wanted, free - reach), free + reach)
 
@@ -668,10 +667,6 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
     of_a = of_b = 0.0
     dt, dt_j, damp, friction, stiction = f[DT], f[DT_J], f[DAMP], f[FRICTION], f[STICTION]
     at, sine, cosine, lasts = f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS]
-    # What stands in the cells is read once: after each store into them the compiler has to read all of it again.
-    keep, gain, alpha, fall, blocked = f[KEEP], f[GAIN], f[ALPHA], f[FALL], s[BLOCKED] != 0
-    reach = gain * f[SUPPLY]
-    ia0, ib0, emf_a, emf_b = f[IA0], f[IB0], f[EMF_A], f[EMF_B]
     torque = 0.0
     resting = True
     for _ in range(s[SUBSTEPS]):
@@ -691,14 +686,14 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
         if uneven:
             of_a, of_b = _flux(f, sine, cosine)
             emf_a, emf_b = omega * of_a, omega * of_b
-        new_a = _coil(ia, ref_a, emf_a, bridges, keep, gain, alpha, reach, fall)
-        new_b = _coil(ib, ref_b, emf_b, bridges, keep, gain, alpha, reach, fall)
+        new_a = _coil(f, ia, ref_a, emf_a, bridges)
+        new_b = _coil(f, ib, ref_b, emf_b, bridges)
         torque = kt * (new_a * cosine - new_b * sine)
         if uneven:
             torque = new_a * of_a + new_b * of_b
         # sin(4e) = 2 sin(2e) cos(2e)
         detent = td * 4.0 * sine * cosine * (1.0 - 2.0 * sine * sine)
-        if blocked:
+        if s[BLOCKED]:
             new = 0.0
         else:
             new = (omega + (torque - detent - load) * dt_j) * damp
@@ -710,10 +705,9 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
             else:
                 new = 0.0
         resting = resting and new == 0.0 and omega == 0.0 and new_a == ia and new_b == ib
-        ia0, ib0 = ia, ib
+        f[IA0], f[IB0], f[EMF_A], f[EMF_B] = ia, ib, emf_a, emf_b
         ia, ib, omega = new_a, new_b, new
         theta += omega * dt
-    f[IA0], f[IB0], f[EMF_A], f[EMF_B] = ia0, ib0, emf_a, emf_b
     if f[LOW_END] < f[HIGH_END]:  # once a tick: at 10 turns a second it is a hundredth of a full step too far in
         if theta < f[LOW_END]:
             theta, omega = f[LOW_END], max(omega, 0.0)
