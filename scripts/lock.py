@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +25,13 @@ HEAD = "# The versions that this commit was tested with. `make lock` writes this
 
 IMAGE_HEAD = (
     "# What the image installs, by version and hash, for both architectures. `make lock` writes this file.\n"
-    "# Left out of what viser asks for, and imports for what we do not show: imageio and its pillow (pictures), "
-    "trimesh (models).\n"
+    "# Left out of what others ask for, and import for what we do not do: imageio and its pillow (pictures), trimesh "
+    "(models),\n# requests with charset-normalizer and urllib3 (viser's tunnel), pyyaml (settings in that format).\n"
 )
 DASK_HEAD = "# What the image for a Dask cluster has beside those of requirements.txt. `make lock` writes this file.\n"
-IMAGE_LEFT_OUT = {"imageio", "pillow", "trimesh"}
+NEVER_NEEDED = {"imageio", "pillow", "trimesh", "requests", "charset-normalizer"}
+IMAGE_LEFT_OUT = NEVER_NEEDED | {"pyyaml", "urllib3"}
+"""What Dask needs of it comes with Dask."""
 IMAGE_PYTHON = "3.12"
 ARCHITECTURES = ("aarch64", "x86_64")
 GLIBCS = ("2_36", "2_35", "2_34", "2_31", "2_28", "2_27", "2_26", "2_24", "2_17", "2_12", "2_5")
@@ -45,8 +47,8 @@ def main() -> None:
     TARGET.write_text(HEAD + "\n".join(sorted(pins, key=str.lower)) + "\n")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed, dask = project["dependencies"], project["optional-dependencies"]["dask"]
-    image = pins_of([wheels(architecture, needed) for architecture in ARCHITECTURES])
-    both = pins_of([wheels(architecture, [*needed, *dask]) for architecture in ARCHITECTURES])
+    image = pins_of([wheels(architecture, needed) for architecture in ARCHITECTURES], IMAGE_LEFT_OUT)
+    both = pins_of([wheels(architecture, [*needed, *dask]) for architecture in ARCHITECTURES], NEVER_NEEDED)
     IMAGE.write_text(IMAGE_HEAD + requirements(image))
     DASK_IMAGE.write_text(DASK_HEAD + requirements({pin: both[pin] for pin in both.keys() - image.keys()}))
 
@@ -69,12 +71,12 @@ def wheels(architecture: str, wanted: Sequence[str]) -> dict[str, Any]:
     return answer
 
 
-def pins_of(reports: Iterable[Mapping[str, Any]]) -> dict[str, set[str]]:
-    """What any of the reports would install, each with the hashes of all."""
+def pins_of(reports: Iterable[Mapping[str, Any]], left_out: Collection[str]) -> dict[str, set[str]]:
+    """What any of the reports would install but `left_out`, each with the hashes of all."""
     found: dict[str, set[str]] = {}
     for one in (one for report in reports for one in report["install"]):
         name, version = one["metadata"]["name"].lower().replace("_", "-"), one["metadata"]["version"]
-        if name not in IMAGE_LEFT_OUT:
+        if name not in left_out:
             found.setdefault(f"{name}=={version}", set()).add(one["download_info"]["archive_info"]["hashes"]["sha256"])
     return found
 
