@@ -1,8 +1,10 @@
-"""Every page, at each size and at 200 % zoom: nothing reaches beyond the window, no label is cut off untold."""
+"""Every page, at each size and at 200 % zoom, light and dark, with few devices and with twelve: nothing reaches beyond
+the window, no label is cut off untold."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Literal
 
 import httpx
 import pytest
@@ -36,6 +38,7 @@ VISITS = [(device, path) for device, paths in PAGES.items() for path in paths] +
 LAPTOP: ViewportSize = {"width": 1280, "height": 720}
 ZOOMED: ViewportSize = {"width": 720, "height": 450}
 """1440x900 at 200 %: a browser lays out half as many pixels."""
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 SIZES = {"desktop": DESKTOP, "laptop": LAPTOP, "phone": PHONE, "zoomed": ZOOMED}
 
 CUT_OFF = """() => {
@@ -108,7 +111,43 @@ def test_nothing_is_cut_off(page: Page, device: str, path: str) -> None:
     for size, viewport in SIZES.items():
         page.set_viewport_size(viewport)
         settled(page)
-        faults += [f"{size}: {fault}" for look in (BEYOND, CUT_OFF) for fault in page.evaluate(look)]
+        faults += looked_at(page, size)
+    assert not faults, "\n".join(faults)
+
+
+def looked_at(page: Page, size: str) -> list[str]:
+    """What is wrong in light and in dark, which may have other widths."""
+    faults = []
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        expect(page.locator(f"html[data-mantine-color-scheme={scheme}]")).to_have_count(1)
+        faults += [f"{size}, {scheme}: {fault}" for look in (BEYOND, CUT_OFF) for fault in page.evaluate(look)]
+    return faults
+
+
+@pytest.fixture(scope="module")
+def twelve(api: httpx.Client) -> Iterator[None]:
+    """So many devices that there are twelve, some with long names."""
+    there = len(api.get("/devices").raise_for_status().json())
+    names = [f"overflow-of-a-long-name-{number}" for number in range(12 - there)]
+    for name in names:
+        body = {"name": name, "model": "tmc5160", "link": {"kind": "emulator"}}
+        api.post("/devices", json=body, timeout=60).raise_for_status()
+    yield
+    for name in names:
+        api.delete(f"/devices/{name}").raise_for_status()
+
+
+@pytest.mark.parametrize("path", ["/", "/?layout=recording", "/?layout=macros", "/connections", "/together", "/health"])
+@pytest.mark.usefixtures("twelve")
+def test_nothing_is_cut_off_with_twelve_devices(page: Page, path: str) -> None:
+    page.goto(path)
+    settled(page)
+    faults = []
+    for size, viewport in SIZES.items():
+        page.set_viewport_size(viewport)
+        settled(page)
+        faults += looked_at(page, size)
     assert not faults, "\n".join(faults)
 
 
