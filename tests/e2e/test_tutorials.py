@@ -18,6 +18,8 @@ SPARING = "if (location.protocol !== 'about:') localStorage['stepscope.scope'] ?
 """The scope begins with 100 Hz instead of 500, which is a tenth of what a browser and its server work for a page."""
 ALL = [TUTORIALS / name for name in re.findall(r"tutorials/([\w-]+\.md)", (DOCS / "zensical.toml").read_text())]
 """In the order of the menu: the first is the first that a newcomer does."""
+PICTURED = [DOCS / "how" / "workspace.md"]
+"""How-to pages that are done in a browser likewise."""
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,7 @@ def reader(seat: BrowserContext, first_start: ServerProcess, errors: Errors, tmp
     seat.remove_listener("weberror", errors.on_error)
 
 
-@pytest.mark.parametrize("tutorial", ALL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("tutorial", [*ALL, *PICTURED], ids=lambda path: path.stem)
 def test_what_a_tutorial_says_can_be_done(tutorial: Path, reader: Reader, errors: Errors, tmp_path: Path) -> None:
     reader.follow(tutorial)
     assert errors.unexpected() == []
