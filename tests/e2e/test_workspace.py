@@ -301,6 +301,17 @@ def test_a_layout_shows_how_far_the_encoder_is_over_time_and_over_the_turn(page:
         api.delete("/devices/turning").raise_for_status()
 
 
+@pytest.mark.parametrize("width", [1000, 1280, 1440])
+def test_the_stop_stays_in_the_window_while_one_arranges(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 720})
+    opened(page)
+    arrange(page)
+    expect(page.get_by_role("button", name="Done")).to_be_visible()
+    stop = page.get_by_role("button", name=re.compile("^STOP", re.I)).last.bounding_box()
+    assert stop
+    assert stop["x"] + stop["width"] <= width, stop
+
+
 def test_f6_goes_round_the_panels(page: Page) -> None:
     opened(page)
 

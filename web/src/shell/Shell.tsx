@@ -66,12 +66,12 @@ export function Shell({ children }: PropsWithChildren) {
             stepscope
           </Text>
         </Link>
-        <Group gap="md" wrap="nowrap">
+        <Group gap="md" className={classes.what ?? ""}>
           <DevicePicker />
           <ConditionBar />
           <ServerStatus />
         </Group>
-        <Group gap={6} wrap="nowrap">
+        <Group gap={6} wrap="nowrap" className="rigid">
           <div id="page-tools" className="row gap-6" />
           <LeaseControl />
           <Palette />
