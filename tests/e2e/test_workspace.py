@@ -307,7 +307,7 @@ def test_the_stop_stays_in_the_window_while_one_arranges(page: Page, width: int)
     opened(page)
     arrange(page)
     expect(page.get_by_role("button", name="Done")).to_be_visible()
-    stop = page.get_by_role("button", name=re.compile("^STOP", re.I)).last.bounding_box()
+    stop = page.get_by_role("button", name=re.compile("^STOP", re.IGNORECASE)).last.bounding_box()
     assert stop
     assert stop["x"] + stop["width"] <= width, stop
 
