@@ -61,7 +61,7 @@ def test_what_a_tutorial_says_can_be_done(tutorial: Path, reader: Reader, errors
 
 
 def test_no_picture_is_left_over() -> None:
-    shown = {name for tutorial in ALL for name in pictures_of(tutorial.read_text())}
+    shown = {name for tutorial in [*ALL, *PICTURED] for name in pictures_of(tutorial.read_text())}
     assert {path.stem for path in PICTURES.glob("*.png")} == shown
 
 
