@@ -70,6 +70,10 @@ class Guided:
     def open(self) -> None:
         """The bench is not taken: the first change asks for it."""
         self.page.goto("/first-run")
+        self.at("Wire")
+        self.click("Try the wire")
+        expect(self.page.get_by_test_id("link-trial")).to_contain_text("none lost", timeout=PATIENCE_MS)
+        self.click("Go on")
         self.at("Motor")
 
     def motor(self) -> None:

@@ -14,6 +14,7 @@ import { useStanding } from "../../live/useStanding";
 import classes from "./firstRun.module.css";
 import { KeepStep } from "./KeepStep";
 import { LimitsStep } from "./LimitsStep";
+import { LinkStep } from "./LinkStep";
 import { MotorStep } from "./MotorStep";
 import { SetUpStep } from "./SetUpStep";
 import type { StepProps } from "./StepProps";
@@ -25,6 +26,7 @@ const MoveStep = lazy(() => import("./MoveStep").then((part) => ({ default: part
 const EncoderStep = lazy(() => import("./EncoderStep").then((part) => ({ default: part.EncoderStep })));
 
 const CONTENTS: Record<StepId, React.ComponentType<StepProps>> = {
+  link: LinkStep,
   motor: MotorStep,
   limits: LimitsStep,
   setUp: SetUpStep,

@@ -26,9 +26,10 @@ test("the encoder is looked at by who can", () => {
 test("one step leads to the next, the last to itself, and what is done stays so", () => {
   expect(after("motor")).toBe("setUp");
   expect(before("switches")).toBe("encoder");
-  expect(before("motor")).toBe("motor");
+  expect(before("link")).toBe("link");
   expect(after("keep")).toBe("keep");
-  const first = done(BEGIN, "motor");
+  expect(done(BEGIN, "link")).toMatchObject({ at: "motor", done: ["link"] });
+  const first = done({ ...BEGIN, at: "motor" }, "motor");
   expect(first).toMatchObject({ at: "setUp", done: ["motor"] });
   expect(done({ ...first, at: "motor" }, "motor").done).toEqual(["motor"]);
 });

@@ -1,7 +1,7 @@
 import type { Device } from "../../api/queries";
 import { can } from "../../api/queries";
 
-export type StepId = "motor" | "limits" | "setUp" | "turn" | "encoder" | "switches" | "move" | "keep";
+export type StepId = "link" | "motor" | "limits" | "setUp" | "turn" | "encoder" | "switches" | "move" | "keep";
 
 export interface StepEntry {
   id: StepId;
@@ -14,6 +14,7 @@ const STILL = "Nothing moves.";
 
 /** The steps, in their order. A device that lacks what one is about is told so there, and how to go on. */
 export const STEPS: readonly StepEntry[] = [
+  { id: "link", title: "Wire", does: STILL },
   { id: "motor", title: "Motor", does: STILL },
   {
     id: "setUp",
@@ -62,7 +63,7 @@ export interface ChosenMotor {
   fullScaleA: number | null;
 }
 
-export const BEGIN: Progress = { at: "motor", done: [], motor: null };
+export const BEGIN: Progress = { at: "link", done: [], motor: null };
 
 /** Under which name the browser keeps it. */
 export function progressKey(device: string, axis: number): string {
