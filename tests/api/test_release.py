@@ -72,7 +72,7 @@ async def test_nothing_stays_of_one_behind_a_socket_or_of_one_that_never_answere
     server: str, api: httpx.AsyncClient, unused_tcp_port: int
 ) -> None:
     far = await serve_tcp(build_emulator("tmc428", WallClock()), "127.0.0.1", 0)
-    await api.get("health")
+    await api.get("audit")  # its file is open from now on
     before, before_fds = of_devices(), descriptors()
     link: dict[str, object] = {"kind": "tcp", "host": "127.0.0.1", "port": far.sockets[0].getsockname()[1]}
     answers = await churn.add(api, "tmc428", link)
