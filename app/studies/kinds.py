@@ -4,60 +4,147 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..clock import Clock
 from ..devices.core.device import Device
-from .chopper import plan as chopper
-from .chopper.study import ChopperStudy
-from .closed_loop import plan as closed_loop
-from .closed_loop.study import ClosedLoopStudy
 from .document import Kind, StudyDocument
-from .fastest_move import ranges as fastest_move
-from .fastest_move.study import FastestMoveStudy
-from .fastest_move.trials import ON_TWIN as MOVE_ON_TWIN
-from .first_look import plan as first_look
-from .first_look.study import FirstLookStudy
-from .identification import plan as identification
-from .identification.study import IdentificationStudy
-from .least_current import plan as least_current
-from .least_current.study import LeastCurrentStudy
-from .microstep_calibration import plan as microstep_calibration
-from .microstep_calibration.study import MicrostepCalibrationStudy
 from .plan import StudyPlan
 from .record import StudyRecord
-from .resonance_map import plan as resonance_map
-from .resonance_map.study import ResonanceMapStudy
 from .run import Keeper, StudyRun
-from .scored_move import plan as scored_move
-from .scored_move.study import ScoredMoveStudy
-from .stallguard import plan as stallguard
-from .stallguard.study import StallGuardStudy
-from .stealthchop import plan as stealthchop
-from .stealthchop.study import StealthChopStudy
-from .torque_curve import plan as torque_curve
-from .torque_curve.study import TorqueCurveStudy
 from .twins.on_twin import OnTwin
 
 
 @dataclass(frozen=True, slots=True)
+class StudyParts:
+    """What a study is made of: see the properties of `StudyKind`."""
+
+    make: Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]
+    plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
+    on_twin: OnTwin | None = None
+
+
+@dataclass(frozen=True)
 class StudyKind:
-    """One of them.
+    """One of them. A server starts without what studies are made of: most of it nobody asks for.
 
     channels : what its recording has of the axis
+    import_parts : imports its modules
     sets_nothing : its setting is that of the axis; what was before is what there is when it is taken
-    on_twin : how one of its settings is tried on an emulated twin; None: it runs on the axis alone
-    no_twin : why it does
+    no_twin : why none of its settings is tried on an emulated twin
     """
 
     kind: Kind
     title: str
     purpose: str
     channels: tuple[str, ...]
-    make: Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]
-    plan: Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]
-    on_twin: OnTwin | None = None
+    import_parts: Callable[[], StudyParts]
     sets_nothing: bool = False
     no_twin: str = ""
+
+    @cached_property
+    def _parts(self) -> StudyParts:
+        return self.import_parts()
+
+    @property
+    def make(self) -> Callable[[Device, int, Clock, StudyRecord, Keeper], StudyRun]:
+        """A run of it."""
+        return self._parts.make
+
+    @property
+    def plan(self) -> Callable[[Device, int, StudyDocument], Awaitable[StudyPlan]]:
+        """What it would do. Nothing moves."""
+        return self._parts.plan
+
+    @property
+    def on_twin(self) -> OnTwin | None:
+        """How one of its settings is tried on an emulated twin; None: it runs on the axis alone."""
+        return self._parts.on_twin
+
+
+def _chopper() -> StudyParts:
+    from .chopper import plan
+    from .chopper.study import ChopperStudy
+
+    return StudyParts(ChopperStudy, plan.plan)
+
+
+def _closed_loop() -> StudyParts:
+    from .closed_loop import plan
+    from .closed_loop.study import ClosedLoopStudy
+
+    return StudyParts(ClosedLoopStudy, plan.plan)
+
+
+def _fastest_move() -> StudyParts:
+    from .fastest_move import ranges
+    from .fastest_move.study import FastestMoveStudy
+    from .fastest_move.trials import ON_TWIN
+
+    return StudyParts(FastestMoveStudy, ranges.plan, ON_TWIN)
+
+
+def _first_look() -> StudyParts:
+    from .first_look import plan
+    from .first_look.study import FirstLookStudy
+
+    return StudyParts(FirstLookStudy, plan.plan)
+
+
+def _identification() -> StudyParts:
+    from .identification import plan
+    from .identification.study import IdentificationStudy
+
+    return StudyParts(IdentificationStudy, plan.plan)
+
+
+def _least_current() -> StudyParts:
+    from .least_current import plan
+    from .least_current.study import LeastCurrentStudy
+
+    return StudyParts(LeastCurrentStudy, plan.plan)
+
+
+def _microstep_calibration() -> StudyParts:
+    from .microstep_calibration import plan
+    from .microstep_calibration.study import MicrostepCalibrationStudy
+
+    return StudyParts(MicrostepCalibrationStudy, plan.plan)
+
+
+def _resonance_map() -> StudyParts:
+    from .resonance_map import plan
+    from .resonance_map.study import ResonanceMapStudy
+
+    return StudyParts(ResonanceMapStudy, plan.plan)
+
+
+def _scored_move() -> StudyParts:
+    from .scored_move import plan
+    from .scored_move.study import ScoredMoveStudy
+
+    return StudyParts(ScoredMoveStudy, plan.plan)
+
+
+def _stallguard() -> StudyParts:
+    from .stallguard import plan
+    from .stallguard.study import StallGuardStudy
+
+    return StudyParts(StallGuardStudy, plan.plan)
+
+
+def _stealthchop() -> StudyParts:
+    from .stealthchop import plan
+    from .stealthchop.study import StealthChopStudy
+
+    return StudyParts(StealthChopStudy, plan.plan)
+
+
+def _torque_curve() -> StudyParts:
+    from .torque_curve import plan
+    from .torque_curve.study import TorqueCurveStudy
+
+    return StudyParts(TorqueCurveStudy, plan.plan)
 
 
 MADE_OF_IT = "a twin is made of what it finds"
@@ -69,8 +156,7 @@ KINDS: dict[Kind, StudyKind] = {
         "First look",
         "direction, encoder, switches, travel, and what is missing: small moves alone",
         POSITIONS,
-        FirstLookStudy,
-        first_look.plan,
+        _first_look,
         no_twin=MADE_OF_IT,
     ),
     "fastest_move": StudyKind(
@@ -78,17 +164,14 @@ KINDS: dict[Kind, StudyKind] = {
         "Fastest move",
         "faster: the ramp with the shortest move at which no step is lost, with a margin",
         POSITIONS,
-        FastestMoveStudy,
-        fastest_move.plan,
-        MOVE_ON_TWIN,
+        _fastest_move,
     ),
     "identification": StudyKind(
         "identification",
         "Motor and machine",
         "what hangs on it: resonance, damping, friction, inertia, backlash and encoder, by the encoder",
         POSITIONS,
-        IdentificationStudy,
-        identification.plan,
+        _identification,
         no_twin=MADE_OF_IT,
     ),
     "least_current": StudyKind(
@@ -96,8 +179,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Least current",
         "cooler: the least run current at which a load cycle loses no step, with a margin, and what it saves",
         POSITIONS,
-        LeastCurrentStudy,
-        least_current.plan,
+        _least_current,
         no_twin="load and friction decide it, which is what a twin knows least",
     ),
     "microstep_calibration": StudyKind(
@@ -105,8 +187,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Microstep calibration",
         "more exact: a microstep table that makes up for the motor's angle error, by the encoder",
         POSITIONS,
-        MicrostepCalibrationStudy,
-        microstep_calibration.plan,
+        _microstep_calibration,
         no_twin="it mends the angle error of this very motor, which no twin has",
     ),
     "resonance_map": StudyKind(
@@ -114,8 +195,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Resonance map",
         "quieter: how much it vibrates at each speed, which order meets the resonance, and which setting moves that",
         POSITIONS,
-        ResonanceMapStudy,
-        resonance_map.plan,
+        _resonance_map,
         no_twin=MEASURES,
     ),
     "chopper": StudyKind(
@@ -123,8 +203,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Chopper",
         "quieter: hysteresis, TOFF and TBL of SpreadCycle by which the shaft shakes least, by the encoder",
         POSITIONS,
-        ChopperStudy,
-        chopper.plan,
+        _chopper,
         no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "stealthchop": StudyKind(
@@ -132,8 +211,7 @@ KINDS: dict[Kind, StudyKind] = {
         "StealthChop",
         "silent: amplitudes that fit the motor, and up to which speed StealthChop works before the change jolts",
         POSITIONS,
-        StealthChopStudy,
-        stealthchop.plan,
+        _stealthchop,
         no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "scored_move": StudyKind(
@@ -141,8 +219,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Scored move",
         "by hand: change what you like, move, and compare; the settings in force are kept with the figures",
         (*POSITIONS, "load_value"),
-        ScoredMoveStudy,
-        scored_move.plan,
+        _scored_move,
         sets_nothing=True,
         no_twin="it moves with the setting as it is, and searches nothing",
     ),
@@ -151,8 +228,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Closed loop",
         "holds by its encoder: gains of a position loop for asked margins, by the motor's own resonance",
         POSITIONS,
-        ClosedLoopStudy,
-        closed_loop.plan,
+        _closed_loop,
         no_twin="gains are worked out from what it measures, and not searched",
     ),
     "stallguard": StudyKind(
@@ -160,8 +236,7 @@ KINDS: dict[Kind, StudyKind] = {
         "StallGuard threshold",
         "reliable homing: the threshold that tells a stall from a free run, with rates of both errors",
         (*POSITIONS, "load_value"),
-        StallGuardStudy,
-        stallguard.plan,
+        _stallguard,
         no_twin="load values are those of this motor and driver, which no twin knows",
     ),
     "torque_curve": StudyKind(
@@ -169,8 +244,7 @@ KINDS: dict[Kind, StudyKind] = {
         "Torque over speed",
         "how much the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost",
         POSITIONS,
-        TorqueCurveStudy,
-        torque_curve.plan,
+        _torque_curve,
         no_twin=MEASURES,
     ),
 }

@@ -89,7 +89,7 @@ def measure(quick: bool) -> Sequence[Row]:
 
 def row(what: str, seconds: float, limit_s: float) -> Row:
     """One figure against its limit."""
-    return Row(what, f"{seconds:.2f} s", f"limit {limit_s:g} s", limit_s / seconds, ">= 1", seconds < limit_s)
+    return Row(what, f"{seconds:.2f} s", f"limit {limit_s:.3g} s", limit_s / seconds, ">= 1", seconds < limit_s)
 
 
 def later_row(what: str, later: Sequence[Start]) -> Row:
