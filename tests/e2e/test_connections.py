@@ -89,7 +89,7 @@ def test_an_emulated_chip_is_added_and_removed(page: Page, api: httpx.Client) ->
     expect(page.get_by_role("region", name=NAME)).to_contain_text("connected")
     assert api.get(f"/devices/{NAME}").raise_for_status().json()["state"] == "connected"
     page.get_by_role("region", name=NAME).get_by_role("link", name="First run").click()
-    expect(page.get_by_role("region", name=re.compile(f"^{NAME} ·"))).to_contain_text("0 of 8 done")
+    expect(page.get_by_role("region", name=re.compile(f"^{NAME} ·"))).to_contain_text("0 of 9 done")
     page.get_by_role("navigation", name="Pages").first.get_by_role("link", name="Connections").click()
     remove(page)
     assert api.get(f"/devices/{NAME}").status_code == 404
