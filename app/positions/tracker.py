@@ -78,6 +78,7 @@ class Tracker:
     def _seen(self, count: int, asked_s: float, heard_s: float, speed_limit_pps: float) -> None:
         if asked_s < self.asked_s:
             return
+        heard_s = max(heard_s, asked_s)  # an emulator that stands still meanwhile sets its clock back to where it is
         before, elapsed_s = self._reached, heard_s - self.asked_s
         way = self.counter.way(count, self.count)
         speed_pps = speed_limit_pps * CLOCK_TOLERANCE
