@@ -93,7 +93,8 @@ def test_lateness_counts_from_when_a_look_was_asked_to_when_its_answer_was_there
 def test_a_clock_that_is_set_back_between_question_and_answer_fails_nothing() -> None:
     """As that of an emulator, which stands still where more is to be worked out than its machine can in time."""
     tracker = Tracker(Counter(24), 0, 0.0, 0)
-    tracker.seen(5, 1.0, 0.994, SPEED_PPS)
+    tracker.seen(0, 1.0, 1.001, SPEED_PPS)
+    tracker.seen(5, 1.002, 0.994, SPEED_PPS)
     assert (tracker.position, tracker.trusted) == (5, True)
 
 
