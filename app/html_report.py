@@ -77,8 +77,9 @@ class PlotAxis:
         if self._log and self._to - self._from >= DECADES:
             return [10.0**power for power in range(math.ceil(self._from), math.floor(self._to) + 1)]
         low, high = (10**self._from, 10**self._to) if self._log else (self._from, self._to)
-        power = 10.0 ** math.floor(math.log10((high - low) / 3))
-        step = max(power * times for times in (1, 2, 5) if power * times <= (high - low) / 3)
+        widest = (high - low) / 3
+        power = 10.0 ** math.floor(math.log10(widest))  # a logarithm is rounded: this may be just above it
+        step = max(power * times for times in (0.5, 1, 2, 5) if power * times <= widest)
         return [step * index for index in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 

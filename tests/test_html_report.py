@@ -34,6 +34,12 @@ def test_each_axis_has_some_marks_and_all_are_on_it() -> None:
     assert PlotAxis([3.0], EDGE, WIDTH).ticks()
 
 
+def test_a_step_that_is_all_but_a_power_of_ten_is_one_too() -> None:
+    assert PlotAxis([0.0, 267.85714285714283], EDGE, WIDTH).ticks() == pytest.approx(
+        [0.0, 50.0, 100.0, 150.0, 200.0, 250.0]
+    )
+
+
 def test_a_report_fits_a_phone_and_its_tables_scroll() -> None:
     axis = PlotAxis([0, 1], 0, 1)
     whole = page("A <report>", [table(("a", "b"), [("1", "<2>")]), frame(axis, axis, "x", "y", "")])
