@@ -65,7 +65,7 @@ from .recording.service import RecordingService
 from .registers.catalog import find_model
 from .registers.wires import BOARD
 from .settings import Settings
-from .store.audit import AuditLog
+from .store.audit import FLUSH_S, AuditLog
 from .store.connections import ConnectionStore
 from .store.database import Database
 from .store.layouts import LayoutStore
@@ -166,7 +166,7 @@ def create_app(
         ports=emulator_port,
     )
     database = Database(settings.data_dir)
-    audit = AuditLog(database, clock, first_after_s=DATABASE_AFTER_S) if pace else AuditLog(database, clock)
+    audit = AuditLog(database, clock, first_after_s=DATABASE_AFTER_S if pace else FLUSH_S)
     audit_listener = AuditListener(audit)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     lease.listen(partial(lease_words, audit))

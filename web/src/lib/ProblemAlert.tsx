@@ -20,20 +20,24 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
   const problem = problemOf(error);
   // the user has said no to the question for the bench: no fault, and no red
   const wanted = problem.type === ONLY_LOOKING;
+  const title = doing ? `${doing}: ${problem.title}` : problem.title;
+  const close = {
+    withCloseButton: onClose !== undefined,
+    closeButtonLabel: "Dismiss",
+    ...(onClose ? { onClose } : {}),
+  };
+  const again = retry && (
+    <Button size="compact-sm" variant="default" onClick={retry}>
+      Try again
+    </Button>
+  );
   if (problem.type === NO_ANSWER)
     // what that means, and what to do, is said above every page
     return (
-      <Alert
-        color="gray"
-        role="status"
-        p="xs"
-        withCloseButton={onClose !== undefined}
-        closeButtonLabel="Dismiss"
-        {...(onClose ? { onClose } : {})}
-      >
+      <Alert color="gray" role="status" p="xs" {...close}>
         <Group gap="sm">
-          <Text size="sm">{doing ? `${doing}: ${problem.title}` : problem.title}</Text>
-          {retry && <TryAgain retry={retry} />}
+          <Text size="sm">{title}</Text>
+          {again}
         </Group>
       </Alert>
     );
@@ -43,10 +47,8 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
       role={wanted ? "status" : "alert"}
       p="sm"
       icon={wanted ? <IconEye size={18} aria-hidden /> : <IconAlertTriangle size={18} aria-hidden />}
-      title={doing ? `${doing}: ${problem.title}` : problem.title}
-      withCloseButton={onClose !== undefined}
-      closeButtonLabel="Dismiss"
-      {...(onClose ? { onClose } : {})}
+      title={title}
+      {...close}
     >
       <Text size="sm">{problem.detail}</Text>
       {problem.way_out && (
@@ -55,19 +57,7 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
         </Text>
       )}
       <Remedies remedies={problem.remedies} onDone={onClose} />
-      {retry && (
-        <Group mt="xs">
-          <TryAgain retry={retry} />
-        </Group>
-      )}
+      {again && <Group mt="xs">{again}</Group>}
     </Alert>
-  );
-}
-
-function TryAgain({ retry }: { retry: () => void }) {
-  return (
-    <Button size="compact-sm" variant="default" onClick={retry}>
-      Try again
-    </Button>
   );
 }

@@ -10,7 +10,8 @@ const SIZE_PX = /^([1-9]\d{0,3})px$/;
 
 type Raw = Readonly<Record<string, unknown>>;
 
-const isObject = (value: unknown): value is Raw => typeof value === "object" && value !== null && !Array.isArray(value);
+export const isObject = (value: unknown): value is Raw =>
+  typeof value === "object" && value !== null && !Array.isArray(value);
 const list = (value: unknown): readonly unknown[] => (Array.isArray(value) ? value : []);
 const text = (value: unknown, otherwise: string): string =>
   typeof value === "string" && value !== "" ? value.slice(0, NAME_MAX) : otherwise;

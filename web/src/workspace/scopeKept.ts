@@ -1,4 +1,5 @@
 /** How the scope is set, as a part of the layout that it stands in: put there by a save, taken from there when it opens. */
+import { readLocalStorageValue } from "@mantine/hooks";
 import { useEffect } from "react";
 import { useSessionKept } from "../lib/useKept";
 import { ROWS } from "../pages/bench/scope/rows";
@@ -11,9 +12,8 @@ import {
   useScopeSettings,
 } from "../pages/bench/scope/settings";
 import type { LayoutDocument, PanelEntry } from "./document";
+import { isObject } from "./reading";
 
-type Raw = Readonly<Record<string, unknown>>;
-const isObject = (value: unknown): value is Raw => typeof value === "object" && value !== null && !Array.isArray(value);
 const isTexts = (value: unknown): value is string[] =>
   Array.isArray(value) && value.every((each) => typeof each === "string");
 const isPlot = (value: unknown) =>
@@ -52,12 +52,7 @@ const scopesOf = ({ panels }: LayoutDocument): [string, PanelEntry][] =>
 
 /** The layout with the scope as it is set now. */
 export function withScope(document: LayoutDocument): LayoutDocument {
-  let stored: unknown = {};
-  try {
-    stored = JSON.parse(localStorage.getItem(SCOPE_KEY) ?? "{}");
-  } catch {
-    // what is no JSON was not kept by this page
-  }
+  const stored: unknown = readLocalStorageValue({ key: SCOPE_KEY });
   const said = new URLSearchParams(location.search);
   const [t, rows, unit] = ["t", "rows", "unit"].map((key) => said.get(key) ?? "") as [string, string, string];
   const scope = readScope({ ...(isObject(stored) && stored), ...settingsOf({ t, rows, unit }) });
