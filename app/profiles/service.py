@@ -16,6 +16,7 @@ from ..devices.core.device import Device
 from ..errors import WrongState
 from . import journal
 from .apply import Applied, Transaction
+from .capture import capture
 from .diff import Difference
 from .document import ProfileDocument
 from .errors import Change, ProfileLeft
@@ -70,6 +71,16 @@ class ProfileService:
             await asyncio.wait(tasks, timeout=CLOSE_S)
         for task in tasks:
             task.cancel()
+
+    # --- capturing ------------------------------------------------------------------------------
+
+    async def capture(self, device: Device, *, program: bool = False) -> ProfileDocument:
+        """What `capture` tells of a device: never half of what it was and half of what it is to be.
+
+        Raises what that does; WrongState while its settings are written.
+        """
+        self._require_unwritten(device)
+        return await capture(device, program=program)
 
     # --- applying -------------------------------------------------------------------------------
 
@@ -156,10 +167,13 @@ class ProfileService:
         running = self._running.get(device.id)
         return running[1] if running is not None and not running[0].done() else None
 
-    async def _alone(self, device: Device, progress: Progress, work: Callable[[], Coroutine[Any, Any, T]]) -> T:
-        """Do `work`, which goes on although whoever waits for it goes away."""
+    def _require_unwritten(self, device: Device) -> None:
         if self.progress(device) is not None:
             raise WrongState(f"a profile is being applied to {device.name}", "wait until that is over")
+
+    async def _alone(self, device: Device, progress: Progress, work: Callable[[], Coroutine[Any, Any, T]]) -> T:
+        """Do `work`, which goes on although whoever waits for it goes away."""
+        self._require_unwritten(device)
         busy = self._busy(device)
         if busy:
             raise WrongState(f"{busy} on {device.name}", "end it first")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 
@@ -134,6 +135,17 @@ async def test_what_is_not_known_is_said(client: httpx.AsyncClient, module: str)
     started = await client.post(f"{module}/start-up", json={"dry_run": True})
     assert started.status_code == 422
     assert "parameters" in started.json()["detail"]
+
+
+async def test_nothing_is_captured_while_it_is_tried_what_can_be_set(client: httpx.AsyncClient, module: str) -> None:
+    tried, *answers = await asyncio.gather(
+        client.post(f"{module}/profile/try"),
+        client.get(f"{module}/profile"),
+        client.post("profiles", json={"device": "module"}),
+    )
+    assert [answer.status_code for answer in answers] == [409, 409]
+    assert [answer.json()["way_out"] for answer in answers] == ["wait until that is over"] * 2
+    assert len((await client.get(f"{module}/profile")).json()["parameters"]) == tried.json()["settable"]
 
 
 async def test_a_profile_is_captured_kept_compared_applied_and_exported(client: httpx.AsyncClient, module: str) -> None:

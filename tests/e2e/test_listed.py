@@ -12,7 +12,7 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, ViewportSize, expect
+from playwright.sync_api import BrowserContext, Locator, Page, Route, ViewportSize, expect
 from server_process import free_port
 
 from app.registers import catalog
@@ -96,7 +96,7 @@ def test_commands_by_hand_switch_an_output(page: Page, api: httpx.Client, drive:
 def test_a_profile_is_captured_compared_and_brought_back(page: Page, api: httpx.Client, drive: str) -> None:
     page.goto("/profiles")
     page.get_by_role("button", name="Find out what can be set").click()
-    expect(page.get_by_text("can be set").filter(has_text="parameters").last).to_be_visible(timeout=30_000)
+    expect(page.get_by_role("status").filter(has_text="parameters can be set")).to_be_visible(timeout=30_000)
     page.get_by_role("button", name="Capture drive").click()
     count = page.get_by_test_id("diff-count")
     expect(count).to_contain_text("No difference", timeout=30_000)
@@ -109,6 +109,19 @@ def test_a_profile_is_captured_compared_and_brought_back(page: Page, api: httpx.
     assert held(api, SPEED) == 2000
     for profile in api.get("/profiles").raise_for_status().json()["profiles"]:  # the pages of other tests have none
         api.delete(f"/profiles/{profile['id']}").raise_for_status()
+
+
+def test_nothing_is_captured_while_it_is_found_out_what_can_be_set(page: Page, drive: str) -> None:
+    held: list[Route] = []
+    page.route("**/profile/try", lambda route: held.append(route))
+    page.goto("/profiles")
+    capture = page.get_by_role("button", name="Capture drive")
+    expect(capture).to_be_enabled()
+    page.get_by_role("button", name="Find out what can be set").click()
+    expect(capture).to_be_disabled()
+    held[0].continue_()
+    expect(page.get_by_role("status").filter(has_text="parameters can be set")).to_be_visible(timeout=30_000)
+    expect(capture).to_be_enabled()
 
 
 @pytest.mark.parametrize("model", [MODEL.name, *SEVERAL_AXES])

@@ -9,7 +9,6 @@ from fastapi import Path, Query
 from fastapi.responses import Response
 
 from ...errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, WrongState
-from ...profiles.capture import capture
 from ...profiles.diff import Diff, compare, diff
 from ...profiles.document import ProfileDocument, plain, text_of
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
@@ -49,12 +48,13 @@ FILE = "application/vnd.stepscope.profile+json"
 @router.get("/devices/{device}/profile", responses=problems(*DEVICE_PROBLEMS))
 async def get_profile(
     device: CurrentDevice,
+    bench: CurrentBench,
     program: Annotated[
         bool, Query(description="with the program in a module's memory: 64 commands or more are read, a call each")
     ] = True,
 ) -> ProfileDocument:
     """The device's whole configuration as a document, as it is now."""
-    return await capture(device, program=program)
+    return await bench.profiles.capture(device, program=program)
 
 
 @router.put(
@@ -142,7 +142,7 @@ async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     """Keep a document, or what a device holds now. A document that no device could take is refused."""
     document: ProfileDocument
     if body.document is None:
-        document = await capture(bench.manager.get(body.device or ""), program=True)
+        document = await bench.profiles.capture(bench.manager.get(body.device or ""), program=True)
     else:
         document = body.document
         bits_of(document)

@@ -73,7 +73,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
         <Button
           flex={1}
           leftSection={<IconCamera size={15} aria-hidden />}
-          disabled={!connected}
+          disabled={!connected || tries.isPending}
           loading={save.isPending && save.variables?.device !== undefined}
           onClick={() => {
             setUnreadable(null);
@@ -112,7 +112,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
             Find out what can be set
           </Button>
           {tries.isError && <ProblemAlert error={tries.error} doing="Trying" onClose={() => tries.reset()} />}
-          {tries.isSuccess && (
+          {tries.isSuccess && tries.variables === device.id && (
             <p className="m-0 mt-4 text-12" role="status">
               <span className="num">{fixed(tries.data.settable)}</span> parameters can be set,{" "}
               <span className="num">{fixed(tries.data.refused.length)}</span> cannot.
