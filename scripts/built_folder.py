@@ -5,15 +5,20 @@ Standard library only: the build hook loads what uses this in an environment tha
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import hashlib
 import importlib.util
 import json
+import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+
+if sys.platform != "win32":
+    import fcntl
 
 ROOT = Path(__file__).resolve().parent.parent
 STAMP = "build.json"
@@ -57,6 +62,23 @@ def is_built_from(target: Path, sources: str) -> bool:
 def gzip_of(plain: bytes) -> bytes:
     """Return `plain` packed by the standard library, the same bytes at any time."""
     return gzip.compress(plain, compresslevel=9, mtime=0)
+
+
+@contextlib.contextmanager
+def alone(sources: Path) -> Iterator[None]:
+    """Wait until no other process builds from that folder: two at once would take each other's half away.
+
+    Windows cannot lock a folder: nobody waits there.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    folder = os.open(sources, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
 
 
 def replace(built: Path, target: Path, stamp: Mapping[str, str], pack: Callable[[bytes], bytes] = gzip_of) -> None:

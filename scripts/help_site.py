@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from built_folder import bring, hash_of, is_built_from, replace
+from built_folder import alone, bring, hash_of, is_built_from, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -74,6 +74,11 @@ def build(*, force: bool = False) -> bool:
     """Build the help into app/_help; False if it was fresh already. Raises HelpBuildError."""
     if not is_there():
         raise HelpBuildError("docs/zensical.toml is not in this tree: nothing to build")
+    with alone(DOCS):
+        return _build_alone(force=force)
+
+
+def _build_alone(*, force: bool) -> bool:
     if not force and is_fresh():
         return False
     sources = sources_hash()

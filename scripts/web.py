@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from built_folder import bring, hash_of, is_built_from, replace
+from built_folder import alone, bring, hash_of, is_built_from, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 WEB = ROOT / "web"
@@ -150,6 +150,7 @@ def install_packages(node: Node) -> None:
             return
     print("fetching the packages of the page", flush=True)
     npm(node, ["ci", "--no-audit", "--no-fund", "--loglevel=error"], quiet=True)
+    stamp.parent.mkdir(exist_ok=True)  # npm makes none where nothing is to be fetched
     stamp.write_text(lock)
 
 
@@ -160,6 +161,11 @@ def build(*, force: bool = False) -> bool:
     """
     if not is_there():
         raise WebBuildError("web/package.json is not in this tree: nothing to build")
+    with alone(WEB):
+        return _build_alone(force=force)
+
+
+def _build_alone(*, force: bool) -> bool:
     if not force and is_fresh():
         return False
     # Taken before the build, so that an edit during it makes the result stale and not wrongly fresh.

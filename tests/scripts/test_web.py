@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import built_folder
@@ -20,6 +22,7 @@ def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / "src" / "main.ts").write_text("export {};")
     monkeypatch.setattr(web, "WEB", folder)
     monkeypatch.setattr(web, "TARGET", tmp_path / "app" / "_web")
+    web.TARGET.parent.mkdir()
     return folder
 
 
@@ -27,7 +30,6 @@ def finish(sources: Path, page: str = "a page") -> None:
     """What `build` does once npm is through."""
     (sources / "dist").mkdir(exist_ok=True)
     (sources / "dist" / "index.html").write_text(page)
-    web.TARGET.parent.mkdir(exist_ok=True)
     built_folder.replace(sources / "dist", web.TARGET, {"sources": web.sources_hash()})
 
 
@@ -38,6 +40,16 @@ def test_a_build_is_fresh_until_a_source_changes(sources: Path) -> None:
     assert web.build() is False
     (sources / "src" / "main.ts").write_text("export const x = 1;")
     assert not web.is_fresh()
+
+
+def test_two_that_build_at_once_build_once(sources: Path) -> None:
+    build = "mkdir -p dist && cp src/main.ts dist/index.html"
+    (sources / "package.json").write_text(json.dumps({"name": "page", "scripts": {"build": build}}))
+    (sources / "package-lock.json").write_text(json.dumps({"name": "page", "lockfileVersion": 3, "packages": {"": {}}}))
+    with ThreadPoolExecutor() as pool:
+        builds = [pool.submit(web.build) for _ in range(3)]
+    assert sorted(one.result() for one in builds) == [False, False, True]
+    assert (web.TARGET / "index.html").read_text() == "export {};"
 
 
 @pytest.mark.parametrize("change", ["renamed", "removed", "added"])
