@@ -124,7 +124,7 @@ $(STAMPS)/venv:
 	@echo "making .venv"
 	@$(PYTHON) -m venv .venv
 	@# --group, which installs the tools, came with pip 25.1
-	@$(PIP) install --quiet --upgrade "pip>=25.1"
+	@$(PIP) install -qq --upgrade "pip>=25.1"
 	@mkdir -p $(STAMPS) && touch $@
 
 # Each module is compiled when it is first imported, which of many never happens.

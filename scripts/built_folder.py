@@ -34,7 +34,7 @@ def bring(module: str, requirement: str) -> bool:
         return True
     if Path(sys.prefix) != ROOT / ".venv":
         return False
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "-qq"]
     subprocess.run([*pip, "--constraint", str(ROOT / "constraints.txt"), requirement], check=True)
     importlib.invalidate_caches()
     return True
