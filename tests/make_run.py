@@ -25,17 +25,15 @@ class Printed:
     """lines : as they stand in the end
     redrawn : how often a line was written anew in its place, as a bar is
     address_s : after the command [s]
-    code : of make, once Ctrl-C was pressed
     """
 
     lines: list[str]
     redrawn: int
     address_s: float
-    code: int
 
 
 def make_run(folder: Path, data_dir: Path, within_s: float) -> Printed:
-    """Type it in `folder`, in a terminal, and press Ctrl-C once the address is there. Raises TimeoutError."""
+    """Type it in `folder`, in a terminal, and press Ctrl-C once the address is there, which ends it. Raises TimeoutError."""
     own, theirs = pty.openpty()
     command = ["make", "run", f"PORT={free_port()}", f"ARGS=--data-dir {data_dir}"]
     environment = {name: value for name, value in os.environ.items() if name not in OF_MAKE}
@@ -51,13 +49,13 @@ def make_run(folder: Path, data_dir: Path, within_s: float) -> Printed:
             if not address_s and any(ADDRESS.match(line) for line in text.splitlines()):
                 address_s = time.perf_counter() - began_s
                 os.killpg(process.pid, signal.SIGINT)
-        code = process.wait(30)
+        process.wait(30)
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
         os.close(own)
     lines = text.replace("\r\n", "\n").removesuffix("\n").split("\n")
-    return Printed([line.split("\r")[-1] for line in lines], sum(line.count("\r") for line in lines), address_s, code)
+    return Printed([line.split("\r")[-1] for line in lines], sum(line.count("\r") for line in lines), address_s)
 
 
 def _pieces(terminal: int, end_s: float) -> Iterator[str]:
