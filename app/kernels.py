@@ -46,11 +46,15 @@ _this_thread = threading.local()
 
 @dataclass(slots=True)
 class Progress:
-    """How far compiling has come: jobs done of all, and the names of those under way."""
+    """How far compiling has come: jobs done of all, and the names of those under way.
+
+    looked : whether it is known what there is to do
+    """
 
     total: int
     done: int = 0
     doing: list[str] = field(default_factory=list)
+    looked: bool = False
 
 
 class Kernels:

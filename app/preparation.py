@@ -121,6 +121,7 @@ class Preparation:
             self.progress.total = len(self._jobs)
             self._compiling.set()
             log.warning("the first start compiles emulators in the background, for a minute; the rest works already")
+        self.progress.looked = True
         self._looked.set()
         # Taking one from disk is 0.2 s at most: nobody needs to be told, and one process is enough.
         count = self._processes if self._compiling.is_set() else 1

@@ -33,7 +33,7 @@ class Printed:
 
 
 def make_run(folder: Path, data_dir: Path, within_s: float) -> Printed:
-    """Type it in `folder`, in a terminal, and press Ctrl-C once the address is there, which ends it. Raises TimeoutError."""
+    """Type it in `folder`, in a terminal, and press Ctrl-C once the address is there. Raises TimeoutError."""
     own, theirs = pty.openpty()
     command = ["make", "run", f"PORT={free_port()}", f"ARGS=--data-dir {data_dir}"]
     environment = {name: value for name, value in os.environ.items() if name not in OF_MAKE}

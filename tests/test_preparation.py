@@ -267,7 +267,7 @@ async def test_emulated_motors_of_all_families_move_before_anything_is_compiled(
             while not (await client.get(axis)).json()["position"]:  # noqa: ASYNC110 - nothing tells
                 await asyncio.sleep(0.01)
             await client.delete(f"devices/{model}")
-        while (compiling := (await client.get("health/details")).json()["compiling"]) is None:  # noqa: ASYNC110
+        while not (compiling := (await client.get("health/details")).json()["compiling"])["total"]:  # noqa: ASYNC110
             await asyncio.sleep(0.01)
         assert (compiling["done"], compiling["total"]) == (0, len(preparation.JOBS))
         await client.post("devices", json={"name": "tuned", "model": "tmc5160", "link": {"kind": "emulator"}})

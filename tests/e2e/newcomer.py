@@ -55,18 +55,18 @@ def arrive(browser: Browser, folder: Path, look: Callable[[Page], object] | None
             expect(page.get_by_test_id("link-readout").first).to_contain_text("live", timeout=PATIENCE_S * 1000)
             page_s = time.perf_counter() - began_s
             page.get_by_role("button", name="Start demo motion").click()
-            residual = _until(page, MOVED)
+            residual = until(page, MOVED)
             moved_s = time.perf_counter() - began_s
             _both_are_drawn(page)
             if look is not None:
-                _until(page, GOES_BACK)
+                until(page, GOES_BACK)
                 look(page)
             return Newcomer(page.evaluate("clicks"), page_s, moved_s, abs(residual))
         finally:
             context.close()
 
 
-def _until(page: Page, look: str) -> float:
+def until(page: Page, look: str) -> float:
     """What `look` finds as soon as that is something. The page's own policy has no room for Playwright's wait."""
     end_s = time.monotonic() + PATIENCE_S
     while (found := page.evaluate(look)) is None:

@@ -63,7 +63,7 @@ async def health_of(bench: ServerState) -> HealthDetails:
 
 def _compiling(bench: ServerState) -> Compiling | None:
     kernels = bench.kernels
-    if kernels.done == kernels.total:
+    if kernels.looked and kernels.done == kernels.total:
         return None
     return Compiling(done=kernels.done, total=kernels.total, doing=list(kernels.doing))
 

@@ -100,7 +100,7 @@ class Compiling(Answer):
     """How far the first start has come with what it compiles."""
 
     done: int
-    total: int
+    total: int = Field(description="0 in the first seconds: it has not been looked yet whether all is there")
     doing: list[str] = Field(description="families of emulators, and calculators, that are being compiled")
 
 

@@ -12,5 +12,5 @@ export function FirstStart() {
     refetchInterval: (query) => (query.state.data ? 1000 : false),
     staleTime: Number.POSITIVE_INFINITY,
   });
-  return health.data ? <FirstStartNote {...health.data} /> : null;
+  return health.data?.total ? <FirstStartNote {...health.data} /> : null;
 }
