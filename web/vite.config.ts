@@ -94,6 +94,8 @@ export default defineConfig({
     emptyOutDir: true,
     sourcemap: false,
     chunkSizeWarningLimit: 900,
+    // The first script would name every other one, for those that a part needs to be asked for a round trip sooner.
+    modulePreload: { resolveDependencies: (_, names, { hostType }) => (hostType === "html" ? names : []) },
     rolldownOptions: { output: { codeSplitting: { groups: FIRST } } },
   },
   // The server answers pages of its own host only: so Host stays what the page's Origin says.

@@ -24,7 +24,7 @@ def find(page: Page, text: str) -> None:
 
 
 def first(page: Page, has: str) -> None:
-    expect(page.get_by_role("option").first).to_contain_text(has)
+    expect(page.get_by_role("dialog", name="Find").get_by_role("option").first).to_contain_text(has)
 
 
 def test_a_register_a_page_and_the_help_are_found_by_keys_alone(page: Page, check_axe: Callable[[Page], None]) -> None:

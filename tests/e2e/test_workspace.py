@@ -8,7 +8,7 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
 from tests.e2e.conftest import PHONE, Errors
 
@@ -319,9 +319,8 @@ def test_f6_goes_round_the_panels(page: Page) -> None:
         name: str | None = page.evaluate("document.activeElement?.closest('[data-panel]')?.dataset.panel ?? null")
         return name
 
-    while focused() is None:  # what listens comes a moment after the first panels
-        page.keyboard.press("F6")
-        page.wait_for_timeout(50)
+    page.keyboard.press("F6")
+    expect(page.locator("[data-panel]:focus")).to_have_count(1)
     first = str(focused())
     round_trip = [first]
     for _ in range(8):
@@ -336,6 +335,19 @@ def test_f6_goes_round_the_panels(page: Page) -> None:
     expect(page.get_by_role("group", name="Scope", exact=True)).to_have_count(1)
     page.keyboard.press("Tab")
     assert focused() == round_trip[-2], "from there one goes on into the panel"
+
+
+@pytest.mark.parametrize("address", ["/", "/?layout=registers"])
+def test_f6_is_heard_before_the_parts_that_come_later(page: Page, address: str) -> None:
+    held: list[Route] = []
+    page.route("**/assets/layouts-*.js", lambda route: held.append(route))
+    page.goto(address)
+    expect(page.get_by_test_id("layout-menu")).to_be_visible()
+    page.keyboard.press("F6")
+    for route in held:
+        route.continue_()
+    page.unroute("**/assets/layouts-*.js")
+    expect(page.locator("[data-panel]:focus")).to_have_count(1)
 
 
 def test_a_layout_keeps_how_the_scope_is_set(page: Page, api: httpx.Client) -> None:

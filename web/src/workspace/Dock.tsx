@@ -16,6 +16,7 @@ import css from "./dock.module.css";
 import { type LayoutDocument, MOTION, type Part } from "./document";
 import { arranged } from "./edits";
 import { type FlexNode, fromFlex, type Given, SPLITTER_PX, same, toFlex } from "./flex";
+import { MEASURED } from "./measured";
 import { PanelMenu, type Side } from "./PanelMenu";
 import { titleOf, typeOf } from "./panels";
 import { Slot } from "./Slot";
@@ -23,8 +24,6 @@ import { Slot } from "./Slot";
 interface Props {
   document: LayoutDocument;
   put: (document: LayoutDocument, said: string) => void;
-  /** the room that the layout had before it was arranged, and each of its parts */
-  measured: ReadonlyMap<string, { width: number; height: number }>;
 }
 
 const AT: Readonly<Record<Side, DockLocation>> = {
@@ -51,7 +50,7 @@ interface Drawn {
 }
 
 /** The layout to be arranged: tabs to drag, splitters, a menu for each panel. The only file that knows the library. */
-export function Dock({ document, put, measured }: Props) {
+export function Dock({ document, put }: Props) {
   const box = useRef<HTMLDivElement>(null);
   const [drawn, setDrawn] = useState<Drawn | null>(null);
   const now = useRef({ document, put, given: new Map() as Given });
@@ -67,13 +66,13 @@ export function Dock({ document, put, measured }: Props) {
     const { row, given } = toFlex(
       shown,
       { width: size.width, height: size.height },
-      (sign) => measured.get(sign),
+      (sign) => MEASURED.get(sign),
       (id) => ({ name: titleOf(shown, id), min: typeOf(shown.panels[id]?.type)?.min ?? [160, 80] }),
     );
     const model = Model.fromJson({ global: GLOBAL, layout: row });
     model.setOnAllowDrop((dragged, drop) => mayDrop(now.current.document, dragged, drop));
     setDrawn({ model, given, desktop });
-  }, [desktop, drawn, measured]);
+  }, [desktop, drawn]);
 
   const changed = useCallback((model: Model, action: Action) => {
     setDrawn((before) => {

@@ -11,6 +11,7 @@ import { allLayouts, BUILT_IN } from "./builtIn";
 import { isNewer } from "./document";
 import { ARRANGING, type Layout } from "./layout";
 import { useLayouts } from "./layouts";
+import { measure } from "./measured";
 import { NameDialog } from "./NameDialog";
 import { exportFile, importFile, remove, reset, revert, save, saveAs, show } from "./saving";
 import { withScope } from "./scopeKept";
@@ -80,7 +81,13 @@ export function LayoutMenu({ layout, opened, onChange, children }: Props) {
           <Menu.Target>{children ?? <span />}</Menu.Target>
           <Menu.Dropdown mah="80dvh" style={{ overflowY: "auto" }}>
             {!phone && (
-              <Menu.Item onClick={() => ARRANGING.set(!arranging)} disabled={newer}>
+              <Menu.Item
+                onClick={() => {
+                  measure();
+                  ARRANGING.set(!arranging);
+                }}
+                disabled={newer}
+              >
                 {arranging ? "Done arranging" : "Arrange the panels"}
               </Menu.Item>
             )}

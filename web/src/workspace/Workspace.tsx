@@ -25,6 +25,8 @@ const Dock = lazily(() => import("./Dock").then((part) => part.Dock));
 const FindLayout = later(() => import("./layouts").then((part) => part.FindLayout), false);
 const Misfit = later(() => import("./Misfit").then((part) => part.Misfit));
 
+let rounds: typeof import("./rounds") | undefined;
+
 interface Props {
   devices: readonly Device[];
   lost: boolean;
@@ -38,11 +40,27 @@ export function Workspace({ devices, lost }: Props) {
   const phone = usePhone();
   const said = useShared(SAID);
   const arranging = useShared(ARRANGING) && !phone && max === "" && !waiting && !isNewer(document);
-  const measured = useMeasured();
   useEffect(() => () => ARRANGING.set(false), []);
   const [hosts] = useState(() => new Hosts());
   const desktop = Object.hasOwn(document.panels, max) ? alone(document, max) : document.screens.desktop;
   const state = useMemo(() => ({ document, put }), [document, put]);
+  const now = useRef(document);
+  now.current = document;
+  useEffect(() => {
+    const go = (event: KeyboardEvent) => {
+      if (event.key !== "F6" || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      const round = () => rounds?.goRound(() => now.current, event.shiftKey);
+      if (rounds) round();
+      else
+        void import("./rounds").then((part) => {
+          rounds = part;
+          round();
+        });
+    };
+    window.addEventListener("keydown", go);
+    return () => window.removeEventListener("keydown", go);
+  }, []);
   const seen = useRef(new Set<string>());
   const inSight = new Set(phone ? document.screens.phone : shownIn(desktop));
   for (const id of inSight) seen.current.add(id);
@@ -74,7 +92,7 @@ export function Workspace({ devices, lost }: Props) {
           <Stack document={document} />
         ) : arranging ? (
           <Suspense fallback={still}>
-            <Dock key={document.id} document={document} put={put} measured={measured} />
+            <Dock key={document.id} document={document} put={put} />
           </Suspense>
         ) : (
           still
@@ -140,23 +158,4 @@ const Panel = memo(function Panel({ id, entry, devices, lost }: PanelBox) {
 function pinOf(at: string): readonly [device: string, axis: number] {
   const cut = at.lastIndexOf("/");
   return [at.slice(0, cut), Number(at.slice(cut + 1))];
-}
-
-type Sizes = ReadonlyMap<string, { width: number; height: number }>;
-
-/** How large each part was when it was last drawn to be worked with: what is arranged begins with the same sizes. */
-function useMeasured(): Sizes {
-  const [measured] = useState(() => new Map<string, { width: number; height: number }>());
-  useEffect(
-    () =>
-      ARRANGING.subscribe(() => {
-        measured.clear();
-        for (const part of document.querySelectorAll<HTMLElement>("[data-part]")) {
-          const { width, height } = part.getBoundingClientRect();
-          measured.set(part.dataset.part ?? "", { width, height });
-        }
-      }),
-    [measured],
-  );
-  return measured;
 }

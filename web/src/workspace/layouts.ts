@@ -8,7 +8,6 @@ import { builtInOf } from "./builtIn";
 import { isNewer, type LayoutDocument } from "./document";
 import { COPIES_KEY, FOUND, SAID, SAVED_KEY } from "./layout";
 import { read } from "./reading";
-import { useRounds } from "./rounds";
 import { useScopeOf } from "./scopeKept";
 
 type Copies = Readonly<Record<string, LayoutDocument>>;
@@ -76,7 +75,6 @@ export function FindLayout(): null {
     [id, document, saved, copy, unknown, missing],
   );
   useLayoutEffect(() => FOUND.set(found), [found]);
-  useRounds(found.document);
   useScopeOf(found.waiting ? undefined : (saved ?? found.document));
   return null;
 }

@@ -3,6 +3,7 @@ import type { LayoutDocument } from "./document";
 import { ofAxis, ofDevice, ofNothing, type PanelType } from "./panel";
 import { AxesPanel, DemoPanel, LimitsPanel, MotionPanel, ScopePanel, StagePanel } from "./panels/bench";
 import { readNotes } from "./panels/notes";
+import { readPlot } from "./panels/plot";
 import { readRegisters } from "./panels/registers";
 
 /** Every kind of panel, in the order in which they are offered. */
@@ -32,6 +33,24 @@ export const PANELS: readonly PanelType[] = [
     single: true,
     fills: true,
     Panel: ScopePanel,
+  }),
+  ofAxis({
+    type: "xy",
+    title: "XY plot",
+    version: 1,
+    min: [320, 240],
+    fills: true,
+    config: readPlot,
+    Panel: lazily(() => import("./panels/PlotPanel").then((part) => part.XyPanel)),
+  }),
+  ofAxis({
+    type: "residual",
+    title: "Residual",
+    version: 1,
+    min: [320, 200],
+    fills: true,
+    config: readPlot,
+    Panel: lazily(() => import("./panels/PlotPanel").then((part) => part.ResidualPanel)),
   }),
   ofAxis({
     type: "stage",

@@ -26,5 +26,8 @@ test("what a file says is taken as far as it can be a setting", () => {
   ).toEqual({
     derived: { slip: { formula: "a - b", inputs: { a: "$:x" } } },
   });
+  const extras = [{ device: "bench", axis: 2 }];
+  expect(readScope({ extras, marks: true })).toEqual({ extras, marks: true });
+  expect(readScope({ extras: [...extras, { device: "bench" }] })).toEqual({});
   expect(readScope(null)).toEqual({});
 });

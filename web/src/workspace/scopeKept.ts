@@ -21,6 +21,7 @@ const isPlot = (value: unknown) =>
   typeof value.id === "string" &&
   ["time", "xy", "spectrum"].includes(String(value.kind)) &&
   isTexts(value.y);
+const isAxis = (value: unknown) => isObject(value) && typeof value.device === "string" && Number.isInteger(value.axis);
 const isDerived = (value: unknown) =>
   isObject(value) &&
   typeof value.formula === "string" &&
@@ -33,6 +34,7 @@ const KEPT: Partial<Record<keyof ScopeSettings, (value: unknown) => boolean>> = 
   rateHz: (value) => RATES_HZ.some((each) => each === value),
   rows: (value) => isTexts(value) && value.every((each) => ROWS.some(({ id }) => id === each)),
   hidden: isTexts,
+  extras: (value) => Array.isArray(value) && value.every(isAxis),
   more: isTexts,
   marks: (value) => typeof value === "boolean",
   free: (value) => Array.isArray(value) && value.every(isPlot),

@@ -3,6 +3,8 @@ import type { Device } from "../../api/queries";
 import type { PageEntry } from "../../families/family";
 import { minutesAgo } from "../../lib/history/aim";
 import type { Steps } from "../../lib/history/history";
+import type { LayoutDocument } from "../../workspace/document";
+import { misfit, type PanelType } from "../../workspace/panel";
 import { isFor, pageAbout } from "../pages";
 
 /** What can be found: where it leads, or what it does. */
@@ -24,7 +26,8 @@ export type Target =
   | { help: string }
   | { device: string; axis: number }
   | { act: "stop" | "scheme" | "help" | "link" | "undo" | "redo" | "history" }
-  | { minutesAgo: number; of: string };
+  | { minutesAgo: number; of: string }
+  | { panel: string };
 
 type Catalog = Schemas["CatalogModel"];
 
@@ -150,6 +153,24 @@ export function layoutEntries(layouts: readonly { id: string; name: string }[]):
     detail: "panels of the bench",
     off: null,
     go: { to: `/?layout=${encodeURIComponent(id)}` },
+  }));
+}
+
+/** Kinds of panels: each is put at the right of the bench, where it can show something and is not there already. */
+export function panelEntries(
+  kinds: readonly PanelType[],
+  layout: LayoutDocument | undefined,
+  device: Device | undefined,
+  axis: number,
+): Entry[] {
+  const there = Object.values(layout?.panels ?? {}).map(({ type }) => type);
+  return kinds.map((row) => ({
+    id: `panel ${row.type}`,
+    title: row.title,
+    section: "Panel",
+    detail: "added to the bench",
+    off: row.single && there.includes(row.type) ? "it is there" : misfit(row, device, device?.axes[axis]),
+    go: { panel: row.type },
   }));
 }
 

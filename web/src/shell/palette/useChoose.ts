@@ -28,6 +28,8 @@ export function useChoose(): (entry: Entry) => void {
     else if ("help" in target) openHelp(target.help);
     else if ("device" in target) select(target.device, target.axis);
     else if ("minutesAgo" in target) openHistory(minutesAgo(target.of, target.minutesAgo));
+    else if ("panel" in target)
+      void import("../../workspace/addPanel").then(({ addPanel }) => addPanel(target.panel, () => go("/")));
     else if (target.act === "undo") undoOne();
     else if (target.act === "redo") redoOne();
     else if (target.act === "history") openHistory();

@@ -3,13 +3,16 @@ import { useMemo } from "react";
 import { api } from "../../api/client";
 import { useCatalogModel, useDevices } from "../../api/queries";
 import { useSteps } from "../../lib/history/history";
+import { useShared } from "../../lib/shared";
 import { useLocalKept } from "../../lib/useKept";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
 import { useProfiles } from "../../pages/profiles/useProfiles";
 import { PAGE_MAX, useRecordings } from "../../pages/recordings/api";
 import { allLayouts } from "../../workspace/builtIn";
+import { FOUND } from "../../workspace/layout";
 import { useLayouts } from "../../workspace/layouts";
+import { PANELS } from "../../workspace/panels";
 import { PAGES } from "../pages";
 import {
   actionEntries,
@@ -21,6 +24,7 @@ import {
   layoutEntries,
   macroEntries,
   pageEntries,
+  panelEntries,
   profileEntries,
   recordingEntries,
   registerEntries,
@@ -49,7 +53,8 @@ export interface Found {
 /** What fits a query, or what was chosen last where there is none. */
 export function useFound(query: string): Found {
   const devices = useDevices();
-  const { device } = useSelection();
+  const { device, axis } = useSelection();
+  const layout = useShared(FOUND)?.document;
   const scheme = useScheme();
   const steps = useSteps();
   const catalog = useCatalogModel(device?.model);
@@ -68,6 +73,7 @@ export function useFound(query: string): Found {
         ...pageEntries(PAGES, device),
         ...axisEntries(devices.data ?? []),
         ...layoutEntries(allLayouts(kept.data?.layouts ?? [])),
+        ...panelEntries(PANELS, layout, device, axis),
         ...macroEntries(macros.data?.macros ?? []),
         ...registerEntries(catalog.data, device),
         ...recordingEntries(recordings.data?.recordings ?? []),
@@ -78,6 +84,8 @@ export function useFound(query: string): Found {
       scheme,
       steps,
       device,
+      axis,
+      layout,
       devices.data,
       kept.data,
       macros.data,

@@ -1,7 +1,7 @@
 import { NativeSelect, SegmentedControl, Text } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
-import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
+import { type ReactNode, useEffect, useLayoutEffect, useRef, useState } from "react";
 import type { Device } from "../../../api/queries";
 import { useAddress } from "../../../lib/address";
 import { Card } from "../../../lib/Card";
@@ -20,7 +20,7 @@ import type { RowId } from "./rows";
 import { ScopeToolbar } from "./ScopeToolbar";
 import classes from "./scope.module.css";
 import { isStretch, type ScopeSettings, type Trigger } from "./settings";
-import { type Scope, TIME_AXIS, useScope } from "./useScope";
+import { SCOPE, type Scope, TIME_AXIS, useScope } from "./useScope";
 
 const ComparedCount = later(() => import("./ComparedCount").then((part) => part.ComparedCount));
 const FreePlots = later(() => import("./free/FreePlots").then((part) => part.FreePlots));
@@ -68,6 +68,8 @@ export function ScopeCard({ devices, main, axisName, settings, change, children 
   const phone = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const [phoneRow, setPhoneRow] = useState("position");
   const scope = useScope(devices, main, settings, cursors);
+  useEffect(() => SCOPE.set(scope));
+  useEffect(() => () => SCOPE.set(null), []);
   const stretch = isStretch(useAddress("t").t);
   const [box, heightPx] = useHeight();
   const folded: ReadonlySet<RowId> =

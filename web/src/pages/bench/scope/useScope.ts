@@ -1,7 +1,10 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { can, type Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
+import { Shared } from "../../../lib/shared";
 import { useScheme } from "../../../lib/useScheme";
+import { hub } from "../../../live/hub";
+import type { TelemetrySource } from "../../../live/TelemetrySource";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
 import { cut, type Trace } from "../../../live/window";
@@ -27,6 +30,12 @@ export interface Measured {
 const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8", b: "#9d8cff" } };
 /** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
 const ROWS_PER_PIXEL = 3;
+
+/** What to add to a device's time to get that of a source [s]; 0 while one of them has not told when it began. */
+export function shiftTo(source: TelemetrySource, device: string): number {
+  const [theirs, own] = [hub.sourceOf(device).link().timeOriginUnixS, source.link().timeOriginUnixS];
+  return theirs === null || own === null ? 0 : theirs - own;
+}
 
 /** The strip below the plots that has their time axis. */
 export const TIME_AXIS = "time";
@@ -89,14 +98,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   );
 
   /** What to add to a device's time to get the main one's [s]. */
-  const shiftOf = useCallback(
-    (device: string): number => {
-      const other = sources.find((candidate) => candidate.request.device === device);
-      if (!other || !source || other === source) return 0;
-      return (other.link().timeOriginUnixS ?? 0) - (source.link().timeOriginUnixS ?? 0);
-    },
-    [sources, source],
-  );
+  const shiftOf = useCallback((device: string): number => (source ? shiftTo(source, device) : 0), [source]);
 
   /** The raw value of a trace at a time of the main device; the newest where none is given. */
   const valueAt = useCallback(
@@ -265,3 +267,6 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
 }
 
 export type Scope = ReturnType<typeof useScope>;
+
+/** The scope on the page: what else shows time keeps in step with it. */
+export const SCOPE = new Shared<Scope | null>(null);

@@ -19,6 +19,7 @@ import { Feed } from "./feed";
 import classes from "./free.module.css";
 import { added, Channels, DRAGGED, derivedName, placeOf, refusal, requestsFor, unitsOf, without } from "./plan";
 import { spectrumOf } from "./spectrum";
+import { statisticsOf } from "./statistics";
 
 const KINDS = [
   { value: "time", label: "time" },
@@ -30,15 +31,23 @@ const SPECTRUM_MS = 200;
 const DOTS_MAX = 4000;
 const ROWS_PER_PIXEL = 3;
 
+/** Whose time plots show: the scope's, or that of a panel of its own. */
+export type PlotTime = Pick<
+  Scope,
+  "view" | "shiftOf" | "measured" | "marks" | "moveMark" | "changeWindow" | "hover" | "setHover"
+>;
+
 interface Props {
-  scope: Scope;
+  scope: PlotTime;
   devices: readonly Device[];
-  settings: ScopeSettings;
-  change: (part: Partial<ScopeSettings>) => void;
+  settings: Pick<ScopeSettings, "free" | "derived" | "rateHz">;
+  change: (part: { free: FreePlot[] }) => void;
+  /** what the one plot of a panel is called: it stays of its kind, and has a time axis of its own */
+  alone?: string;
 }
 
 /** Plots that the user has put together: any channel of any device, on the scope's own time. */
-export function FreePlots({ scope, devices, settings, change }: Props) {
+export function FreePlots({ scope, devices, settings, change, alone }: Props) {
   const scheme = useScheme();
   const { free } = settings;
   // by content: the list of devices is new once a second
@@ -132,6 +141,13 @@ export function FreePlots({ scope, devices, settings, change }: Props) {
       key={plot.id}
       plot={plot}
       number={index + 1}
+      alone={alone}
+      figures={(path) => {
+        const [from, to] = scope.view.current();
+        const { minimum, maximum, rms } = statisticsOf(feed.samples(path, [from, to]), from, to);
+        if (Number.isNaN(rms)) return "no values in this time";
+        return `${compact(minimum, 3)} to ${compact(maximum, 3)}, RMS ${compact(rms, 3)}`;
+      }}
       channels={channels}
       scheme={scheme}
       scope={scope}
@@ -199,8 +215,11 @@ interface RowProps {
   number: number;
   channels: Channels;
   scheme: "light" | "dark";
-  scope: Scope;
+  scope: PlotTime;
+  alone: string | undefined;
   value: (path: string) => number;
+  /** of the time that is shown */
+  figures: (path: string) => string;
   handle: (handle: PlotHandle | null) => void;
   overlays: () => readonly Overlay[];
   /** what was dropped; the answer says why it is not taken */
@@ -211,7 +230,8 @@ interface RowProps {
 }
 
 function FreeRow(props: RowProps) {
-  const { plot, number, channels, scheme, scope } = props;
+  const { plot, number, channels, scheme, scope, alone } = props;
+  const name = alone ?? `Plot ${number}`;
   const [said, setSaid] = useState<string | null>(null);
   const [over, setOver] = useState(false);
   const series = seriesOf(plot, channels, scheme);
@@ -222,7 +242,7 @@ function FreeRow(props: RowProps) {
   const across = plot.kind === "xy" ? (plot.y[0] ?? "") : "";
   const x: PlotScale =
     plot.kind === "time"
-      ? { label: "time", unit: "s", axis: false }
+      ? { label: "time", unit: "s", axis: alone !== undefined }
       : plot.kind === "spectrum"
         ? { label: "frequency", unit: "Hz" }
         : { label: channels.label(across), unit: channels.unit(across) ?? "" };
@@ -236,7 +256,7 @@ function FreeRow(props: RowProps) {
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging is one way; the tree's checkboxes are the other
     <div
       className={`${scopeClasses.row} ${classes.plot} ${over ? classes.over : ""}`}
-      data-testid={`free-plot-${number}`}
+      data-testid={alone ? "panel-plot" : `free-plot-${number}`}
       onDragOver={takes}
       onDragEnter={takes}
       onDragLeave={() => setOver(false)}
@@ -249,7 +269,7 @@ function FreeRow(props: RowProps) {
       }}
     >
       <Plot
-        label={`Plot ${number}: ${names}`}
+        label={`${name}: ${names}`}
         series={series}
         x={x}
         scales={scales}
@@ -268,23 +288,25 @@ function FreeRow(props: RowProps) {
           : {})}
       />
       <div className={scopeClasses.panel}>
-        <div className="flex between gap-6 mb-4 mid">
-          <Text component="h3" size="xs" fw={600} className="nowrap">
-            Plot {number}
-          </Text>
-          <Select
-            w={92}
-            size="xs"
-            aria-label={`Kind of plot ${number}`}
-            data={[...KINDS]}
-            value={plot.kind}
-            allowDeselect={false}
-            onChange={(kind) => kind && setSaid(props.onKind(kind as FreePlot["kind"]))}
-          />
-          <ActionIcon size={24} variant="subtle" aria-label={`Close plot ${number}`} onClick={props.onClose}>
-            <IconX size={14} />
-          </ActionIcon>
-        </div>
+        {alone === undefined && (
+          <div className="flex between gap-6 mb-4 mid">
+            <Text component="h3" size="xs" fw={600} className="nowrap">
+              Plot {number}
+            </Text>
+            <Select
+              w={92}
+              size="xs"
+              aria-label={`Kind of plot ${number}`}
+              data={[...KINDS]}
+              value={plot.kind}
+              allowDeselect={false}
+              onChange={(kind) => kind && setSaid(props.onKind(kind as FreePlot["kind"]))}
+            />
+            <ActionIcon size={24} variant="subtle" aria-label={`Close plot ${number}`} onClick={props.onClose}>
+              <IconX size={14} />
+            </ActionIcon>
+          </div>
+        )}
         <ul className="list">
           {plot.y.map((path, index) => (
             <li key={path} className="row gap-6 text-12 tight">
@@ -307,7 +329,7 @@ function FreeRow(props: RowProps) {
               <button
                 type="button"
                 className="plain"
-                aria-label={`Take ${channels.label(path)} out of plot ${number}`}
+                aria-label={`Take ${channels.label(path)} out of ${alone ?? `plot ${number}`}`}
                 onClick={() => props.onRemove(path)}
               >
                 <IconX size={12} aria-hidden />
@@ -315,6 +337,11 @@ function FreeRow(props: RowProps) {
             </li>
           ))}
         </ul>
+        {alone !== undefined &&
+          timed &&
+          plot.y.map((path) => (
+            <LiveText key={path} className="num hint" data-figures={path} read={() => props.figures(path)} />
+          ))}
         <Text size="xs" c="red" role="status">
           {said}
         </Text>
