@@ -14,7 +14,8 @@ from app.calc.motors.pull_out import pull_out
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
-from tests.studies.harness import START, studied
+from tests.bench.studies.torque_curve import advanced, braked
+from tests.studies.harness import START, Studied, studied
 
 FULL = replace(START, irun=31, ihold=31)
 MOTOR = {"rotor_teeth": 50, "detent_torque_nm": 0.0, "viscous_nms": 1e-3, "friction_nm": 0.005}
@@ -59,6 +60,27 @@ async def test_slips_tell_the_torque_and_the_axis_is_as_before(tmp_path: Path) -
         assert abs((await s.b.state()).position) <= 1
         assert "Torque over speed" in html_of(record)
         assert html_of(record).count("<svg") == 1
+
+
+async def gently(s: Studied) -> None:
+    """The ramp by which a judge comes up to a speed."""
+    await s.device.registers.write("AMAX", 0, 5000)
+
+
+async def test_where_the_supply_limits_the_current_a_brake_agrees(tmp_path: Path) -> None:
+    """A rotor that is thrown out of step there has less torque than one that falls: its currents do not follow."""
+    async with studied(tmp_path, FULL, **{**PLANT, "supply_v": 30.0}) as s:
+        study = {**QUICK, "velocity_max_rps": 20.0, "travel_turns": 400.0}
+        record = await s.finish(s.begin(s.document(study)), 600)
+        assert record.torque is not None
+        point = record.torque.points[-1]
+        assert point.speed_rps > 14
+        assert point.torque_nm is not None
+        assert point.interval_nm is not None
+        await s.passing(gently(s))
+        truth_nm = await advanced(s, braked(s, point.speed_rps, point.torque_nm))
+        assert point.torque_nm == pytest.approx(truth_nm, rel=0.035)
+        assert point.interval_nm.low < truth_nm < point.interval_nm.high
 
 
 async def test_a_load_that_does_not_follow_the_way_back_is_mended(tmp_path: Path) -> None:

@@ -23,6 +23,8 @@ ROUNDS = 4
 SAMPLES_LEAST = 14
 DOUBT_SHARE = 0.1
 """A second harmonic is taken no further than this share: behind it the samples are too few for it."""
+FIELD_SAMPLES = 3
+"""So many before and after the most tell the speed of the field there."""
 WORST_SHARE = 0.15
 """A fit whose 95 % interval is wider than this is none."""
 
@@ -30,7 +32,8 @@ WORST_SHARE = 0.15
 @dataclass(frozen=True, slots=True)
 class PullOut:
     """acceleration : the most that the motor gave the rotor beyond its friction; half : of its 95 % interval by noise;
-    doubt : what the same fit with a second harmonic tells otherwise [rad/s^2]; speed : at which that was [rad/s]"""
+    doubt : what the same fit with a second harmonic tells otherwise [rad/s^2]; speed : at which that was, midway from
+    rotor to field: back-EMF and friction grow with the one, what the inductance takes with the other [rad/s]"""
 
     acceleration: float
     half: float
@@ -44,6 +47,7 @@ class _Fit:
     half: float
     speed: float
     swing: float
+    at: int
     inside: bool
 
 
@@ -72,7 +76,9 @@ def pull_out(time_s: FloatArray, field_rad: FloatArray, rotor_rad: FloatArray, p
     if fit is None or fit.top <= 0 or not fit.inside or fit.half > WORST_SHARE * fit.top:
         return None
     doubt = DOUBT_SHARE * fit.top if other is None else min(abs(other.top - fit.top), DOUBT_SHARE * fit.top)
-    return PullOut(fit.top, fit.half, doubt, fit.speed)
+    around = slice(max(begin, begin + fit.at - FIELD_SAMPLES), begin + fit.at + FIELD_SAMPLES + 1)
+    field = float(np.ptp(field_rad[around]) / np.ptp(time_s[around]))
+    return PullOut(fit.top, fit.half, doubt, (fit.speed + field) / 2)
 
 
 def _fitted(time_s: FloatArray, angle: FloatArray, rotor_rad: FloatArray, orders: tuple[int, ...]) -> _Fit | None:
@@ -98,6 +104,7 @@ def _fitted(time_s: FloatArray, angle: FloatArray, rotor_rad: FloatArray, orders
         half=float(stats.t.ppf(0.975, free)) * spread,
         speed=float(fitted[1] + _once(acceleration, time)[at]),
         swing=float(np.ptp(acceleration)) / 2,
+        at=at,
         inside=0 < at < len(time) - 1,
     )
 

@@ -10,7 +10,7 @@ from ..parts import Interval, Part
 class TorquePoint(Part):
     """What the motor has at one speed, beyond the friction of its axis."""
 
-    speed_rps: float = Field(description="of the slips, mean [turns/s]")
+    speed_rps: float = Field(description="of the slips, mean; midway between rotor and field [turns/s]")
     acceleration_radps2: float = Field(description="the most that it gives its load, mean of both ways [rad/s^2]")
     interval_radps2: Interval = Field(description="95 %")
     both_ways_radps2: float = Field(description="positive way less negative way: a weight, a spring")

@@ -33,6 +33,9 @@ BEYOND = (2.0, 4.0)
 """Up to so many times its speed, and so much more, is accelerated hard [, turns/s]."""
 HARDER, EDGE = 1.4, 1.1
 """Where a run lost no step, the next one is so much harder; the first goes so far beyond what is known."""
+HARD, HARD_STEP = 0.85, 1.12
+"""At each speed it is accelerated by this share of what the motor has, at first, and so much harder after a run without
+a slip. Set in at once, that lets a rotor with little damping swing out of step: slowly, so that its currents follow."""
 NEAR = 2.0
 """Up to so many times the first speed steps have to be lost for it to be told what is there at it."""
 GENTLY, TOP = 0.15, 0.25
@@ -89,7 +92,7 @@ class TorqueCurveStudy(StudyRun):
             record.baseline_setting = ground.space.now()
         found = record.torque = TorqueFound(inertia_kgm2=wanted.inertia_kgm2, friction_nm=wanted.friction_nm)
         await self.keeper.save(record)
-        self._gentle = ground.space.now()[ACCELERATION]
+        self._gentle, self._hard = ground.space.now()[ACCELERATION], HARD
         await self._home()
         await self._curve(found)
         await self._home()
@@ -162,16 +165,18 @@ class TorqueCurveStudy(StudyRun):
     async def _slips(self, speed_rps: float, known: float) -> list[Slip]:
         """As many clear slips from one speed as were asked for, as far as they come."""
         most, slips = self._ground.most[ACCELERATION], list[Slip]()
-        hard, tries = min(EDGE * self._pps2(known), most), 0
+        tries = 0
         while len(slips) < self.wanted.repeats and tries < TRIES * self.wanted.repeats and not self.spent():
+            hard = min(self._hard * self._pps2(known), most)
             slip = await self._accelerated(speed_rps, hard)
             tries += 1
             if slip.told is not None and slip.ended == "slipped":
                 slips.append(slip)
+                known = slip.told.acceleration
             elif slip.ended == "held":
                 if hard >= most:
                     break
-                hard = min(HARDER * hard, most)
+                self._hard *= HARD_STEP
         return slips
 
     async def _accelerated(self, speed_rps: float, hard_pps2: float, up_to_pps: float | None = None) -> Slip:

@@ -34,48 +34,75 @@ GENTLE = 0.06
 """Share of the holding torque by which the judge's load is brought up to speed."""
 LOADED, RAISED = 0.88, 0.0006
 """The brake begins at this share of what is expected, and is raised by this share every `EVERY_S`."""
-EVERY_S = 0.03
+EVERY_S, PARTS = 0.03, 100
+"""It comes to where it begins in so many parts: at once it would be a blow, and the rotor swing out of step."""
 SLIPPED = 1024
+SWINGS, CALM_S, CALM_WITHIN_S = 20, 0.3, 40.0
+"""A rotor that swings by more than this [microsteps] within so long, as it does after it has come up to its speed,
+falls out of step early: it is waited for."""
+RESTS, REST_LOOKS_S = 10, (0.1, 0.037, 0.071, 0.053, 0.089)
+"""It rests where it turned by no more [microsteps] from each look to the next, which come at no beat of its swing."""
 WITHIN, HOLDS, SPEEDS = 0.05, 0.93, 8
 
 
-async def _advanced(s: Studied, work: Any) -> Any:
+async def advanced(s: Studied, work: Any) -> Any:
     task = asyncio.ensure_future(work)
     while not task.done():
         await s.clock.advance(STEP_S)
     return await task
 
 
-async def _braked(s: Studied, rps: float, expected_nm: float) -> float:
-    """The load torque at which the rotor slips at a speed [N m]."""
+async def _off(s: Studied) -> int:
+    state = await s.device.monitor.axis_state(0)
+    return (state.encoder_position or 0) - state.position
 
-    async def off() -> int:
-        state = await s.device.monitor.axis_state(0)
-        return abs((state.encoder_position or 0) - state.position)
+
+async def _rest(s: Studied) -> None:
+    """Wait until the shaft rests, and take the position from the encoder."""
+    still, last = 0, -SLIPPED
+    while still < len(REST_LOOKS_S):
+        await s.clock.sleep(REST_LOOKS_S[still])
+        at = (await s.device.monitor.axis_state(0)).encoder_position or 0
+        still, last = (still + 1 if abs(at - last) <= RESTS else 0), at
+    await s.device.need(PositionFromEncoder).position_from_encoder(0)
+
+
+async def _calm(s: Studied) -> None:
+    """Wait until the rotor swings no more beside its field, at constant speed."""
+    until_s = s.clock.now() + CALM_WITHIN_S
+    swing = SLIPPED
+    while swing > SWINGS and s.clock.now() < until_s:
+        seen, end_s = [await _off(s)], s.clock.now() + CALM_S
+        while s.clock.now() < end_s:
+            await s.clock.sleep(0.007)
+            seen.append(await _off(s))
+        swing = max(seen) - min(seen)
+
+
+async def braked(s: Studied, rps: float, expected_nm: float) -> float:
+    """The load torque at which the rotor slips at a speed [N m]."""
 
     def load(torque_nm: float) -> None:
         s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, load_torque_nm=torque_nm)]))
 
+    await _rest(s)
     await s.device.motion.rotate(0, rps * TURN)
     while abs((await s.device.monitor.axis_state(0)).velocity_pps - rps * TURN) > 10:
-        assert await off() < SLIPPED, "the judge is too hasty"
+        assert abs(await _off(s)) < SLIPPED, f"the judge is too hasty: it slips on its way to {rps:g} turns/s"
         await s.clock.sleep(0.1)
-    await s.clock.sleep(1.0)
-    torque = LOADED * expected_nm
-    for tenth in range(1, 11):
-        load(torque * tenth / 10)
-        await s.clock.sleep(0.1)
-    while await off() < SLIPPED:
+    await _calm(s)
+    torque = 0.0
+    for part in range(1, PARTS + 1):
+        torque = LOADED * expected_nm * part / PARTS
+        load(torque)
+        await s.clock.sleep(EVERY_S)
+    while abs(await _off(s)) < SLIPPED:
         torque += RAISED * expected_nm
         load(torque)
         await s.clock.sleep(EVERY_S)
     load(0.0)
     await s.device.motion.stop_axes([0], "immediate")
-    last, at = 0, -SLIPPED
-    while abs(at - last) > SLIPPED // 100:
-        await s.clock.sleep(0.5)
-        last, at = at, (await s.device.monitor.axis_state(0)).encoder_position or 0
-    await s.device.need(PositionFromEncoder).position_from_encoder(0)
+    await _rest(s)
     return torque
 
 
@@ -115,9 +142,7 @@ async def _judged(seed: int, folder: Path) -> Judged:
         gentle = GENTLE * options["motor"]["holding_torque_nm"] / inertia / (2 * np.pi) * TURN
         unit = s.device.clock_hz**2 / (512 * 256 * 2**24)
         await s.device.registers.write("AMAX", 0, round(gentle / unit))
-        truth = [
-            float(await _advanced(s, _braked(s, point.speed_rps, point.torque_nm or 0.0))) for point in found.points
-        ]
+        truth = [float(await advanced(s, braked(s, point.speed_rps, point.torque_nm or 0.0))) for point in found.points]
         return Judged(record, tuple(truth), as_before)
 
 
