@@ -303,6 +303,9 @@ class LeastCurrent(Part):
     coolstep: bool = Field(
         default=True, description="then CoolStep as well, where the chip has it: less current where the load is small"
     )
+    twin: Twin | None = Field(
+        default=None, description="every current is tried there first, whatever `trials` says; null: on the axis alone"
+    )
 
     @model_validator(mode="after")
     def _goes_somewhere(self) -> LeastCurrent:

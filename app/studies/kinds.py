@@ -100,9 +100,10 @@ def _identification() -> StudyParts:
 
 def _least_current() -> StudyParts:
     from .least_current import plan
+    from .least_current.cycles import ON_TWIN
     from .least_current.study import LeastCurrentStudy
 
-    return StudyParts(LeastCurrentStudy, plan.plan)
+    return StudyParts(LeastCurrentStudy, plan.plan, ON_TWIN)
 
 
 def _microstep_calibration() -> StudyParts:
@@ -180,7 +181,6 @@ KINDS: dict[Kind, StudyKind] = {
         "cooler: the least run current at which a load cycle loses no step, with a margin, and what it saves",
         POSITIONS,
         _least_current,
-        no_twin="load and friction decide it, which is what a twin knows least",
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.manager import DeviceChange
 from app.studies.document import LeastCurrent
 from app.studies.kinds import KINDS
 from app.studies.least_current.cycle import Cycle, faster
+from app.studies.least_current.found import CurrentTried
 from app.studies.least_current.plan import look
 from app.studies.ramp_settings import ACCELERATION, SPEED
+from app.studies.record import StudyRecord
 from app.studies.report import html_of
-from tests.studies.harness import START, studied
+from tests.studies.harness import START, Studied, studied
 
 FULL = replace(START, vmax=256_000, amax=1_000_000, irun=31, ihold=20)
 CYCLE: dict[str, Any] = {
@@ -235,3 +241,66 @@ def test_more_speed_takes_more_way_or_where_there_is_none_a_harder_ramp() -> Non
     bounded = faster(short, 1.2, {SPEED: 1e6, ACCELERATION: 121.0}, 120)
     assert bounded is not None
     assert bounded.times == pytest.approx(1.1)
+
+
+TWIN: dict[str, Any] = {"motor": {"load_inertia_kgm2": 5e-4, "load_friction_nm": 0.05, "supply_v": 24.0}}
+SCALED = AxisLimits(current_full_scale_a=1.5 / math.sqrt(2))
+
+
+async def searched(s: Studied, study: dict[str, Any]) -> tuple[StudyRecord, list[CurrentTried]]:
+    """The study's record, and the currents that it tried on the axis before it proved one."""
+    record = await s.finish(s.begin(s.document(study)), 300)
+    assert (record.state, record.left) == ("done", []), record.message
+    found = record.least_current
+    assert found is not None
+    return record, list(takewhile(lambda one: one.cycles <= 3, found.tried[1:]))
+
+
+@pytest.mark.parametrize(("motor", "most"), [({}, 3), ({"load_inertia_kgm2": 2e-4, "load_friction_nm": 0.0}, 9)])
+async def test_a_twin_tells_where_the_edge_is_and_a_wrong_one_costs_trials_alone(
+    tmp_path: Path, motor: dict[str, float], most: int
+) -> None:
+    async with studied(tmp_path / "alone", FULL, **PLANT) as s:
+        alone, by_halves = await searched(s, CYCLE)
+    async with studied(tmp_path / "twin", FULL, **PLANT) as s:
+        scaled = replace(s.device.axes[0].settings, limits=SCALED)
+        await s.b.manager.edit(s.device.id, DeviceChange(axes=(scaled,)))
+        before = await s.settings(*NAMES)
+        study = {**CYCLE, "twin": {"motor": {**TWIN["motor"], **motor}}}
+        plan = await KINDS["least_current"].plan(s.device, 0, s.document(study))
+        assert "32 currents on an emulated twin: the motor rests meanwhile" in plan.steps
+        record, near = await searched(s, study)
+        assert await s.settings(*NAMES) == before
+    assert record.twin
+    (told,) = (one for one in record.findings if one.name == "twin")
+    assert "of 32 settings held" in told.text
+    assert record.least_current is not None
+    assert alone.least_current is not None
+    assert record.least_current.edge == alone.least_current.edge
+    assert near[0].scale == record.twin[0].setting["run current scale"]
+    assert len(near) <= most
+    if not motor:
+        assert sum(not one.held for one in near) < sum(not one.held for one in by_halves)
+
+
+async def test_without_a_full_scale_in_amperes_no_current_is_tried_on_a_twin(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        record, _ = await searched(s, {**CYCLE, "twin": TWIN})
+        (told,) = (one for one in record.findings if one.name == "twin")
+        assert told.sure == "missing"
+        assert "how many amperes a full scale is" in told.text
+        assert record.twin == []
+        assert record.improved
+
+
+async def test_its_proof_tells_how_long_it_takes_yet(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run, told = s.begin(s.document(CYCLE)), list[tuple[float, float, float]]()
+        while run.running:
+            await s.clock.advance(0.5)
+            if run.record.phase == "proof" and run.record.left_s is not None:
+                told.append((s.clock.now(), run.record.left_s, run.record.progress))
+        # The last proof, which held: an earlier one may have ended with a lost step.
+        at_s, left_s, progress = told[-30]
+        assert 0.4 < progress < told[-1][2] <= 0.95
+        assert left_s == pytest.approx(s.clock.now() - at_s, rel=0.4)

@@ -99,7 +99,7 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: ClosedLoop) -> Non
     told.registers.append(f"regulation_modus of axis {axis}")
     told.steps = [
         f"{wanted.hops} hops without regulation, of about three quarters of a full step: the rotor rings out",
-        f"gains that keep {plain(wanted.phase_margin_deg)} deg and a factor of {plain(wanted.gain_margin)}",
+        f"P and I, no D, that keep {plain(wanted.phase_margin_deg)} deg and a factor of {plain(wanted.gain_margin)}",
         f"{wanted.pairs} steps with the old gains and as many with the new, in turn"
         if ground.loop.on
         else f"{SHOWN} steps of {plain(wanted.step_fullsteps)} full steps, there and back, with the loop on",

@@ -25,6 +25,9 @@ SEARCHES = 5
 MORE_SEARCHES = 5
 """One with more speed, and a bisection of how much more."""
 BASELINE_CYCLES = 3
+NO_FULL_SCALE = (
+    "how many amperes a full scale is, is not known of this axis (its limits), so a twin would have another torque"
+)
 AROUND_S = 0.6
 """What a move there and back takes beside its ramps: coming to rest, and looking [s]."""
 
@@ -53,6 +56,10 @@ class Ground:
     def ramp(self, cycle: Cycle) -> list[Held]:
         """What to write for a cycle: for the load cycle the ramp as it was, all of it."""
         return self.space.before if cycle is self.cycle else self.space.registers(cycle.ramp)
+
+    def scaled(self, scale: int) -> list[Held]:
+        """What to write for a run current scale; the one at rest is no more."""
+        return self.current.registers(scale, min(scale, self.current.hold_scale))
 
     @property
     def period(self) -> int:
@@ -94,6 +101,8 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if wanted.speed_margin and (more is None or more.times < 0.99 * (1 + wanted.speed_margin)):
         held = "no more speed" if more is None else f"{100 * (more.times - 1):.0f} % more speed alone"
         looked.warnings.append(f"{held} can be tried, by limits: what a lower supply does is shown so far only")
+    if wanted.twin is not None and limits.current_full_scale_a is None:
+        looked.warnings.append(f"no current is tried on a twin: {NO_FULL_SCALE}")
     cool, why = _cool(device, axis, wanted, found, cycle)
     if why:
         looked.warnings.append(f"CoolStep is not looked for: {why}")
@@ -152,10 +161,14 @@ def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
             f"{wanted.repeats} with {percent}, over {abs(ground.faster.distance)} microsteps: where they lose steps, "
             "the supply limits, and not the current"
         )
+    scales = ground.current.run_scale + 1
+    on_twin = [] if wanted.twin is None else [f"{scales} currents on an emulated twin: the motor rests meanwhile"]
+    search = "less current by halves" if wanted.twin is None else "the least one that held there, then by halves"
     told.steps = [
         f"{BASELINE_CYCLES} load cycles (by {wanted.distance} microsteps and back, with the ramp as it is) at first",
         *more,
-        f"less current by halves, {wanted.repeats} cycles each, until steps are lost",
+        *on_twin,
+        f"{search}, {wanted.repeats} cycles each, until steps are lost",
         "after lost steps the position is taken from the encoder, and the motor goes back with the current as it was",
         f"{proof} cycles at {100 * wanted.margin:g} % less than what is chosen{raised}: none may lose a step",
         *_cool_steps(ground, proof),

@@ -3,34 +3,32 @@
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Sequence
 
-import numpy as np
-
-from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import LeastCurrent
-from ..moves import MeasuredMoves, MoveFigures
 from ..parts import Interval
 from ..proof import rate_bound, runs_for
-from ..record import Figures, Held, Trial
+from ..record import Figures, Finding, Trial
 from ..run import StudyRun
-from .cool_search import CHANNELS, Bench, CoolSearch, Cycled
+from ..search import Dimension, Space
+from ..twins.search import look_on_twins
+from .cool_search import Bench, CoolSearch
 from .cycle import Cycle, faster
+from .cycles import NAME, ON_TWIN, LoadCycles
 from .found import CoolStepFound, CurrentTried, LeastCurrentFound, Saving
-from .plan import BASELINE_CYCLES, MORE_SEARCHES, Ground, look
+from .plan import BASELINE_CYCLES, MORE_SEARCHES, NO_FULL_SCALE, Ground, look
 
 PROOFS_MOST = 4
 """So often the edge is taken one scale higher after steps were lost in the proof."""
-BAND_FULLSTEPS = 2.0
 COPPER_WARM = 1 + 0.00393 * 60
 """Resistance of copper at 80 deg C, of that at 20."""
 CURRENT_SHARE = 0.05
 """How well a driver's scale and its sense resistor are known."""
 UNITS = {"run current scale": "1/32"}
-NAME = "run current scale"
+PROOF, COOL_PROOF = (0.4, 0.95), (0.5, 0.8)
+"""How far the study is, where the proof begins and ends."""
 
 
 class LeastCurrentStudy(StudyRun):
@@ -38,7 +36,7 @@ class LeastCurrentStudy(StudyRun):
     and not the supply is what limits."""
 
     _ground: Ground
-    _moves: MeasuredMoves
+    _load: LoadCycles
 
     @property
     def wanted(self) -> LeastCurrent:
@@ -55,15 +53,17 @@ class LeastCurrentStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        beside = [] if ground.cool is None else [f"{name}.{self.axis}" for name in CHANNELS]
-        self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, BAND_FULLSTEPS, beside)
-        self._random = random.Random(record.document.seed)
         record.runs, record.trials, record.best, record.findings = 0, [], None, []
         if not record.baseline:
             cool = [] if ground.cool is None else ground.cool.before
             record.baseline = [*ground.current.before, *ground.space.before, *cool]
             record.baseline_setting = {NAME: float(ground.current.run_scale)}
         record.units = dict(UNITS)
+        self._load = LoadCycles(self.device, self.axis, self.clock, ground, record.document.seed, self.apply)
+        self._load.before = record.baseline
+        self._load.ran, self._load.mark, self._load.spent = self._ran, self.keeper.mark, self.spent
+        self._load.left = self._tell_left
+        self._span = PROOF if ground.cool is None else (PROOF[0], COOL_PROOF[0])
         record.least_current = LeastCurrentFound(
             scale_before=ground.current.run_scale,
             coolstep=CoolStepFound(why=ground.why_not_cool) if wanted.coolstep else None,
@@ -74,66 +74,25 @@ class LeastCurrentStudy(StudyRun):
             await self._speed_that_holds()
             self._no_coolstep("the supply limits, and not the current")
         else:
+            await self._twins()
             await self._cool(await self._prove(await self._edge()))
         await self.back()
-        await self._moves.go(ground.start)
+        await self._load.moves.go(ground.start)
 
     # --- cycles -----------------------------------------------------------------------------------
 
-    async def _cycle(self, cycle: Cycle) -> Cycled:
-        """There and back from a place of the electrical period that is drawn anew. Lost steps are mended."""
-        ground = self._ground
-        begin = ground.start + cycle.way * self._random.randrange(ground.period)
-        moves: list[MoveFigures] = []
-        beside = []
-        try:
-            await self._moves.go(begin)
-            for target in (begin + cycle.distance, begin):
-                moves.append(await self._moves.measured(target))
-                if self._moves.last is not None:
-                    beside.append(self._moves.last.beside)
-                if moves[-1].lost_fullsteps:
-                    break
-        finally:
-            self.record.runs += 1
-            self.record.way_fullsteps = self._moves.way_fullsteps
-        held = not any(move.lost_fullsteps for move in moves)
-        if not held:
-            await self._mend()
-        rows = np.concatenate(beside)
-        moving = rows[np.isfinite(rows).all(axis=1) & (rows[:, 0] != 0)] if ground.cool is not None else rows
-        return Cycled(held, 1, max(move.deviation_fullsteps for move in moves), moving)
+    def _ran(self) -> None:
+        self.record.runs += 1
+        self.record.way_fullsteps = self._load.moves.way_fullsteps
 
-    async def _cycles(self, registers: Sequence[Held], words: str, count: int, cycle: Cycle) -> Cycled:
-        """So many with those registers; it ends with the first that loses a step, or with the budget."""
-        await self.apply(registers, words)
-        self.keeper.mark(words)
-        seen = list[Cycled]()
-        while len(seen) < count and not self.spent():
-            seen.append(await self._cycle(cycle))
-            if not seen[-1].held:
-                break
-        return Cycled(
-            len(seen) == count and all(one.held for one in seen),
-            len(seen),
-            max((one.worst for one in seen), default=0.0),
-            np.concatenate([one.beside for one in seen]) if seen else np.empty((0, len(CHANNELS))),
-        )
-
-    async def _mend(self) -> None:
-        self.keeper.mark("steps lost: the position is taken from the encoder")
-        await self.apply(self.record.baseline, "current and ramp before the study")
-        await self.device.need(PositionFromEncoder).position_from_encoder(self.axis)
-        await self._moves.go(self._ground.start)
-
-    def _registers(self, scale: int) -> list[Held]:
-        current = self._ground.current
-        return current.registers(scale, min(scale, current.hold_scale))
+    def _tell_left(self, left_s: float, done: float) -> None:
+        if self.record.phase == "proof":
+            low, high = self._span
+            self.tell("proof", low + (high - low) * done, self.record.message, left_s)
 
     async def _tried(self, scale: int, cycles: int, cycle: Cycle) -> bool:
         """Whether so many cycles at a scale lose no step."""
-        registers = [*self._registers(scale), *self._ground.ramp(cycle)]
-        seen = await self._cycles(registers, f"run current {scale + 1}/32", cycles, cycle)
+        seen = await self._load.at(scale, cycles, cycle)
         self.found.tried.append(
             CurrentTried(
                 scale=scale,
@@ -152,11 +111,9 @@ class LeastCurrentStudy(StudyRun):
     async def _baseline(self) -> None:
         self.tell("baseline", 0.0, "load cycles with the current as it is set now")
         self._touched = True
-        # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._moves.go(self._ground.start + self._ground.cycle.way * self._ground.period)
-        await self._moves.go(self._ground.start)
+        await self._load.fall_into_step()
         for _ in range(BASELINE_CYCLES):
-            if not (await self._cycle(self._ground.cycle)).held:
+            if not (await self._load.once(self._ground.cycle)).held:
                 raise Failed("it loses steps with the current as it is set now: more current, or a gentler ramp, first")
 
     async def _supply_limits(self) -> bool:
@@ -192,16 +149,36 @@ class LeastCurrentStudy(StudyRun):
         )
         record.next = "more supply voltage, a motor of less inductance, or a slower ramp; then once more"
 
+    async def _twins(self) -> None:
+        """Every scale on twins, and the least that held there remembered; the motor rests meanwhile."""
+        record, twin = self.record, self.wanted.twin
+        if twin is None or record.twin:
+            return
+        if self.device.axes[self.axis].settings.limits.current_full_scale_a is None:
+            record.findings.append(Finding(name="twin", text=f"could not be tried: {NO_FULL_SCALE}", sure="missing"))
+            return
+        most = self._ground.current.run_scale
+        space = Space((Dimension(NAME, 0.0, float(most), log=False),), 1, "tpe")
+        every = [{NAME: float(scale)} for scale in range(most, -1, -1)]
+        await look_on_twins(self, ON_TWIN, twin.model_copy(update={"trials": len(every)}), space, every)
+
     async def _edge(self) -> int:
-        """The least scale at which no step is lost, by halves."""
-        low, high = -1, self._ground.current.run_scale
+        """The least scale at which no step is lost: near what held on a twin, where one was tried, else by halves."""
+        low, high, step = -1, self._ground.current.run_scale, 1
+        guesses = [round(one.setting[NAME]) for one in self.record.twin]
         while high - low > 1 and not self.spent(share=0.5):
-            middle = (low + high) // 2
-            self.tell("search", 0.05 + 0.3 * len(self.found.tried) / 5, f"trying {middle + 1}/32 of the current")
-            if await self._tried(middle, self.wanted.repeats, self._ground.cycles[0]):
-                high = middle
+            between = [scale for scale in guesses if low < scale < high]
+            if between:
+                scale = between[0]
+            elif guesses and low < 0 and high <= guesses[0]:
+                scale, step = max(high - step, 0), 2 * step
             else:
-                low = middle
+                scale = (low + high) // 2
+            self.tell("search", 0.1 + 0.25 * min(len(self.found.tried) / 5, 1), f"trying {scale + 1}/32 of the current")
+            if await self._tried(scale, self.wanted.repeats, self._ground.cycles[0]):
+                high = scale
+            else:
+                low = scale
         return high
 
     # --- proof ------------------------------------------------------------------------------------
@@ -256,7 +233,7 @@ class LeastCurrentStudy(StudyRun):
             Trial(
                 number=1,
                 setting={NAME: float(chosen)},
-                registers=self._registers(chosen),
+                registers=self._ground.scaled(chosen),
                 state="feasible",
                 figures=Figures(deviation_fullsteps=max(worst), runs=cycles),
                 why=f"proved at {stressed + 1}/32",
@@ -297,15 +274,16 @@ class LeastCurrentStudy(StudyRun):
         if chosen is None:
             self._no_coolstep("no run current with its margin was found, which is its upper end")
             return
+        self._span = COOL_PROOF
         bench = Bench(
             space=ground.cool,
             wanted=self.wanted,
-            current=self._registers,
+            current=ground.scaled,
             chosen=chosen,
             most=ground.current.run_scale,
             cycles=ground.cycles,
             ramp=ground.ramp,
-            run=self._cycles,
+            run=self._load.some,
             tell=self.tell,
             spent=self.spent,
             seed=record.document.seed,

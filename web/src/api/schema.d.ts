@@ -5792,10 +5792,7 @@ export interface components {
         Compiling: {
             /** Done */
             done: number;
-            /**
-             * Total
-             * @description 0 in the first seconds: it has not been looked yet whether all is there
-             */
+            /** Total */
             total: number;
             /**
              * Doing
@@ -9392,6 +9389,8 @@ export interface components {
              * @default true
              */
             coolstep?: boolean;
+            /** @description every current is tried there first, whatever `trials` says; null: on the axis alone */
+            twin?: components["schemas"]["Twin-Input"] | null;
         };
         /**
          * LeastCurrent
@@ -9454,6 +9453,8 @@ export interface components {
              * @default true
              */
             coolstep: boolean;
+            /** @description every current is tried there first, whatever `trials` says; null: on the axis alone */
+            twin: components["schemas"]["Twin-Output"] | null;
         };
         /**
          * LeastCurrentFound
@@ -18776,7 +18777,7 @@ export interface components {
         TorquePoint: {
             /**
              * Speed Rps
-             * @description of the slips, mean [turns/s]
+             * @description of the slips, mean; midway between rotor and field [turns/s]
              */
             speed_rps: number;
             /**

@@ -3,10 +3,11 @@ import { useState } from "react";
 import { NumberField } from "../../../lib/NumberField";
 import { QuantityField } from "../../../lib/QuantityField";
 import type { FieldsProps } from "../kind";
+import { TwinFields } from "../twin/TwinFields";
 import type { LeastCurrentForm } from "./form";
 
 /** The load cycle, the margin, how sure it has to be, and what watts are reckoned with. */
-export function Fields({ form, change, scale }: FieldsProps<LeastCurrentForm>) {
+export function Fields({ form, change, scale, axis }: FieldsProps<LeastCurrentForm>) {
   const [unit, setUnit] = useState("rev");
   return (
     <>
@@ -65,6 +66,7 @@ export function Fields({ form, change, scale }: FieldsProps<LeastCurrentForm>) {
         onChange={(runCurrentA) => change({ runCurrentA })}
         onClear={() => change({ runCurrentA: null })}
       />
+      <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
       <Checkbox
         label="CoolStep too"
         description="where the chip has it: less current where the load is small"

@@ -92,8 +92,8 @@ function Found({ found }: { found: LeastCurrentFound }) {
         label="Peak deviation over the run current"
         height={190}
         series={[
-          { label: "no step lost", unit: "full steps", color: colorOf("velocity", scheme), dots: 7 },
-          { label: "steps lost", unit: "full steps", color: lost, dots: 7 },
+          { label: "no step was lost", color: colorOf("velocity", scheme), dots: 7 },
+          { label: "steps were lost", color: lost, dots: 7 },
         ]}
         x={{ label: "run current", unit: "1/32" }}
         scales={{ y: { label: "peak deviation", unit: "full steps", include: [0] } }}

@@ -1,4 +1,5 @@
 import type { KindForm } from "../kind";
+import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
 
 export interface LeastCurrentForm {
   /** of a load cycle, and back [microsteps] */
@@ -15,6 +16,7 @@ export interface LeastCurrentForm {
   runCurrentA: number | null;
   /** less current where the load is small, too */
   coolstep: boolean;
+  twin: TwinForm;
 }
 
 export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
@@ -29,6 +31,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
     resistanceOhm: null,
     runCurrentA: null,
     coolstep: true,
+    twin: FIRST_TWIN,
   }),
   wish: (form) => ({
     study: {
@@ -40,6 +43,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
       resistance_ohm: form.resistanceOhm,
       run_current_a: form.runCurrentA,
       coolstep: form.coolstep,
+      twin: twinOf(form.twin),
     },
   }),
 };
