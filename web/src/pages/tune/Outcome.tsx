@@ -5,7 +5,7 @@ import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { titleOf } from "./kinds";
 import { Phases } from "./Phases";
-import type { Study } from "./study";
+import { type Study, sentencesOf } from "./study";
 import classes from "./tune.module.css";
 import type { Changes } from "./useStudies";
 
@@ -21,6 +21,7 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
   const { id } = study;
   const running = study.state === "running";
   const best = study.trials.find(({ number }) => number === study.best);
+  const [first, ...grounds] = sentencesOf(running ? study.message : study.verdict || study.message || study.state);
   const failed = [changes.stop, changes.resume, changes.best, changes.undo, changes.keep, changes.remove];
   return (
     <Card
@@ -55,9 +56,14 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
           <span className="num text-13">{Math.round(study.progress * 100)} %</span>
         </div>
       )}
-      <p role="status" data-testid="verdict" data-outcome={outcomeOf(study)} className={`${classes.verdict} m-0`}>
-        {running ? study.message : study.verdict || study.message || study.state}
-      </p>
+      <div role="status" data-testid="verdict" data-outcome={outcomeOf(study)} className={classes.verdict}>
+        <b>{first}</b>
+        {grounds.map((ground) => (
+          <p key={ground} className="m-0">
+            {ground}
+          </p>
+        ))}
+      </div>
       {running && (
         <Text size="sm" mt={4}>
           {study.left_s === null ? "How long it takes yet is not known." : `About ${duration(study.left_s)} left.`}

@@ -10,7 +10,7 @@ import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalib
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
-import { remedyOf, type Study } from "./study";
+import { remedyOf, type Study, sentencesOf } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 import { asIdentified, FIRST_TWIN, type Identified, named, twinOf } from "./twin/form";
 
@@ -86,6 +86,25 @@ describe("a study on the page", () => {
       counts_per_turn: 4000,
     });
     expect(asIdentified(FIRST_TWIN, { ...found, inertia_kgm2: null } as unknown as Identified, "today")).toBeNull();
+  });
+
+  it("tries currents on a twin first, as the fastest move is", () => {
+    const forms = firstForms(1000);
+    const twin = { ...FIRST_TWIN, on: true };
+    const wish = documentOf("least_current", { ...forms, least_current: { ...forms.least_current, twin } }, "slide", 0);
+    expect(wish.study).toMatchObject({ kind: "least_current", twin: { motor: FIRST_TWIN.motor } });
+    expect(documentOf("least_current", forms, "slide", 0).study).toMatchObject({ twin: null });
+  });
+
+  it("parts a long verdict into what came of it and its grounds", () => {
+    const told =
+      "30 % faster (0.4 s to 0.3 s; 95 %: 1 to 2 ms less), no step lost; it is 1.5 ms. With CoolStep (SEMIN 2)";
+    expect(sentencesOf(told)).toEqual([
+      "30 % faster (0.4 s to 0.3 s; 95 %: 1 to 2 ms less), no step lost",
+      "it is 1.5 ms",
+      "With CoolStep (SEMIN 2)",
+    ]);
+    expect(sentencesOf("running")).toEqual(["running"]);
   });
 
   it("asks for a calibration, whose form a link may open", () => {

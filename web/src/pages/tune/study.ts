@@ -22,3 +22,8 @@ export function remedyOf(device: string, { remedy }: Finding): Remedy | null {
   if (remedy === null) return null;
   return { ...remedy, path: `/api/v1/devices/${encodeURIComponent(device)}/${remedy.path}` };
 }
+
+/** A verdict's sentences: what came of it first, then its grounds. A semicolon within brackets parts nothing. */
+export function sentencesOf(verdict: string): string[] {
+  return verdict.split(/; (?![^(]*\))|\. (?=[A-Z])/);
+}

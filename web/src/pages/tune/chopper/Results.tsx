@@ -22,8 +22,8 @@ function Found({ found }: { found: ChopperFound }) {
         label="Ripple over hysteresis"
         height={190}
         series={[
-          { label: "tried", unit: "full steps", color: colorOf("velocity", scheme), dots: 7, line: false },
-          { label: "before", unit: "full steps", color: colorOf("residual", scheme), dots: 9, line: false },
+          { label: "tried", color: colorOf("velocity", scheme), dots: 7, line: false },
+          { label: "before", color: colorOf("residual", scheme), dots: 9, line: false },
         ]}
         x={{ label: "hysteresis" }}
         scales={{ y: { label: "ripple", unit: "full steps", include: [0] } }}

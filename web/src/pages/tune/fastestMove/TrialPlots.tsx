@@ -24,9 +24,9 @@ export function TrialPlots({ study }: { study: Study }) {
           summary={`${tried} settings were tried`}
           height={170}
           series={[
-            { label: "held", unit: "s", color: held, ...dots },
-            { label: "lost steps (its ramp)", unit: "s", color: lost, ...dots },
-            { label: "best so far", unit: "s", color: held, stepped: true },
+            { label: "held", color: held, ...dots },
+            { label: "lost steps (its ramp)", color: lost, ...dots },
+            { label: "best so far", color: held, stepped: true },
           ]}
           x={{ label: "trial" }}
           scales={{ y: { label: "time", unit: "s" } }}
@@ -37,8 +37,8 @@ export function TrialPlots({ study }: { study: Study }) {
             label={`${names[1]} over ${names[0]} of each trial`}
             height={200}
             series={[
-              { label: "held", unit: study.units[names[1] ?? ""] ?? "", color: held, ...dots },
-              { label: "lost steps", unit: study.units[names[1] ?? ""] ?? "", color: lost, ...dots },
+              { label: "held", color: held, ...dots },
+              { label: "lost steps", color: lost, ...dots },
             ]}
             x={{ label: names[0] ?? "", unit: study.units[names[0] ?? ""] ?? "" }}
             scales={{ y: { label: names[1] ?? "", unit: study.units[names[1] ?? ""] ?? "" } }}
@@ -51,8 +51,8 @@ export function TrialPlots({ study }: { study: Study }) {
             summary={`${study.front.length} settings that none beats in both`}
             height={170}
             series={[
-              { label: "held", unit: "full steps", color: held, ...dots },
-              { label: "front", unit: "full steps", color: colorOf("acceleration", scheme), dots: 11, line: true },
+              { label: "held", color: held, ...dots },
+              { label: "front", color: colorOf("acceleration", scheme), dots: 11, line: true },
             ]}
             x={{ label: "time", unit: "s" }}
             scales={{ y: { label: "deviation", unit: "full steps" } }}

@@ -22,9 +22,9 @@ function Found({ found }: { found: StealthFound }) {
         label="Jolt over switch-over speed"
         height={190}
         series={[
-          { label: "tried", unit: "full steps", color: colorOf("velocity", scheme), dots: 7, line: false },
-          { label: "before", unit: "full steps", color: colorOf("residual", scheme), dots: 9, line: false },
-          { label: "allowed", unit: "full steps", color: colorOf("target", scheme) },
+          { label: "tried", color: colorOf("velocity", scheme), dots: 7, line: false },
+          { label: "before", color: colorOf("residual", scheme), dots: 9, line: false },
+          { label: "allowed", color: colorOf("target", scheme) },
         ]}
         x={{ label: "switch-over", unit: "turns/s" }}
         scales={{ y: { label: "jolt", unit: "full steps", include: [0] } }}
