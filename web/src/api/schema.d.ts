@@ -5792,7 +5792,10 @@ export interface components {
         Compiling: {
             /** Done */
             done: number;
-            /** Total */
+            /**
+             * Total
+             * @description 0 in the first seconds: it has not been looked yet whether all is there
+             */
             total: number;
             /**
              * Doing
