@@ -56,6 +56,8 @@ def test_a_first_start_tells_how_far_it_is_and_a_motor_moves_meanwhile(
     with ServerProcess(tmp_path / "data") as server:
         context = browser.new_context(base_url=server.url)
         page = context.new_page()
+        # As by a server that is still starting: the page asks again.
+        page.route("**/health/details", lambda route: route.abort(), times=1)
         page.goto("/")
         note = page.get_by_test_id("first-start")
         expect(note).to_contain_text(re.compile(r"First start: \d+ of \d+ emulators"), timeout=60_000)

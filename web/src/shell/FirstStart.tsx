@@ -9,7 +9,7 @@ export function FirstStart() {
   const health = useQuery({
     queryKey: ["first start"],
     queryFn: async () => (await api.GET("/api/v1/health/details")).compiling,
-    refetchInterval: (query) => (query.state.data ? 1000 : false),
+    refetchInterval: (query) => (query.state.data === null ? false : 1000), // a server that starts may have refused
     staleTime: Number.POSITIVE_INFINITY,
   });
   return health.data?.total ? <FirstStartNote {...health.data} /> : null;

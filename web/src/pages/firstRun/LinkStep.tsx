@@ -1,7 +1,7 @@
 import { Anchor, Button, Group, Progress, Text } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "wouter";
-import { compact, fixed } from "../../lib/format";
+import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useWork } from "../../lib/useWork";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
@@ -51,7 +51,7 @@ function Told({ figures: { sent, lost, medianMs, p99Ms } }: { figures: LinkFigur
     <Text size="sm" role="status" data-testid="link-trial" {...(lost > 0 ? { c: "red" } : {})}>
       {fixed(sent)} frames, {lost === 0 ? "none" : fixed(lost)} lost
       {medianMs !== null && p99Ms !== null
-        ? `; half of the answers came within ${compact(medianMs, 3, "ms")}, 99 of 100 within ${compact(p99Ms, 3, "ms")}`
+        ? `; half of the answers came within ${duration(medianMs / 1000)}, 99 of 100 within ${duration(p99Ms / 1000)}`
         : ""}
       .{lost > 0 && " Look at cable, ground and speed of the wire before a motor turns; the Console shows each frame."}
     </Text>
