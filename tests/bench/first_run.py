@@ -192,7 +192,7 @@ class Guided:
     def keep(self) -> None:
         self.at("Keep it")
         self.click("Keep the profile")
-        expect(self.page.get_by_role("status").filter(has_text="Kept.")).to_be_visible(timeout=PATIENCE_MS)
+        expect(self.page.get_by_role("status").filter(has_text="Kept, with")).to_be_visible(timeout=PATIENCE_MS)
 
 
 def measure(quick: bool) -> Sequence[Row]:
