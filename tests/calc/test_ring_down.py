@@ -14,7 +14,9 @@ COUNT = 2 * math.pi / 400
 """Of an encoder with 5000 lines [rad electrical]."""
 
 
-def rings(hz: float, damping: float, friction: float, count: int = 8, start: float = 1.2) -> list[Ring]:
+def rings(
+    hz: float, damping: float, friction: float, count: int = 8, start: float = 1.2, zero: float = 0.03
+) -> list[Ring]:
     w = 2 * math.pi * hz
     p = np.array([w * w, 2 * damping * w, friction, 0.04, 0.0, 0.0])
     rng = np.random.default_rng(5)
@@ -23,7 +25,7 @@ def rings(hz: float, damping: float, friction: float, count: int = 8, start: flo
         seen = np.empty(40_000)
         field = 1.1 * index
         swing(p, field, 0.0, field - start, 0.0, 0.0, 1e-5, seen)
-        samples = seen[::100] + 0.03
+        samples = seen[::100] + zero
         noisy = COUNT * np.round(samples / COUNT + rng.uniform(-0.5, 0.5))
         made.append(
             Ring(np.arange(len(noisy), dtype=np.float64) * 1e-3, np.asarray(noisy, dtype=np.float64), field, True)
@@ -40,6 +42,14 @@ def test_frequency_and_damping_of_rings_are_found_with_their_intervals(
     assert found.damping.value == pytest.approx(damping, rel=0.1)
     assert abs(found.resonance_hz.value - hz) < 2 * found.resonance_hz.half < 0.02 * hz
     assert found.detent.value == pytest.approx(0.04, abs=0.01)
+
+
+@pytest.mark.parametrize("zero", [-3.0, 3.0, 3.3])
+def test_the_zero_of_the_encoder_may_lie_half_a_period_beside_the_field(zero: float) -> None:
+    found = fit_ring_downs(rings(98.0, 0.03, 0.01, zero=zero))
+    assert found.resonance_hz.value == pytest.approx(98.0, rel=0.003)
+    assert found.damping.value == pytest.approx(0.03, rel=0.05)
+    assert found.friction.value == pytest.approx(0.01, abs=0.002)
 
 
 def test_what_does_not_ring_is_no_pendulum() -> None:

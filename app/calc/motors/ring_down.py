@@ -39,8 +39,8 @@ UNSURE = 0.1
 TINY = 1e-9
 LEFT_OUT = 0.003
 """Share of the resonance by which the pendulum is no motor: currents follow late, which pulls it down by some 0.2 %."""
-LOWEST = (-math.inf, 1e-4, 0.0, -0.5, -0.5, -math.pi)
-HIGHEST = (math.inf, 2.0, 0.8, 0.5, 0.5, math.pi)
+LOWEST = (-math.inf, 1e-4, 0.0, -0.5, -0.5, -math.inf)
+HIGHEST = (math.inf, 2.0, 0.8, 0.5, 0.5, math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +105,7 @@ class _Fit:
         self._play = play
         self.friction: Fitted | None = None
         """Where it is known."""
+        self._offset = float(np.median([float(np.median(ring.seen[-LEAST_SAMPLES:])) - ring.field for ring in rings]))
         ends = np.cumsum([len(ring.seen) for ring in self._rings])
         self.parts = [slice(int(a), int(b)) for a, b in zip((0, *ends[:-1]), ends, strict=True)]
         self.size = int(ends[-1])
@@ -139,10 +140,12 @@ class _Fit:
         """Parameters to begin with."""
         x = np.zeros(SHARED + 2 * len(self._rings))
         x[LOG_W], x[DAMPING], x[FRICTION] = math.log(w), damping, 0.02
+        # An encoder's zero lies anywhere: from half a period beside it no fit finds its way.
+        x[OFFSET] = self._offset
         for at, ring in enumerate(self._rings):
             few = slice(0, 3)
             slope = np.polyfit(ring.time_s[few], ring.seen[few], 1)[0]
-            x[SHARED + 2 * at], x[SHARED + 2 * at + 1] = ring.seen[0], slope / w
+            x[SHARED + 2 * at], x[SHARED + 2 * at + 1] = ring.seen[0] - self._offset, slope / w
         return x
 
     def solve(self, x: FloatArray, most: int) -> tuple[FloatArray, float]:
