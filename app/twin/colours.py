@@ -15,7 +15,7 @@ CHANNEL_SHADES: dict[str, tuple[str, str]] = {
     "encoder_position": ("#6a0f5c", "#e65fb0"),
     "load_angle": ("#4b2fa3", "#8f7bff"),
     "current_a": ("#5c5200", "#f0e442"),
-    "current_b": ("#5c5200", "#f0e442"),
+    "coil_b": ("#a86400", "#e69f00"),
     "switch_left": ("#0068a8", "#56b4e9"),
     "switch_right": ("#008060", "#a6e36a"),
     "switch_home": ("#4b2fa3", "#8f7bff"),

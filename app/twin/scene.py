@@ -91,7 +91,8 @@ def _coils(shape: Shape, look: AxisPose, scheme: Scheme) -> dict[str, Placement]
     other: Coil = "b" if shape.sine_coil == "a" else "a"
     for name, coil, x, z in (("sine", shape.sine_coil, 0.0, 1.0), ("cosine", other, 1.0, 0.0)):
         current: float | None = getattr(look, f"current_{coil}")
-        colour = rgb("missing" if current is None else f"current_{coil}", scheme)
+        own = "current_a" if coil == "a" else "coil_b"
+        colour = rgb("missing" if current is None else own, scheme)
         amount = current or 0.0
         glow = colour if current is None else between(rgb("coil", scheme), colour, min(1.0, abs(amount)))
         way = FIELD_LENGTH * amount

@@ -87,6 +87,21 @@ def test_the_field_is_the_sum_of_both_currents(model: str, sine: str, cosine: st
         assert placed["/dial/label_sine"].text == sine[-1].upper()
 
 
+@pytest.mark.parametrize("model", ["tmc4361", "tmc5160"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_coil_has_its_colour_in_the_motor_and_on_the_dial_and_the_other_one_another(
+    model: str, scheme: Scheme
+) -> None:
+    shape = replace(STAGE, sine_coil=sine_coil_of(model))
+    placed = placements(shape, look_of(shape, 0.0, {"current_a": 256.0, "current_b": 256.0}), scheme)
+    sine, cosine = (
+        {placed[place].colour for place in (f"/motor/coils_{name}", f"/dial/{name}/arrow", f"/dial/track_{name}")}
+        for name in ("sine", "cosine")
+    )
+    assert len(sine) == len(cosine) == 1
+    assert sine != cosine
+
+
 def test_the_arc_reaches_from_the_rotor_to_the_field() -> None:
     placed = placements(STAGE, EVERYTHING, "light")
     mesh = placed["/dial/load/arc"].mesh

@@ -46,6 +46,8 @@ const TRACES = {
   current_scale: { kind: "current" },
   current_a: { kind: "current" },
   current_b: { kind: "current", dash: ASIDE },
+  // of the 3D view, where no line is dashed
+  coil_b: { kind: "predicted" },
   phase_a: { kind: "current" },
   phase_b: { kind: "current", dash: ASIDE },
   switch_left: { kind: "measured" },

@@ -68,7 +68,7 @@ export function numbersOf(state: TwinState): NumberRow[] {
       "deviation",
     ),
     row("current of coil A", look?.current_a, share, "of full current", "current_a", "current_a"),
-    row("current of coil B", look?.current_b, share, "of full current", "current_b", "current_b"),
+    row("current of coil B", look?.current_b, share, "of full current", "coil_b", "current_b"),
     ...switches(look, channels),
     lost(look, channels),
   ];

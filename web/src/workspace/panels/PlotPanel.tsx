@@ -99,7 +99,7 @@ function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<Plo
           )}
           <NativeSelect
             size="xs"
-            w={104}
+            w={112}
             aria-label="Time"
             value={config.spanS}
             data={[
@@ -146,8 +146,8 @@ function Add({ channels, plot, kind, offered, put }: AddProps) {
       {kind === "xy" && (
         <Select
           size="xs"
-          flex="1 1 92px"
-          miw={92}
+          flex="1 1 70px"
+          miw={70}
           maw={170}
           aria-label="Over"
           searchable
@@ -160,8 +160,8 @@ function Add({ channels, plot, kind, offered, put }: AddProps) {
       )}
       <Select
         size="xs"
-        flex="1 1 92px"
-        miw={92}
+        flex="1 1 70px"
+        miw={70}
         maw={170}
         aria-label="Add a channel"
         placeholder="Add…"

@@ -28,7 +28,12 @@ const KINDS = [
 ] as const;
 /** A spectrum takes as long as a hundred plots: so often is enough [ms]. */
 const SPECTRUM_MS = 200;
-const DOTS_MAX = 4000;
+/** Panels draw so often, and take turns: a dozen of them in each frame would be all that a page does [ms]. */
+const PANEL_MS = 50;
+const FRAME_MS = 1000 / 60;
+let phases = 0;
+const FIGURES_MS = 500;
+const DOTS_MAX = 2000;
 const ROWS_PER_PIXEL = 3;
 
 /** Whose time plots show: the scope's, or that of a panel of its own. */
@@ -63,7 +68,9 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
   );
   const handles = useRef(new Map<string, PlotHandle>());
   const dots = useRef(new Map<string, Overlay[]>());
-  const drawn = useRef(new Map<string, { state: string; ms: number }>());
+  const drawn = useRef(new Map<string, { state: string; turn: number }>());
+  const [phase] = useState(() => phases++);
+  const figured = useRef(new Map<string, { atMs: number; revision: number; text: string }>());
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: what has to be drawn anew
   useEffect(() => drawn.current.clear(), [feed, free, scheme]);
@@ -93,8 +100,10 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
       const state = `${window.join()} ${revisions} ${width} ${scope.view.revision}`;
       const before = drawn.current.get(plot.id);
       if (!handle || width === 0 || before?.state === state) continue;
-      if (plot.kind === "spectrum" && before && nowMs - before.ms < SPECTRUM_MS) continue;
-      drawn.current.set(plot.id, { state, ms: nowMs });
+      const period = plot.kind === "spectrum" ? SPECTRUM_MS : alone ? PANEL_MS : 0;
+      const turn = period === 0 ? 0 : Math.floor((nowMs + phase * FRAME_MS) / period);
+      if (period > 0 && before?.turn === turn) continue;
+      drawn.current.set(plot.id, { state, turn });
       if (plot.kind === "time") handle.setData(feed.overTime(plot.y, window, width * ROWS_PER_PIXEL), window);
       else if (plot.kind === "spectrum") drawSpectrum(handle, plot, window);
       else drawPairs(handle, plot, window);
@@ -143,10 +152,16 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
       number={index + 1}
       alone={alone}
       figures={(path) => {
+        const before = figured.current.get(path);
+        const atMs = performance.now();
+        const { revision } = scope.view;
+        if (before?.revision === revision && atMs - before.atMs < FIGURES_MS) return before.text;
         const [from, to] = scope.view.current();
         const { minimum, maximum, rms } = statisticsOf(feed.samples(path, [from, to]), from, to);
-        if (Number.isNaN(rms)) return "no values in this time";
-        return `${compact(minimum, 3)} to ${compact(maximum, 3)}, RMS ${compact(rms, 3)}`;
+        const values = `${compact(minimum, 3)} to ${compact(maximum, 3)}, RMS ${compact(rms, 3)}`;
+        const text = Number.isNaN(rms) ? "no values in this time" : values;
+        figured.current.set(path, { atMs, revision, text });
+        return text;
       }}
       channels={channels}
       scheme={scheme}
