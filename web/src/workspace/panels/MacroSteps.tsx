@@ -1,7 +1,7 @@
 import { ActionIcon, Button, Group, Select, Text, TextInput } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
-import { KINDS, kindOf, moved, type Step, type StepField, shown, written } from "./macroSteps";
+import { fieldsOf, KINDS, moved, type Step, type StepField, shown, written } from "./macroSteps";
 
 const TITLES = Object.entries(KINDS).map(([value, { title }]) => ({ value, label: title }));
 
@@ -56,14 +56,14 @@ export function MacroSteps({ steps, onChange }: Props) {
                   </ActionIcon>
                 </Group>
               </div>
-              {kindOf(step)?.fields.map((field) => (
+              {fieldsOf(step).map((field) => (
                 <Field
                   key={field.key}
                   step={step}
                   field={field}
                   onChange={(next) => onChange(steps.map((each, at) => (at === index ? next : each)))}
                 />
-              )) ?? <Text size="xs">{JSON.stringify(step)}</Text>}
+              ))}
             </fieldset>
           </li>
         ))}
@@ -105,7 +105,7 @@ function Field({ step, field, onChange }: { step: Step; field: StepField; onChan
   return (
     <TextInput
       size="xs"
-      w={wide ? 200 : 100}
+      w={field.kind === "step" ? "100%" : wide ? 200 : 100}
       label={field.label}
       value={text}
       error={wrong && "cannot stand here"}

@@ -1,7 +1,6 @@
 import { expect, test } from "vitest";
-import { KINDS, kindOf, linesOf, moved, type Step, type StepField, shown, stepsOf, written } from "./macroSteps";
+import { fieldsOf, KINDS, linesOf, moved, type Step, type StepField, shown, stepsOf, written } from "./macroSteps";
 
-const fieldsOf = (step: Step) => kindOf(step)?.fields ?? [];
 const field = (step: Step, key: string) => fieldsOf(step).find((each) => each.key === key) as StepField;
 
 test("what a form shows of any step is that step again", () => {
@@ -34,6 +33,16 @@ test("lines and steps are the same, and what is none is told", () => {
   expect(stepsOf(linesOf(steps))).toEqual(steps);
   expect(stepsOf(linesOf([]))).toEqual([]);
   for (const wrong of ["", "{}", "[1]", '[{"axis": 0}]', "[null]", "["]) expect(stepsOf(wrong)).toBeNull();
+});
+
+test("a step of an unknown kind, and the lists in it, can be edited as a whole", () => {
+  const step = { do: "blink", lamps: [1, 2] } as unknown as Step;
+  const [whole, more] = fieldsOf(step) as [StepField, undefined];
+  expect(more).toBeUndefined();
+  expect(written(step, whole, shown(step, whole))).toEqual(step);
+  expect(written(step, whole, '{"do": "blink", "lamps": [3]}')).toEqual({ do: "blink", lamps: [3] });
+  for (const wrong of ["", "{", '{"lamps": [3]}', '{"do": "wait"}, {"do": "wait"}'])
+    expect(written(step, whole, wrong)).toBeNull();
 });
 
 test("a step goes elsewhere", () => {

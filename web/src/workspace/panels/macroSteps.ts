@@ -8,7 +8,7 @@ export type Raw = Readonly<Record<string, unknown>>;
 export interface StepField {
   key: string;
   label: string;
-  kind: "number" | "whole" | "text" | "list" | "choice" | "to";
+  kind: "number" | "whole" | "text" | "list" | "choice" | "to" | "step";
   unit?: string;
   min?: number;
   max?: number;
@@ -109,8 +109,16 @@ export function kindOf(step: Step): (typeof KINDS)[Kind] | undefined {
 const WHOLE = /^[+-]?(0x[0-9a-f]+|\d+)$/i;
 const wholeOf = (text: string) => (WHOLE.test(text) ? Number(text.replace(/^[+]/, "")) : Number.NaN);
 
+const WHOLE_STEP: StepField = { key: "step", label: "A step of a kind that is not known here, as JSON", kind: "step" };
+
+/** Those of its kind; a step of a kind that is not known here is one text. */
+export function fieldsOf(step: Step): readonly StepField[] {
+  return kindOf(step)?.fields ?? [WHOLE_STEP];
+}
+
 /** What a field of a step says, as text. */
 export function shown(step: Step, { key, kind }: StepField): string {
+  if (kind === "step") return JSON.stringify(step);
   const raw = step as unknown as Raw;
   if (kind === "to") {
     if (raw.fields === undefined || raw.fields === null) return String(raw.value ?? "");
@@ -124,6 +132,10 @@ export function shown(step: Step, { key, kind }: StepField): string {
 
 /** The step with another text in a field; null where that says nothing that could stand there. */
 export function written(step: Step, field: StepField, text: string): Step | null {
+  if (field.kind === "step") {
+    const [next = null, ...more] = stepsOf(`[${text}]`) ?? [];
+    return more.length === 0 ? next : null;
+  }
   const value = readField(field, text.trim());
   if (value === null) return null;
   const { value: _, fields: __, ...others } = step as unknown as Record<string, unknown>;
