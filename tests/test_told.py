@@ -1,6 +1,6 @@
 """What README and documents tell to type, to call and to read exists: commands, options, REST calls, files.
 
-Of the tutorials and some how-to pages the commands are run besides (tests/e2e/test_tutorials.py, tests/test_how_to.py).
+They are run besides: tests/e2e/test_tutorials.py, tests/test_how_to.py, tests/test_commands.py.
 """
 
 from __future__ import annotations
