@@ -1,15 +1,17 @@
 import { ActionIcon, NativeSelect, Select } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
-import { useEffect, useMemo, useRef, useState } from "react";
+import { memo, useEffect, useMemo, useRef, useState } from "react";
+import type { Device } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { useShared } from "../../lib/shared";
+import { useLatest } from "../../lib/useLatest";
 import { hub } from "../../live/hub";
 import { useFrame } from "../../live/useFrame";
 import { FreePlots, type PlotTime } from "../../pages/bench/scope/free/FreePlots";
 import classes from "../../pages/bench/scope/free/free.module.css";
 import { added, Channels, derivedPath, pathOf } from "../../pages/bench/scope/free/plan";
 import { ScopeView } from "../../pages/bench/scope/ScopeView";
-import { type FreePlot, SPANS_S, useScopeSettings } from "../../pages/bench/scope/settings";
+import { type FreePlot, type ScopeSettings, SPANS_S, useScopeSettings } from "../../pages/bench/scope/settings";
 import { SCOPE, shiftTo } from "../../pages/bench/scope/useScope";
 import { Misfit } from "../Misfit";
 import type { PanelProps } from "../panel";
@@ -48,11 +50,15 @@ export function ResidualPanel(props: PanelProps<PlotConfig>) {
   return <PlotOf {...props} {...RESIDUAL} />;
 }
 
-function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<PlotConfig> & Kind) {
+function PlotOf({ device, axis, devices: all, config, change, ...of }: PanelProps<PlotConfig> & Kind) {
   const [{ derived, rateHz }] = useScopeSettings();
   const shared = useShared(SCOPE);
   const inStep = config.spanS === 0 && shared?.links[0]?.timeOriginUnixS != null;
   const own = useTime(device.id, config.spanS || SPAN_S);
+  // By content: the list is new as often as an axis tells something, and a dozen panels are not to be made anew then.
+  const known = JSON.stringify(all.map(({ id, name, channels, rate_max_hz }) => [id, name, channels, rate_max_hz]));
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `known` is the list, compared by content
+  const devices = useMemo(() => all, [known]);
   const channels = useMemo(() => new Channels(devices, derived), [devices, derived]);
   const said = config.y.length > 0 ? config.y : of.y;
   const pathFor = (y: string) => (y.startsWith("$:") ? pathOf(device.id, `${y.slice(2)}.${axis.index}`) : y);
@@ -60,25 +66,13 @@ function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<Plo
   const content = JSON.stringify(free);
   // biome-ignore lint/correctness/useExhaustiveDependencies: `content` is `free`, compared by content
   const settings = useMemo(() => ({ free, derived, rateHz }), [content, derived, rateHz]);
-  const put = (y: readonly string[]) =>
-    change({ y: y.map((path) => said.find((old) => pathFor(old) === path) ?? path) });
+  const { put } = useLatest({
+    put: (y: readonly string[]) => change({ y: y.map((path) => said.find((old) => pathFor(old) === path) ?? path) }),
+  });
+  const offered = useMemo(() => channelsOffered(devices, derived, of.only), [devices, derived, of.only]);
   const why = `${device.name} tells no ${of.only ?? "such channel"} of ${axis.name}${of.only ? ": nothing is predicted for it." : "."}`;
   if (free[0]?.y.every((path) => channels.unit(path) === null))
     return <Misfit title={of.title} why={device.state === "connected" ? why : `${device.name} is not connected.`} />;
-  const fits = ({ quantity }: { quantity: string }) => of.only === undefined || quantity === of.only;
-  const offered = [
-    {
-      group: "Derived",
-      items: of.only ? [] : Object.keys(derived).map((name) => ({ value: derivedPath(name), label: name })),
-    },
-    ...devices.map(({ id, name, channels: all }) => ({
-      group: name,
-      items: all.filter(fits).map((each) => ({
-        value: pathOf(id, each.name),
-        label: `${name} ${each.name.replaceAll("_", " ")}`,
-      })),
-    })),
-  ];
   return (
     <Card
       title={of.title}
@@ -111,7 +105,7 @@ function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<Plo
             ]}
             onChange={(event) => change({ spanS: Number(event.currentTarget.value) })}
           />
-          <Add channels={channels} plot={free[0] as FreePlot} offered={offered} put={put} kind={of.kind} />
+          <Add channels={channels} plot={settings.free[0] as FreePlot} offered={offered} put={put} kind={of.kind} />
         </>
       }
     >
@@ -128,16 +122,34 @@ function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<Plo
   );
 }
 
+/** What a list offers, by device; `only` channels of that quantity. */
+function channelsOffered(devices: readonly Device[], derived: ScopeSettings["derived"], only?: string) {
+  const fits = ({ quantity }: { quantity: string }) => only === undefined || quantity === only;
+  return [
+    {
+      group: "Derived",
+      items: only ? [] : Object.keys(derived).map((name) => ({ value: derivedPath(name), label: name })),
+    },
+    ...devices.map(({ id, name, channels }) => ({
+      group: name,
+      items: channels.filter(fits).map((each) => ({
+        value: pathOf(id, each.name),
+        label: `${name} ${each.name.replaceAll("_", " ")}`,
+      })),
+    })),
+  ];
+}
+
 interface AddProps {
   channels: Channels;
   plot: FreePlot;
   kind: FreePlot["kind"];
-  offered: { group: string; items: { value: string; label: string }[] }[];
+  offered: ReturnType<typeof channelsOffered>;
   put: (y: readonly string[]) => void;
 }
 
 /** Another channel for the plot, and of an XY plot the one that it is over. */
-function Add({ channels, plot, kind, offered, put }: AddProps) {
+const Add = memo(({ channels, plot, kind, offered, put }: AddProps) => {
   const [refused, setRefused] = useState<string | null>(null);
   const [across, ...up] = plot.y;
   const known = offered.flatMap(({ items }) => items.map(({ value }) => value));
@@ -179,7 +191,7 @@ function Add({ channels, plot, kind, offered, put }: AddProps) {
       />
     </>
   );
-}
+});
 
 /** The time of a panel that goes by itself: it rolls with its device, and holds what is zoomed into. */
 function useTime(device: string, spanS: number): PlotTime & { paused: boolean; run: () => void; pause: () => void } {

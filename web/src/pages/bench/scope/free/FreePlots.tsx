@@ -1,11 +1,13 @@
 import { ActionIcon, Select, Text } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
-import { type DragEvent, useEffect, useMemo, useRef, useState } from "react";
+import { type DragEvent, memo, useEffect, useId, useMemo, useRef, useState } from "react";
 import type { Device } from "../../../../api/queries";
 import { compact } from "../../../../lib/format";
 import { colorOf, lineOf } from "../../../../lib/palette";
+import { useLatest } from "../../../../lib/useLatest";
 import { useScheme } from "../../../../lib/useScheme";
 import { LiveText } from "../../../../live/LiveText";
+import { TURNS } from "../../../../live/turns";
 import { useFrame } from "../../../../live/useFrame";
 import { useTelemetries } from "../../../../live/useTelemetry";
 import { Plot } from "../../../../plots/Plot";
@@ -28,10 +30,6 @@ const KINDS = [
 ] as const;
 /** A spectrum takes as long as a hundred plots: so often is enough [ms]. */
 const SPECTRUM_MS = 200;
-/** Panels draw so often, and take turns: a dozen of them in each frame would be all that a page does [ms]. */
-const PANEL_MS = 50;
-const FRAME_MS = 1000 / 60;
-let phases = 0;
 const FIGURES_MS = 500;
 const DOTS_MAX = 2000;
 const ROWS_PER_PIXEL = 3;
@@ -52,7 +50,15 @@ interface Props {
 }
 
 /** Plots that the user has put together: any channel of any device, on the scope's own time. */
-export function FreePlots({ scope, devices, settings, change, alone }: Props) {
+export function FreePlots({ scope, change, ...rest }: Props) {
+  const { view, measured, shiftOf, marks, moveMark, changeWindow, hover, setHover } = scope;
+  const steps = useLatest({ shiftOf, marks, moveMark, changeWindow, hover, setHover });
+  const time = useMemo(() => ({ view, measured, ...steps }), [view, measured, steps]);
+  return <Plots {...rest} scope={time} {...useLatest({ change })} />;
+}
+
+/** Made anew only where something of them changes: whoever has them tells several times a second how a link is. */
+const Plots = memo(({ scope, devices, settings, change, alone }: Props) => {
   const scheme = useScheme();
   const { free } = settings;
   // by content: the list of devices is new once a second
@@ -68,8 +74,8 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
   );
   const handles = useRef(new Map<string, PlotHandle>());
   const dots = useRef(new Map<string, Overlay[]>());
-  const drawn = useRef(new Map<string, { state: string; turn: number }>());
-  const [phase] = useState(() => phases++);
+  const drawn = useRef(new Map<string, { state: string; revision: number; ms: number }>());
+  const name = useId();
   const figured = useRef(new Map<string, { atMs: number; revision: number; text: string }>());
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: what has to be drawn anew
@@ -100,10 +106,11 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
       const state = `${window.join()} ${revisions} ${width} ${scope.view.revision}`;
       const before = drawn.current.get(plot.id);
       if (!handle || width === 0 || before?.state === state) continue;
-      const period = plot.kind === "spectrum" ? SPECTRUM_MS : alone ? PANEL_MS : 0;
-      const turn = period === 0 ? 0 : Math.floor((nowMs + phase * FRAME_MS) / period);
-      if (period > 0 && before?.turn === turn) continue;
-      drawn.current.set(plot.id, { state, turn });
+      const { revision } = scope.view;
+      if (plot.kind === "spectrum" && before && nowMs - before.ms < SPECTRUM_MS) continue;
+      // what a hand has changed does not wait for its turn
+      if (!TURNS.take(`${name} ${plot.id}`, nowMs) && before?.revision === revision) continue;
+      drawn.current.set(plot.id, { state, revision, ms: nowMs });
       if (plot.kind === "time") handle.setData(feed.overTime(plot.y, window, width * ROWS_PER_PIXEL), window);
       else if (plot.kind === "spectrum") drawSpectrum(handle, plot, window);
       else drawPairs(handle, plot, window);
@@ -188,7 +195,7 @@ export function FreePlots({ scope, devices, settings, change, alone }: Props) {
       onClose={() => change({ free: free.filter((each) => each !== plot) })}
     />
   ));
-}
+});
 
 /** Why a plot cannot be of another kind with the channels that it has. */
 function refusedAs(plot: FreePlot, channels: Channels): string | null {
