@@ -182,6 +182,29 @@ def test_figures_between_cursors_are_those_of_a_recording(bench: Page, api: http
         api.delete(f"/recordings/{recording}").raise_for_status()
 
 
+CURSOR_A = """(plot) => [...plot.querySelectorAll('canvas')].some((canvas) => {
+    const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    const near = (at) => [181, 23, 158].reduce((off, value, of) => off + Math.abs(pixels[at + of] - value), 0) < 60;
+    for (let at = 0; at < pixels.length; at += 4) if (near(at)) return true;
+    return false;
+})"""
+"""Whether something of the colour of cursor A is drawn, on light ground."""
+
+
+def test_cursors_stand_in_plots_of_ones_own_at_once_also_in_a_held_picture(bench: Page) -> None:
+    bench.get_by_role("button", name="Channels and plots of your own").click()
+    tree = bench.get_by_test_id("channel-tree")
+    tree.get_by_label("Find a channel").fill("position")
+    line(tree, "bench:position.0").get_by_role("checkbox").check()
+    plot = bench.get_by_test_id("free-plot-1")
+    expect(plot.locator("[data-path='bench:position.0']")).to_have_text(re.compile(r"\d"))
+    bench.get_by_role("button", name="Pause").click()
+    cursors = bench.get_by_role("button", name="Measuring cursors")
+    for shown in (True, False):
+        cursors.click()
+        wait(bench, lambda shown=shown: plot.evaluate(CURSOR_A) is shown)
+
+
 def test_a_stretch_and_its_cursors_are_in_the_address(bench: Page) -> None:
     bench.get_by_role("button", name="Pause").click()
     bench.get_by_role("button", name="Measuring cursors").click()
@@ -191,9 +214,10 @@ def test_a_stretch_and_its_cursors_are_in_the_address(bench: Page) -> None:
     other = bench.context.new_page()
     other.goto(bench.url)
     expect(other.get_by_test_id("scope")).to_have_attribute("data-paused", "true")
-    wait(other, lambda: parse_qs(urlparse(other.url).query).get("c") == said["c"])
-    assert parse_qs(urlparse(other.url).query)["t"] == said["t"]
-    assert other.get_by_test_id("cursor-readout").inner_text() == bench.get_by_test_id("cursor-readout").inner_text()
+    for part in "ct":
+        wait(other, lambda part=part: parse_qs(urlparse(other.url).query).get(part) == said[part])
+    readout = bench.get_by_test_id("cursor-readout").inner_text()
+    wait(other, lambda: other.get_by_test_id("cursor-readout").inner_text() == readout)
     other.get_by_role("button", name="Run").click()
     wait(other, lambda: "~" not in other.url)
     other.close()

@@ -20,6 +20,7 @@ import type { PlotConfig } from "./plot";
 /** The span of a page without a scope [s]. */
 const SPAN_S = 10;
 const NONE = { current: [] };
+const NO_MARKS = () => () => [];
 
 interface Kind {
   kind: FreePlot["kind"];
@@ -217,7 +218,7 @@ function useTime(device: string, spanS: number): PlotTime & { paused: boolean; r
     view,
     shiftOf,
     measured: NONE,
-    marks: () => () => [],
+    marks: NO_MARKS,
     moveMark: () => {},
     changeWindow: (next) => {
       if (next === "reset") run();

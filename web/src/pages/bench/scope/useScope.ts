@@ -187,12 +187,6 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     return ramp.startedAtS + from;
   }
 
-  /** What the program did, and what else was told, in the window on show; `named`: in words, too. */
-  const toldMarks = (named: boolean): readonly Mark[] => {
-    const done = (source?.program ?? []).map(({ time_s, text }) => ({ time_s, text, kind: "program" }));
-    const all = [...done, ...told.current];
-    return all.length === 0 ? [] : flagsOf(all, 0, scheme)(view.current(), named);
-  };
   /** Where the chip tells that the axis comes by. */
   const levels = ({ row, traces }: ScopeRow): readonly Level[] => {
     const position = traces.find(({ quantity, main: own }) => own && quantity === "position");
@@ -200,15 +194,24 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     const { color } = position.series;
     return [{ id: "compare", y: compared / position.divisor, color, label: "compare", fixed: true }];
   };
-  const marks = (named: boolean) => (): readonly Mark[] => {
-    const colors = MARK_COLORS[scheme];
-    const at = view.triggerTime;
-    const trigger: Mark[] = at === null ? [] : [{ id: "t", x: at, color: "#7a828c", label: "T", fixed: true }];
-    const fixed = [...toldMarks(named), ...trigger];
-    if (!cursors) return fixed;
-    const { a, b } = view.cursors();
-    return [...fixed, { id: "a", x: a, color: colors.a, label: "A" }, { id: "b", x: b, color: colors.b, label: "B" }];
-  };
+  /** What was told in the window on show, `named` in words too, where it was triggered, and the cursors. */
+  const marks = useCallback(
+    (named: boolean) => (): readonly Mark[] => {
+      const colors = MARK_COLORS[scheme];
+      const done = (source?.program ?? []).map(({ time_s, text }) => ({ time_s, text, kind: "program" }));
+      const all = [...done, ...told.current];
+      const at = view.triggerTime;
+      const trigger: Mark[] = at === null ? [] : [{ id: "t", x: at, color: "#7a828c", label: "T", fixed: true }];
+      const flags = all.length === 0 ? [] : flagsOf(all, 0, scheme)(view.current(), named);
+      const { a, b } = view.cursors();
+      const cursor: Mark[] = [
+        { id: "a", x: a, color: colors.a, label: "A" },
+        { id: "b", x: b, color: colors.b, label: "B" },
+      ];
+      return [...flags, ...trigger, ...(cursors ? cursor : [])];
+    },
+    [view, source, scheme, cursors],
+  );
 
   return {
     rows,

@@ -52,8 +52,9 @@ interface Props {
 /** Plots that the user has put together: any channel of any device, on the scope's own time. */
 export function FreePlots({ scope, change, ...rest }: Props) {
   const { view, measured, shiftOf, marks, moveMark, changeWindow, hover, setHover } = scope;
-  const steps = useLatest({ shiftOf, marks, moveMark, changeWindow, hover, setHover });
-  const time = useMemo(() => ({ view, measured, ...steps }), [view, measured, steps]);
+  const steps = useLatest({ shiftOf, moveMark, changeWindow, hover, setHover });
+  // other marks are drawn at once, also while nothing moves
+  const time = useMemo(() => ({ view, measured, marks, ...steps }), [view, measured, marks, steps]);
   return <Plots {...rest} scope={time} {...useLatest({ change })} />;
 }
 
