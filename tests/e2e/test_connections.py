@@ -315,6 +315,7 @@ def test_a_server_that_goes_and_comes_back(page: Page, errors: Errors, tmp_path:
     with ServerProcess(tmp_path, "--demo") as server:
         page.goto(server.url)
         expect(page.get_by_test_id("server-status")).to_have_text("2 of 2 connected")
+        page.wait_for_load_state("networkidle")  # the parts that come behind the first page are there too
         port = int(server.url.rpartition(":")[2])
         assert server.stop() == 0, server.log()
         expect(page.get_by_test_id("disconnected")).to_be_visible(timeout=15_000)
