@@ -3,8 +3,12 @@ import { Turns } from "./turns";
 
 const NAMES = Array.from({ length: 12 }, (_, index) => `plot ${index}`);
 
-/** How often each plot is drawn in so many frames that take `costMs` of each plot drawn, 16 ms at the least. */
-function drawn(frames: number, costMs: number): { counts: Map<string, number>; rateHz: number; most: number } {
+/** How often each plot is drawn in so many frames that take `costMs` of each plot drawn, `periodMs` at the least. */
+function drawn(
+  frames: number,
+  costMs: number,
+  periodMs = 16,
+): { counts: Map<string, number>; rateHz: number; most: number } {
   const turns = new Turns();
   const counts = new Map(NAMES.map((name) => [name, 0]));
   let [nowMs, most, beganMs] = [0, 0, 0];
@@ -17,7 +21,7 @@ function drawn(frames: number, costMs: number): { counts: Map<string, number>; r
     const now = NAMES.filter((name) => turns.take(name, nowMs));
     for (const name of now) counts.set(name, (counts.get(name) ?? 0) + 1);
     most = Math.max(most, now.length);
-    nowMs += Math.max(16, 10 + now.length * costMs);
+    nowMs += Math.max(periodMs, 10 + now.length * costMs);
   }
   return { counts, rateHz: (frames * 1000) / (nowMs - beganMs), most };
 }
@@ -27,6 +31,10 @@ describe("turns of plots", () => {
     const { counts, rateHz } = drawn(600, 0.3);
     expect(rateHz).toBeGreaterThan(60);
     for (const count of counts.values()) expect(count).toBeGreaterThan(590);
+  });
+
+  it.each([20.2, 33.4])("draws all in each frame of a display that has one every %d ms", (periodMs) => {
+    for (const count of drawn(3000, 0.3, periodMs).counts.values()) expect(count).toBeGreaterThan(2900);
   });
 
   it.each([3, 8, 20])("leaves the page its frames where one takes %d ms, and forgets none", (costMs) => {

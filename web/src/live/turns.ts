@@ -1,16 +1,20 @@
-/** A frame that took longer than this was late: a page has 60 a second [ms]. */
-const LATE_MS = 20;
+const FRAMES_HZ = 60;
+/** A frame that took so many of the display's periods was late. */
+const LATE = 1.2;
+/** How slowly a longer period is believed: a frame without a plot may have been late for something else. */
+const BELIEVED = 0.02;
 /** So often a plot is drawn at the least, however slow the machine is [Hz]. */
 const LEAST_HZ = 4;
-const FRAMES_HZ = 60;
+/** What a late frame leaves of the plots a frame, and what each other one makes of them. */
 const FEWER = 0.9;
 const MORE = 1.01;
 
 /**
- * Shares frames among plots: as many are drawn in each as leave the page its 60 a second, the longest undrawn first.
+ * Shares frames among plots: as many are drawn in each as leave the page its 60 a second, or as many as its
+ * display has, the longest undrawn first.
  *
  * What a plot costs is not measured but seen: a browser paints after the script has ended. So a late frame makes it
- * fewer plots a frame, and each one in time a few more again.
+ * fewer plots a frame, and each one in time a few more again. Frames without any tell the display's period.
  */
 export class Turns {
   private perFrame = Number.POSITIVE_INFINITY;
@@ -19,6 +23,7 @@ export class Turns {
   private before = new Set<string>();
   private chosen = new Set<string>();
   private nowMs = Number.NEGATIVE_INFINITY;
+  private periodMs = 1000 / FRAMES_HZ;
   private readonly drawnMs = new Map<string, number>();
 
   /** Whether plot `id` is drawn in the frame of `nowMs`. */
@@ -38,7 +43,12 @@ export class Turns {
     for (const id of this.drawnMs.keys()) if (!this.before.has(id)) this.drawnMs.delete(id);
     const all = this.before.size;
     if (all === 0) return;
-    const wanted = tookMs > LATE_MS ? Math.min(this.perFrame, all) * FEWER : this.perFrame * MORE;
+    if (this.chosen.size === 0 && Number.isFinite(tookMs)) {
+      // at most twice as long: a page that was hidden has seen no frame
+      const longer = Math.min(Math.max(tookMs - this.periodMs, 0), this.periodMs);
+      this.periodMs = Math.max(1000 / FRAMES_HZ, Math.min(tookMs, this.periodMs) + BELIEVED * longer);
+    }
+    const wanted = tookMs > LATE * this.periodMs ? Math.min(this.perFrame, all) * FEWER : this.perFrame * MORE;
     this.perFrame = Math.min(Math.max(wanted, (all * LEAST_HZ) / FRAMES_HZ), all);
     this.credit = Math.min(this.credit, 1) + this.perFrame;
     const longest = [...this.before].sort(

@@ -30,6 +30,7 @@ const KINDS = [
 ] as const;
 /** A spectrum takes as long as a hundred plots: so often is enough [ms]. */
 const SPECTRUM_MS = 200;
+/** So often the figures of a panel are worked out: people read them [ms]. */
 const FIGURES_MS = 500;
 const DOTS_MAX = 2000;
 const ROWS_PER_PIXEL = 3;
