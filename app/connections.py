@@ -39,7 +39,9 @@ HEAD_WITHIN_S = 10.0
 BODY_WITHIN_S = 30.0
 """How long a body may take [s]."""
 UNREAD_BYTES_MAX = 1 << 20
-"""How much of a body is thrown away behind an answer that did not need it, before the connection is closed [bytes]."""
+"""How much of a body, or of a message, is thrown away behind an answer that did not need it [bytes]."""
+GOODBYE_S = 1.0
+"""How long a WebSocket whose message was refused stays open for its client to hear why [s]."""
 PIECE_BYTES = 64 * 1024
 """The most that is read of a connection at once [bytes]. asyncio would take 256 KiB."""
 MESSAGES_BYTES = 1024
@@ -410,10 +412,27 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
 
     _its_turn = True
     _untaken: asyncio.TimerHandle | None = None
+    _left_unread_bytes: int | None = None
+    """What may still come behind a refused message; None as long as there was none."""
 
     def connection_lost(self, exc: Exception | None) -> None:
         super().connection_lost(exc)
         self._taken()
+
+    def handle_parser_exception(self) -> None:
+        """Say why, and read away what follows: a socket closed over what is unread takes back what it said last."""
+        goodbye = self.conn.close_sent
+        assert goodbye is not None
+        self.queue.put_nowait({"type": "websocket.disconnect", "code": goodbye.code, "reason": goodbye.reason})
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        self.close_sent = self.disconnected = True
+        self._left_unread_bytes = UNREAD_BYTES_MAX
+        self.close_timer = self.loop.call_later(GOODBYE_S, self.transport.abort)
+        if self.transport.can_write_eof():  # with TLS the client waits for the timer
+            self.transport.write_eof()
+        connection = self.door.connection(self.transport.get_extra_info("socket").fileno())
+        if connection is not None:
+            connection.piece_bytes = PIECE_BYTES
 
     def shutdown(self) -> None:
         if self.transport.is_closing():  # the client's goodbye was answered: uvicorn would say another one, and fail
@@ -422,8 +441,13 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
             super().shutdown()
 
     def data_received(self, data: bytes) -> None:
+        if self._left_unread_bytes is not None:
+            self._left_unread_bytes -= len(data)
+            if self._left_unread_bytes < 0:
+                self.transport.abort()
+            return
         super().data_received(data)
-        if self.handshake_initiated and not self.transport.is_closing():
+        if self.handshake_initiated and self._left_unread_bytes is None and not self.transport.is_closing():
             self._its_turn = False
             self.transport.pause_reading()
             self.door.hold("" if self.client is None else self.client[0], self._release)

@@ -17,6 +17,7 @@ from app.connections import (
     HEAD_BYTES_MAX,
     MESSAGE_BYTES_MAX,
     STOPS_KEPT,
+    UNREAD_BYTES_MAX,
     Door,
     LimitedWebSocket,
     Limits,
@@ -26,6 +27,10 @@ from tests.api.live import live_server
 TOTAL, OF_ADDRESS = 12, 9
 HALF = b"GET /api/v1/devices HTTP/1.1\r\nHost: 127.0.0.1\r\n"
 CONDITIONS = "/api/v1/conditions"
+UPGRADE = (
+    f"GET {CONDITIONS} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n"
+).encode()
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 PATIENCE_S = 20.0
 
@@ -68,6 +73,27 @@ async def status_of(reader: asyncio.StreamReader) -> int:
     found = re.match(rb"HTTP/1.1 (\d+)", line)
     assert found, line
     return int(found[1])
+
+
+async def upgraded(visitors: Visitors) -> Streams:
+    """A WebSocket without a client that knows how it should behave."""
+    reader, writer = await visitors.come(UPGRADE)
+    async with asyncio.timeout(PATIENCE_S):
+        await reader.readuntil(b"\r\n\r\n")
+    return reader, writer
+
+
+async def cut_off(visitors: Visitors, begun: bytes, pieces_of: int) -> bool:
+    """Whether the server ends a connection whose client goes on with its message, whatever it is told."""
+    _, writer = await upgraded(visitors)
+    writer.write(begun)
+    async with asyncio.timeout(PATIENCE_S):
+        with contextlib.suppress(ConnectionError):
+            while True:
+                writer.write(bytes(pieces_of))
+                await writer.drain()
+                await asyncio.sleep(0.001)
+    return True
 
 
 async def ended(reader: asyncio.StreamReader) -> bool:
@@ -221,6 +247,31 @@ async def test_a_long_message_is_read_to_its_end_and_a_longer_one_ends_the_webso
             while True:
                 await socket.recv()
         assert socket.close_code == 1009
+
+
+async def test_why_a_long_message_was_refused_is_heard_by_who_still_sends_it(visitors: Visitors) -> None:
+    """A socket closed over what it has not read takes back what it said last: the client would hear of no reason."""
+    reader, writer = await upgraded(visitors)
+    async with asyncio.timeout(PATIENCE_S):
+        length = UNREAD_BYTES_MAX - MESSAGE_BYTES_MAX
+        writer.write(b"\x82\xff" + length.to_bytes(8, "big") + bytes(4))
+        for _ in range(length // 4096):
+            writer.write(bytes(4096))
+            await writer.drain()
+        writer.write_eof()
+        said = await reader.read()
+    assert b"\x03\xf1" in said, "1009"
+    assert len(visitors.all) - await visitors.left() == 1
+
+
+async def test_what_comes_behind_a_refused_message_has_bounds(
+    visitors: Visitors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.connections.GOODBYE_S", 0.1)
+    too_long = b"\x82\xff" + (1 << 40).to_bytes(8, "big") + bytes(4)
+    assert await cut_off(visitors, too_long, pieces_of=1)
+    monkeypatch.setattr("app.connections.GOODBYE_S", 3600.0)
+    assert await cut_off(visitors, too_long, pieces_of=65_536)
 
 
 async def test_an_end_between_a_goodbye_and_its_last_byte_is_none_of_a_fault(

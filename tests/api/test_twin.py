@@ -15,8 +15,8 @@ import websockets
 from websockets.asyncio.client import ClientConnection
 from websockets.typing import Origin, Subprotocol
 
-from app.api.twin import proxy as twin_proxy
 from app.api.twin.proxy import policy
+from app.connections import MESSAGE_BYTES_MAX
 from tests.api.live import live_server
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -136,10 +136,10 @@ async def test_what_may_not_come_in(url: str, client: httpx.AsyncClient) -> None
     with pytest.raises(websockets.InvalidStatus):
         async with websockets.connect(f"{url.replace('http', 'ws')}/twin/view/else", subprotocols=[PROTOCOL]):
             pass
-    for message in ("text", b"x" * (twin_proxy.FROM_VIEWER_BYTES_MAX + 1)):
+    for message, code in (("text", 1003), (b"x" * (MESSAGE_BYTES_MAX + 1), 1009)):
         async with view(url) as socket:
             await socket.send(message)
-            assert await closed(socket) == 1009
+            assert await closed(socket) == code
     # A page that asks for viser's public tunnel gets none, and the view lives on.
     async with view(url) as socket:
         await socket.send(msgspec.msgpack.encode(CAMERA))

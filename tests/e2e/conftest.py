@@ -32,7 +32,7 @@ RESULTS = Path(__file__).parents[2] / "test-results"
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
 PHONE: ViewportSize = {"width": 390, "height": 844}
 
-expect.set_options(timeout=10_000)  # the machine may be busy; passing tests do not wait for it
+expect.set_options(timeout=30_000)  # the machine may be busy; passing tests do not wait for it
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
@@ -105,7 +105,7 @@ def new_context(
     def make(*, stranger: bool = False, **options: object) -> BrowserContext:
         wanted = {"base_url": server.url, "viewport": DESKTOP, "reduced_motion": "reduce", **options}
         context = browser.new_context(**wanted)  # type: ignore[arg-type]
-        context.set_default_timeout(10_000)
+        context.set_default_timeout(30_000)
         context.on("console", errors.on_console)
         context.on("weberror", errors.on_error)
         if not stranger:
@@ -123,7 +123,7 @@ def new_context(
 def usual_context(browser: Browser, server: ServerProcess) -> Iterator[BrowserContext]:
     """The browser-in-the-browser of every `page` of a module: in a fresh one, all scripts would be compiled anew."""
     context = browser.new_context(base_url=server.url, viewport=DESKTOP, reduced_motion="reduce")
-    context.set_default_timeout(10_000)
+    context.set_default_timeout(30_000)
     begin_with_the_bench(context)
     # A tab of our origin that stays, without a script of ours: with the last one goes what the browser has compiled.
     context.new_page().goto("/api/v1/health")

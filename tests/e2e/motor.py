@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import httpx
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 TURN = 200 * 256
 """Microsteps of a turn, as the module is delivered."""
@@ -71,12 +71,18 @@ def a_motor(api: httpx.Client, name: str, **options: object) -> Iterator[Motor]:
         api.delete(f"/devices/{device}").raise_for_status()
 
 
-def wait_for(condition: Callable[[], bool], what: str, seconds: float = 15.0) -> None:
+def wait_for(condition: Callable[[], bool], what: str, seconds: float = 30.0) -> None:
     """The server lives in real time, and so does its motor: look again until it is so."""
     until_s = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until_s, f"not within {seconds:g} s: {what}"
         time.sleep(0.02)
+
+
+def press(button: Locator) -> None:
+    """Press it with the keyboard, as soon as it can be: Playwright waits for that only with a click."""
+    expect(button).to_be_enabled()
+    button.press("Enter")
 
 
 def whole_run(page: Page, motor: Motor, button: str) -> list[float]:

@@ -311,11 +311,11 @@ def test_every_kind_of_link_is_open_to_everybody(
 
 
 def test_a_server_that_goes_and_comes_back(page: Page, errors: Errors, tmp_path: Path) -> None:
-    errors.expect("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|WebSocket")
+    # a part that comes behind the first page may not be there yet: that is told, and the page goes on
+    errors.expect("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|WebSocket|Failed to fetch|preload")
     with ServerProcess(tmp_path, "--demo") as server:
         page.goto(server.url)
         expect(page.get_by_test_id("server-status")).to_have_text("2 of 2 connected")
-        page.wait_for_load_state("networkidle")  # the parts that come behind the first page are there too
         port = int(server.url.rpartition(":")[2])
         assert server.stop() == 0, server.log()
         expect(page.get_by_test_id("disconnected")).to_be_visible(timeout=15_000)

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import PHONE
-from tests.e2e.motor import wait_for
+from tests.e2e.motor import press, wait_for
 
 PATIENCE_MS = 30_000
 MOTOR = "ldo-42sth48-1684ac"
@@ -78,7 +78,7 @@ def test_an_axis_is_set_up_step_by_step(page: Page, boxed: Chip, check_axe: Call
     page.get_by_role("button", name="It turned the other way").click()
     page.get_by_role("button", name="Reverse it").click()
     wait_for(lambda: shaft(boxed) == 1, "the motor is reversed")
-    page.get_by_role("button", name="One turn forward").press("Enter")
+    press(page.get_by_role("button", name="One turn forward"))
     wait_for(lambda: boxed.axis()["position"] == 51_200, "a turn")
     page.set_viewport_size(PHONE)
     check_axe(page)

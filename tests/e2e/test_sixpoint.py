@@ -199,9 +199,13 @@ def test_a_modules_ramp_is_read_and_sent_as_its_parameters(
         assert parameter("maximum_positioning_speed") == 100_000
         assert parameter("maximum_acceleration") == parameter("maximum_deceleration") == 200_002
         check_axe(page)
+        enter(page, "Distance in microsteps", "5000000")  # at its speed for longer than anything here takes
+        expect(page.get_by_role("button", name="Move with it")).to_be_enabled()
         page.get_by_role("button", name="Move with it").click()
         axis = f"/devices/{device}/axes/0"
         wait_for(lambda: api.get(axis).json()["velocity_pps"] > 60_000, "the emulated motor is faster than before")
+        page.get_by_role("button", name="Stop axis").click()
+        wait_for(lambda: not api.get(axis).json()["moving"], "it stands")
         page.goto("/connections")  # before the module is gone
 
 

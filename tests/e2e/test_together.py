@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 
 from tests.e2e.closed_loop import Loop, a_loop
 from tests.e2e.conftest import DESKTOP, PHONE
-from tests.e2e.motor import wait_for
+from tests.e2e.motor import press, wait_for
 
 PATIENCE_MS = 30_000
 """For whatever has to come from the server: the machine may be busy."""
@@ -40,7 +40,7 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
         choose.fill(f"{chip.device} START")
         page.get_by_role("option", name=f"{chip.device} START").click()
     choose.press("Escape")
-    page.get_by_role("button", name="Connect", exact=True).press("Enter")
+    press(page.get_by_role("button", name="Connect", exact=True))
     nets = page.get_by_test_id("nets")
     expect(nets).to_contain_text("an edge is seen at the same clock", timeout=PATIENCE_MS)
     button = page.get_by_role("button", name="Start together")
@@ -63,7 +63,7 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
         field = page.get_by_label(f"Target of {chip.device}", exact=False)
         field.fill("0")
         field.press("Enter")
-    page.get_by_role("button", name="Go by these positions").press("Enter")
+    press(page.get_by_role("button", name="Go by these positions"))
     expect(page.get_by_test_id("via").get_by_role("row")).to_have_count(2)
     for chip, target in zip(pair, ("500", "400"), strict=True):
         field = page.get_by_label(f"Target of {chip.device}", exact=False)
@@ -71,7 +71,7 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
         field.press("Enter")
     page.get_by_label("Each leg takes").fill("1.5")
     page.get_by_label("Each leg takes").press("Enter")
-    page.get_by_role("button", name="Plan", exact=True).press("Enter")
+    press(page.get_by_role("button", name="Plan", exact=True))
     plan = page.get_by_test_id("line-plan")
     expect(plan).to_contain_text("Off the line", timeout=PATIENCE_MS)
     expect(plan.get_by_role("table").get_by_role("row")).to_have_count(1 + 2 * 2)
@@ -79,12 +79,12 @@ def test_chosen_axes_start_by_their_wire(page: Page, pair: list[Loop], check_axe
     for size in (PHONE, DESKTOP):
         page.set_viewport_size(size)
         check_axe(page)
-    page.get_by_role("button", name="Go there").press("Enter")
+    press(page.get_by_role("button", name="Go there"))
     state = page.get_by_test_id("line-state")
     expect(state).to_contain_text("done: there after", timeout=PATIENCE_MS)
     expect(state).to_contain_text("µsteps at the most")
     expect(plan.get_by_text("left 0 measured")).to_be_visible(timeout=PATIENCE_MS)
     expect(plan).to_contain_text("Seen off it")
     assert [chip.axis()["position"] for chip in pair] == [500, 400]
-    nets.get_by_role("button", name="Take left START off go").press("Enter")
+    press(nets.get_by_role("button", name="Take left START off go"))
     expect(nets).to_have_count(0, timeout=PATIENCE_MS)

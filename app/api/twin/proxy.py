@@ -36,8 +36,6 @@ VIEW = "/twin/view"
 SUBPROTOCOL = "viser-v"
 """What viser's page offers begins like this, and goes on with its version."""
 PAGE_BYTES_MAX = 8 << 20
-FROM_VIEWER_BYTES_MAX = 64 << 10
-"""A browser only tells where its camera is."""
 TO_VIEWER_BYTES_MAX = 16 << 20
 """A whole scene with its bodies."""
 TO_VIEWER_QUEUE = 4
@@ -169,19 +167,22 @@ class TwinProxy:
                 if isinstance(message, bytes):
                     await browser.send_bytes(message)
 
+        goodbye = (1001, "the 3D view has ended")
+
         async def up() -> None:
+            nonlocal goodbye
             while True:
                 message = await browser.receive()
                 if message["type"] == "websocket.disconnect":
                     return
                 data = message.get("bytes")
-                if data is None or len(data) > FROM_VIEWER_BYTES_MAX:
-                    await _close(browser, 1009, f"binary messages of at most {FROM_VIEWER_BYTES_MAX} bytes")
+                if data is None:
+                    goodbye = (1003, "binary messages only")
                     return
                 await viser.send(data)
 
         await until_one_ends(down(), up(), name="twin view")
-        await _close(browser, 1001, "the 3D view has ended")
+        await _close(browser, *goodbye)  # not in `up`: whatever ended `down` meanwhile would take it back half said
 
 
 def _fetched(address: Address) -> bytes:
