@@ -4,8 +4,15 @@ import { api, type Schemas } from "./client";
 /** A chip or module as the catalog lists it: what it is, what it can, and which links lead to it. */
 export type Model = Schemas["CatalogEntry"];
 export type Capability = Model["capabilities"][number];
+/** An axis without how it stands: that comes by a stream of its own (`useStanding`). */
+export type Axis = Omit<Schemas["AxisInfo"], "condition" | "referenced" | "ground_truth">;
 /** A connected thing, with what the catalog says of its model. */
-export type Device = Schemas["DeviceInfo"] & { about: Model };
+export type Device = Omit<Schemas["DeviceInfo"], "axes"> & {
+  axes: Axis[];
+  about: Model;
+  /** it answers, and its driver leaves it alone all the same: what its user sends by hand still goes out */
+  heldBack: boolean;
+};
 
 const CATALOG = queryOptions({
   queryKey: ["catalog"],
@@ -34,11 +41,17 @@ export function useDevices() {
         void queries.invalidateQueries(CATALOG);
       return devices.flatMap((device): Device[] => {
         const about = models.find((model) => model.name === device.model);
-        return about ? [{ ...device, about }] : [];
+        const heldBack = device.state === "failed" && device.axes.some((axis) => axis.condition.kind === "cannot_move");
+        return about ? [{ ...device, axes: device.axes.map(lasting), about, heldBack }] : [];
       });
     },
     refetchInterval: 1000,
   });
+}
+
+/** With what changes in every look while an axis moves, all that shows a device would be drawn anew each second. */
+function lasting({ condition: _, referenced: __, ground_truth: ___, ...axis }: Schemas["AxisInfo"]): Axis {
+  return axis;
 }
 
 /** Whether a device can do that; without a device nothing can. */

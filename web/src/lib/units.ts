@@ -1,4 +1,5 @@
 import type { Schemas } from "../api/client";
+import type { Axis } from "../api/queries";
 
 export type PositionUnit = Schemas["Move"]["unit"];
 export type VelocityUnit = Schemas["Rotate"]["unit"];
@@ -57,7 +58,7 @@ export interface AxisScale {
   ratesKnown?: boolean;
 }
 
-export function scaleOf(axis: Schemas["AxisInfo"] | undefined, clockHz: number | undefined): AxisScale {
+export function scaleOf(axis: Axis | undefined, clockHz: number | undefined): AxisScale {
   return {
     fullStepsPerRev: axis?.full_steps_per_rev ?? 200,
     microstepsPerFullStep: axis?.microsteps_per_full_step ?? null,

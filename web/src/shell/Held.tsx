@@ -6,10 +6,12 @@ import { sentence } from "../lib/condition/kinds";
 import { RemedyButton } from "../lib/condition/RemedyButton";
 import { useRemedies } from "../lib/condition/remedy";
 import { ProblemAlert } from "../lib/ProblemAlert";
+import { useStanding } from "../live/useStanding";
 
 /** A device that is left alone, why, and the way out. */
 export function Held({ device }: { device: Device }) {
   const remedies = useRemedies();
+  const { condition } = useStanding(device.id, 0);
   return (
     <Alert
       color="orange"
@@ -23,7 +25,7 @@ export function Held({ device }: { device: Device }) {
     >
       <Text size="sm">{device.problem?.detail}</Text>
       <Group mt="xs" gap="sm">
-        {device.axes[0]?.condition.remedies.map((remedy) => (
+        {condition.remedies.map((remedy) => (
           <RemedyButton key={remedy.label} remedy={remedy} remedies={remedies} main />
         ))}
         <Button size="compact-sm" variant="default" component={Link} href="/connections">

@@ -1,5 +1,4 @@
 import { useDevices } from "../api/queries";
-import { isHeldBack } from "../lib/heldBack";
 import { later } from "../lib/later";
 
 const Held = later(() => import("./Held").then((part) => part.Held));
@@ -7,5 +6,5 @@ const Held = later(() => import("./Held").then((part) => part.Held));
 /** Above every page: devices that are left alone although they answer, why, and the way out as a button. */
 export function HeldBack() {
   const devices = useDevices();
-  return devices.data?.filter(isHeldBack).map((device) => <Held key={device.id} device={device} />);
+  return devices.data?.filter(({ heldBack }) => heldBack).map((device) => <Held key={device.id} device={device} />);
 }

@@ -3,7 +3,6 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
-import { isHeldBack } from "../heldBack";
 import { ProblemAlert } from "../ProblemAlert";
 
 /** Why the values stand still, and what to do about it. Nothing while the device is connected, or left alone. */
@@ -15,7 +14,7 @@ export function DeviceNotice({ device }: { device: Device }) {
   });
   const devices = useDevices();
   // a server that is gone, and what is held back, are told of above every page
-  if (device.state === "connected" || isHeldBack(device) || devices.isError) return null;
+  if (device.state === "connected" || device.heldBack || devices.isError) return null;
   if (device.state === "connecting") return <Alert p="xs">Connecting to {device.name}…</Alert>;
   if (device.problem) return <ProblemAlert error={device.problem} doing={device.name} retry={() => connect.mutate()} />;
   return (

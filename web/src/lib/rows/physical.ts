@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import type { Device } from "../../api/queries";
 import { compact, duration, frequency, withUnit } from "../format";
 import { type AxisScale, factorOf, fromSteps, scaleOf, symbolOf } from "../units";
 import { type FieldRow, type RegisterRow, unpackField } from "./bits";
@@ -9,7 +10,7 @@ type Motion = "position" | "velocity" | "acceleration";
 
 /** The axis' scale with the dividers as the chip just showed them; where it did not, as the server last knew them. */
 export function liveScale(
-  device: Schemas["DeviceInfo"],
+  device: Pick<Device, "axes" | "clock_hz">,
   axis: number,
   readings: readonly Reading[] | undefined,
 ): AxisScale {

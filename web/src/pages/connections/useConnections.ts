@@ -61,11 +61,11 @@ export function useRemoveDevice(device: string) {
 export function useSaveDevice(edited: { device: Device; before: Draft } | null) {
   const refresh = useRefresh();
   return useMutation({
-    mutationFn: async (draft: Draft) => {
+    mutationFn: async (draft: Draft): Promise<Pick<Device, "id">> => {
       if (edited === null)
         return await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] });
       const body = changeBody(edited.before, draft);
-      if (Object.keys(body).length === 0) return edited.device as Schemas["DeviceInfo"];
+      if (Object.keys(body).length === 0) return edited.device;
       return await api.PATCH("/api/v1/devices/{device}", {
         path: { device: edited.device.id },
         body: body as Schemas["DeviceChange"],

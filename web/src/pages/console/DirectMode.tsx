@@ -5,7 +5,6 @@ import { useMemo, useState } from "react";
 import { api, problemOf } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
 import { Card } from "../../lib/Card";
-import { isHeldBack } from "../../lib/heldBack";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Catalog } from "./Catalog";
 import { CommandLine } from "./CommandLine";
@@ -54,7 +53,7 @@ export function DirectMode({ device }: { device: Device }) {
         lines={lines}
         text={text}
         onText={setText}
-        connected={device.state === "connected" || isHeldBack(device)}
+        connected={device.state === "connected" || device.heldBack}
         loading={catalog.isPending}
         busy={send.isPending}
         onSend={(line) => {

@@ -51,15 +51,11 @@ export function ResidualPanel(props: PanelProps<PlotConfig>) {
   return <PlotOf {...props} {...RESIDUAL} />;
 }
 
-function PlotOf({ device, axis, devices: all, config, change, ...of }: PanelProps<PlotConfig> & Kind) {
+function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<PlotConfig> & Kind) {
   const [{ derived, rateHz }] = useScopeSettings();
   const shared = useShared(SCOPE);
   const inStep = config.spanS === 0 && shared?.links[0]?.timeOriginUnixS != null;
   const own = useTime(device.id, config.spanS || SPAN_S);
-  // By content: the list is new as often as an axis tells something, and a dozen panels are not to be made anew then.
-  const known = JSON.stringify(all.map(({ id, name, channels, rate_max_hz }) => [id, name, channels, rate_max_hz]));
-  // biome-ignore lint/correctness/useExhaustiveDependencies: `known` is the list, compared by content
-  const devices = useMemo(() => all, [known]);
   const channels = useMemo(() => new Channels(devices, derived), [devices, derived]);
   const said = config.y.length > 0 ? config.y : of.y;
   const pathFor = (y: string) => (y.startsWith("$:") ? pathOf(device.id, `${y.slice(2)}.${axis.index}`) : y);

@@ -15,6 +15,7 @@ function device(id: string, axes: number, rate: number): Device {
     link: {},
     clock_hz: 16e6,
     state: "connected",
+    heldBack: false,
     problem: null,
     notes: [],
     emulated: true,
@@ -44,9 +45,6 @@ function device(id: string, axes: number, rate: number): Device {
       pulse_div: 5,
       ramp_div: 7,
       rates_known: true,
-      condition: { kind: "ready", cause: "", evidence: [], remedies: [], remedy: null, since_s: null },
-      referenced: null,
-      ground_truth: null,
     })),
     channels: Array.from({ length: axes }, (_, axis) =>
       ROWS.flatMap((row) => row.channels).map(({ quantity }) => ({

@@ -63,11 +63,7 @@ export function FreePlots({ scope, change, ...rest }: Props) {
 const Plots = memo(({ scope, devices, settings, change, alone }: Props) => {
   const scheme = useScheme();
   const { free } = settings;
-  // by content: the list of devices is new once a second
-  const known = JSON.stringify(
-    devices.map(({ id, name, channels, rate_max_hz }) => ({ id, name, channels, rate_max_hz })),
-  );
-  const channels = useMemo(() => new Channels(JSON.parse(known), settings.derived), [known, settings.derived]);
+  const channels = useMemo(() => new Channels(devices, settings.derived), [devices, settings.derived]);
   const requests = useMemo(() => requestsFor(free, channels, settings.rateHz), [free, channels, settings.rateHz]);
   const sources = useTelemetries(requests);
   const feed = useMemo(
