@@ -104,15 +104,23 @@ def test_the_palette_adds_a_panel_that_is_in_step_with_the_scope(page: Page, api
     expect(residual.get_by_role("button", name="Hold the picture")).to_have_count(0)
     page.keyboard.press("p")
     expect(page.get_by_test_id("scope")).to_have_attribute("data-paused", "true")
-    figures = residual.locator("[data-figures]")
+    figures = residual.locator("[data-figures='bench:residual.0']")
     api.post("/devices/bench/axes/0/rotate", json={"velocity": 500}).raise_for_status()
     expect(page.get_by_test_id("position")).to_have_text(re.compile("[1-9]"))
     here = page.get_by_test_id("position").inner_text()
     held = (value(residual, "bench:residual.0").inner_text(), figures.inner_text())
     expect(page.get_by_test_id("position")).not_to_have_text(here)
     assert (value(residual, "bench:residual.0").inner_text(), figures.inner_text()) == held
+    # in step with the scope, it is measured by the scope's cursors
+    page.get_by_role("button", name="Measuring cursors").click()
+    page.get_by_role("button", name="Figures", exact=True).click()
+    residual.get_by_role("combobox", name="Add a channel").click()
+    page.get_by_role("option", name="bench residual.1").click()
+    measured = page.get_by_test_id("cursor-table").locator("[data-channel='bench:residual.1'] [data-figure='RMS']")
+    expect(measured).to_have_text(re.compile(r"\d"))
     residual.get_by_label("Time").select_option("5")
     expect(residual.get_by_role("button", name="Hold the picture")).to_be_visible()
+    expect(measured).to_have_count(0)
     expect(figures).not_to_have_text(held[1])
 
 

@@ -19,7 +19,6 @@ import type { PlotConfig } from "./plot";
 
 /** The span of a page without a scope [s]. */
 const SPAN_S = 10;
-const NONE = { current: [] };
 const NO_MARKS = () => () => [];
 
 interface Kind {
@@ -108,7 +107,7 @@ function PlotOf({ device, axis, devices, config, change, ...of }: PanelProps<Plo
     >
       <div className={classes.alone}>
         <FreePlots
-          scope={inStep && shared ? { ...shared, measured: NONE } : own}
+          scope={inStep && shared ? shared : own}
           devices={devices}
           settings={settings}
           change={(next) => put(next.free[0]?.y ?? [])}
@@ -195,6 +194,7 @@ function useTime(device: string, spanS: number): PlotTime & { paused: boolean; r
   const source = hub.sourceOf(device);
   const [view] = useState(() => new ScopeView(spanS, "roll"));
   const [paused, setPaused] = useState(false);
+  const [measured] = useState(() => new Map()); // by nobody: only the scope has a table
   const hover = useRef<number | null>(null);
   useEffect(() => view.set(spanS, "roll"), [view, spanS]);
   useFrame((nowMs) => void view.next(source.buffer.lastTime, nowMs));
@@ -213,7 +213,7 @@ function useTime(device: string, spanS: number): PlotTime & { paused: boolean; r
   return {
     view,
     shiftOf,
-    measured: NONE,
+    measured,
     marks: NO_MARKS,
     moveMark: () => {},
     changeWindow: (next) => {

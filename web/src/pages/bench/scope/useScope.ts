@@ -19,7 +19,7 @@ import type { RowId } from "./rows";
 import { ScopeView } from "./ScopeView";
 import type { ScopeSettings } from "./settings";
 
-/** A channel that is on the scope besides those of its rows: what the cursors' table measures. */
+/** A channel of a plot in step with the scope, besides those of its rows: what the cursors' table measures. */
 export interface Measured {
   key: string;
   label: string;
@@ -111,7 +111,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
     [sourceOf, shiftOf, view],
   );
 
-  const measured = useRef<readonly Measured[]>([]);
+  const [measured] = useState(() => new Map<string, readonly Measured[]>());
 
   const drawn = useRef("");
   useFrame((nowMs) => {

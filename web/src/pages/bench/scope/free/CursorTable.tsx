@@ -116,7 +116,7 @@ function linesOf(scope: Scope): Line[] {
             samples: samplesOf(scope, trace, reach),
           })),
   );
-  const free = scope.measured.current.map(({ key, label, unit, samples }) => ({
+  const free = [...scope.measured.values()].flat().map(({ key, label, unit, samples }) => ({
     key,
     name: `${label} [${unit || "1"}]`,
     samples: samples(reach),

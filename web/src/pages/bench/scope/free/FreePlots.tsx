@@ -78,22 +78,21 @@ const Plots = memo(({ scope, devices, settings, change, alone }: Props) => {
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: what has to be drawn anew
   useEffect(() => drawn.current.clear(), [feed, free, scheme]);
-  // what the cursors' table measures
-  scope.measured.current = free
-    .filter(({ kind }) => kind === "time")
-    .flatMap(({ y }) => y)
-    .map((path) => ({
-      key: path,
-      label: channels.label(path),
-      unit: channels.unit(path) ?? "",
-      samples: (window) => feed.samples(path, window),
-    }));
-  useEffect(
-    () => () => {
-      scope.measured.current = [];
-    },
-    [scope.measured],
-  );
+  // what the cursors' table measures, of the scope's plots and of those in panels of their own
+  const { measured } = scope;
+  useEffect(() => {
+    const all = free.flatMap(({ y }) => y);
+    measured.set(
+      name,
+      all.map((path) => ({
+        key: path,
+        label: channels.label(path),
+        unit: channels.unit(path) ?? "",
+        samples: (window) => feed.samples(path, window),
+      })),
+    );
+    return () => void measured.delete(name);
+  }, [measured, name, free, channels, feed]);
 
   useFrame((nowMs) => {
     const window = scope.view.current();
