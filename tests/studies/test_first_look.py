@@ -12,11 +12,14 @@ import pytest
 
 from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, Tmc5xxxPatch
 from app.studies.first_look.encoder_fit import fit_encoder
+from app.studies.first_look.faults import Way, pulled
 from app.studies.record import Finding, StudyRecord
 from app.studies.store import StudyStore
+from app.telemetry.sampling import FloatArray
 from tests.devices.tmc5xxx.harness import START
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
+from tests.plants.broken import drawn
 from tests.studies.harness import Studied, studied
 
 TURN = 51_200
@@ -98,6 +101,35 @@ async def test_an_open_phase_is_named(tmp_path: Path, coil: str) -> None:
 @pytest.mark.parametrize("load", [{"friction_nm": 0.6}, {"torque_nm": 0.6}])
 async def test_a_load_that_is_too_heavy_is_named(tmp_path: Path, load: dict[str, float]) -> None:
     assert await broken(tmp_path, load=load) == ["overload"]
+
+
+async def test_a_weight_that_pulls_the_shaft_into_a_switch_and_so_ends_the_move_is_named(tmp_path: Path) -> None:
+    assert await broken(tmp_path, **drawn(1071).options) == ["overload"]
+
+
+STOOD: FloatArray = np.concatenate((np.linspace(0, 1348, 10), np.full(200, 1348.0)))
+"""A ramp that a switch ends after five full steps, and what comes then."""
+ON: FloatArray = np.maximum(np.arange(210) - 9.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("encoder", "is_pulled"),
+    [
+        (2000 * np.arange(210), True),
+        (-2000 * np.arange(210), True),
+        (STOOD, False),
+        (20 * (STOOD + 200 * np.cos(ON) * np.exp(-ON / 20)), False),  # swings, by an encoder that is set wrong
+        (STOOD + 700 * np.cumsum(np.where(ON % 20 == 19, np.sign(np.sin(0.02 * ON**2)), 0)), False),  # slips
+    ],
+)
+def test_a_shaft_that_turns_on_while_the_ramp_stands_is_pulled(encoder: FloatArray, is_pulled: bool) -> None:
+    assert pulled(Way(STOOD, encoder), 256) == is_pulled
+
+
+def test_a_shaft_that_turns_while_the_ramp_does_not_begin_is_pulled_and_no_sample_tells_nothing() -> None:
+    assert pulled(Way(np.zeros(50), np.linspace(0, -5000, 50)), 256)
+    assert not pulled(Way(np.zeros(50), np.zeros(50)), 256)
+    assert not pulled(Way(np.zeros(0), np.zeros(0)), 256)
 
 
 async def test_the_backlash_of_a_switch_is_named(tmp_path: Path) -> None:

@@ -27,6 +27,8 @@ WHOLE_WITHIN = 0.35
 """A jump this near to whole periods is one of steps that were lost [full steps]."""
 HEAVY_FULLSTEPS = 1.0
 """What the shaft turns less after each reversal: a load that pulls the rotor so far behind takes most of its torque."""
+ONE_WAY_SHARE = 0.5
+"""A shaft that is pulled gets on by this share of all that its encoder counts: one that swings or slips does not."""
 OPEN_SHARE = 0.5
 """Share of all looks in slow motion at which the driver has to tell of an open coil: it may be wrong now and then."""
 SWITCH_PLAY_FULLSTEPS = 1.0
@@ -66,6 +68,18 @@ def open_phase(looks: Sequence[dict[str, bool]]) -> Named | None:
     if not coils:
         return None
     return Named("open phase", f"no current comes through coil {' and '.join(coils)}, as the driver tells")
+
+
+def pulled(way: Way, full_step: int) -> bool:
+    """Whether the shaft turned on, one way and farther than before, while the ramp stood: at a switch, or all along."""
+    position, encoder = way.position, way.encoder
+    if not len(position):
+        return False
+    moved = np.flatnonzero(position != position[-1])
+    stood = encoder[moved[-1] + 1 if len(moved) else 0 :]
+    on, gone = abs(stood[-1] - stood[0]), float(np.abs(np.diff(stood)).sum())
+    # The way before is the measure where the encoder's resolution is set wrong: a rotor swings by far less.
+    return bool(on > max(PERIOD_FULLSTEPS * full_step, abs(stood[0] - encoder[0])) and on > ONE_WAY_SHARE * gone)
 
 
 def of_turns(ways: Sequence[Way], full_step: int, load: float | None) -> Named | None:

@@ -21,7 +21,7 @@ from ..record import Finding, Mend
 from ..run import StudyRun
 from ..sampled import sampling
 from .encoder_fit import EncoderFit, fit_encoder
-from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase
+from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase, pulled
 from .plan import CREEP_FULLSTEPS, EDGE_FULLSTEPS, Ground, look, travel_of
 
 RATE_HZ = 250.0
@@ -118,17 +118,14 @@ class FirstLookStudy(StudyRun):
 
     async def _way(self, ways: list[Way], target: int) -> Named | None:
         """One more way, and what is broken by all of them. Raises Failed where it ends elsewhere, nothing named."""
-        before = await self._state()
-        try:
-            ways.append(await self._sampled(target))
-        except Failed as error:
-            after = await self._state()
-            gone = (after.encoder_position or 0) - (before.encoder_position or 0)
-            pulled = abs(after.position - before.position) < self._full_step < abs(gone) / PERIOD_FULLSTEPS
-            if not pulled and self._load() != 0:
-                raise
-            by = "its load turns the shaft" if pulled else "its load value is 0"
-            return Named("overload", f"{by}, and {error}")
+        way, failure = await self._sampled(target)
+        if failure is not None:
+            turned_by_load = pulled(way, self._full_step)
+            if not turned_by_load and self._load() != 0:
+                raise failure
+            by = "its load turns the shaft" if turned_by_load else "its load value is 0"
+            return Named("overload", f"{by}, and {failure}")
+        ways.append(way)
         return open_phase(self._looks) or of_turns(ways, self._full_step, self._load())
 
     def _tell_encoder(self, found: EncoderFit, state: AxisState, way: int) -> None:
@@ -188,17 +185,21 @@ class FirstLookStudy(StudyRun):
             )
         self._find("index", "not looked for: see the encoder page", sure="cannot be told")
 
-    async def _sampled(self, target: int) -> Way:
-        """A move, and position and encoder on its way [microsteps]."""
+    async def _sampled(self, target: int) -> tuple[Way, Failed | None]:
+        """A move, position and encoder on its way [microsteps], and why it ended elsewhere."""
         there = {channel.name for channel in self.device.telemetry.channels()}
         load = f"load_value.{self.axis}"
         names = [f"position.{self.axis}", f"encoder_position.{self.axis}", *([load] if load in there else [])]
+        failure: Failed | None = None
         with sampling(self.device, names, RATE_HZ, self.clock) as samples:
-            await self._go(target, samples.take)
+            try:
+                await self._go(target, samples.take)
+            except Failed as error:
+                failure = error
         position, encoder, *loads = samples.all()[1].T
         self._loads += [float(value) for each in loads for value in each[np.isfinite(each)]]
         known = np.isfinite(position) & np.isfinite(encoder)
-        return Way(position[known], encoder[known])
+        return Way(position[known], encoder[known]), failure
 
     def _load(self) -> float | None:
         return float(np.median(self._loads)) if self._loads else None
