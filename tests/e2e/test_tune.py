@@ -208,3 +208,54 @@ def test_coolstep_is_told_of_as_soon_as_it_is_looked_for(
     expect(page.get_by_role("region", name="Found")).to_contain_text("could not be tried: how many amperes")
     check_axe(page)
     page.goto("/connections")  # before the chip is gone
+
+
+@pytest.mark.timeout(300)  # some 250 real moves: no search by halves makes them fewer
+def test_coolstep_is_found_told_taken_and_undone(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    # It accelerates hard and moves on with little: what CoolStep is for.
+    options: dict[str, Any] = {
+        "motor": {"rotor_teeth": 50, "viscous_nms": 0.002, "holding_torque_nm": 0.45},
+        "load": {"inertia_kgm2": 3e-4, "friction_nm": 0.02},
+        "encoder": {"lines": 10_000},
+        "full_scale_a": 1.5,
+    }
+    with a_chip(api, "uneven axis", **options) as chip:
+        start = {"velocity_pps": 160_000, "acceleration_pps2": 2_500_000, "counts_per_rev": 40_000, "stops": False}
+        api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
+        chip.write("IHOLD_IRUN", IHOLD=20, IRUN=31, IHOLDDELAY=1)
+        chip.emulator(time_scale=10.0)
+        select(page, chip)
+        page.goto("/tune")
+        page.get_by_role("radio", name="Cooler").check()
+        fill(page, {"Margin of speed": "0", "Cycles that may lose": "20"})
+        fill(page, {"Resistance of one coil": "2.3", "Run current as it is set now": "1.06"})
+        plan = page.get_by_test_id("plan")
+        expect(plan).to_contain_text("14 cycles")
+        expect(plan).to_contain_text(re.compile(r"It sets, and sets back: .*IHOLD_IRUN.*COOLCONF"))
+        page.get_by_test_id("begin").click()
+        tried = page.get_by_role("table", name="Settings of CoolStep that were tried")
+        expect(tried).to_contain_text("held", timeout=LONG_MS)
+        verdict = page.get_by_test_id("verdict")
+        expect(verdict).to_contain_text(re.compile(r"With CoolStep \(SEMIN \d+"), timeout=2 * LONG_MS)
+        card = page.get_by_role("region", name="CoolStep")
+        expect(card).to_contain_text(re.compile(r"SEMIN \d+, SEMAX .*less heat of the coils.*10 pairs.*about.*W"))
+        expect(card).not_to_contain_text("There is none")
+        check_axe(page)
+        before = {name: chip.register(name)["value"] for name in ("IHOLD_IRUN", "COOLCONF")}
+        assert before["COOLCONF"] & 15 == 0
+        page.get_by_role("button", name="Take the best").click()
+        wait_for(lambda: chip.register("COOLCONF")["value"] & 15 > 1, "CoolStep is taken")
+        told = re.search(r"SEMIN (\d+)", card.inner_text())
+        assert told is not None
+        assert chip.register("COOLCONF")["value"] & 15 == int(told[1])
+        assert chip.register("TCOOLTHRS")["value"] > 0
+        page.get_by_role("button", name="Undo").click()
+        wait_for(
+            lambda: {name: chip.register(name)["value"] for name in before} == before, "the settings are as before"
+        )
+        page.set_viewport_size(PHONE)
+        expect(verdict).to_be_visible()
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.goto("/connections")  # before the chip is gone
