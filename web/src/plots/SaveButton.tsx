@@ -7,11 +7,18 @@ import type { Subject } from "./picture";
 
 const SaveMenu = later(() => import("./SaveMenu").then((part) => part.SaveMenu));
 
+interface Props {
+  name: string;
+  subject: () => Subject | null;
+  /** in the lower corner: the upper one is drawn in */
+  low?: boolean | undefined;
+}
+
 /** In the corner of a picture that is pointed at: saves it as PNG or SVG. */
-export function SaveButton({ name, subject }: { name: string; subject: () => Subject | null }) {
+export function SaveButton({ name, subject, low }: Props) {
   const [opened, setOpened] = useState(false);
   return (
-    <span className={classes.save} data-opened={opened}>
+    <span className={classes.save} data-opened={opened} data-low={low}>
       <ActionIcon
         size={22}
         variant="default"

@@ -2,17 +2,23 @@ import uPlot from "uplot";
 import { FAMILY } from "../font";
 import { fileName, saveBlob } from "../lib/files";
 import { symbolOf } from "../lib/units";
+import { drawingAsSvg } from "./drawn";
 import { TEXT_PX } from "./labels";
 import { type Build, buildOptions } from "./options";
 import { escaped, SvgContext, TextPath } from "./SvgContext";
 import type { PlotSeries } from "./types";
 
-/** A plot of which a picture is to be saved. */
-export interface Subject {
+/** What a picture is to be saved of: a plot, or what is drawn in a frame of the page. */
+export type Subject = OfPlot | { title: string; frame: Element };
+
+interface OfPlot {
   title: string;
   plot: uPlot;
   build: Build;
 }
+
+/** The address of the page's font: see `font.ts`. */
+declare const __INTER__: string;
 
 const LINE_PX = 20;
 const EDGE_PX = 8;
@@ -20,12 +26,14 @@ const SWATCH_PX = 16;
 
 /** The picture as it is seen, with its title and legend, in the colours of the page. */
 export async function savePng(subject: Subject): Promise<void> {
-  saveBlob(fileName(subject.title, ".png"), await plotAsPng(subject));
+  const blob = await ("plot" in subject ? plotAsPng(subject) : drawingAsPng(subject.title, subject.frame));
+  saveBlob(fileName(subject.title, ".png"), blob);
 }
 
-/** The same as lines and text, drawn anew from the same data. */
+/** The same as lines and text: a plot drawn anew from the same data, a drawing as it is. */
 export function saveSvg(subject: Subject): void {
-  saveBlob(fileName(subject.title, ".svg"), new Blob([plotAsSvg(subject)], { type: "image/svg+xml" }));
+  const text = "plot" in subject ? plotAsSvg(subject) : drawingAsSvg(subject.title, subject.frame);
+  saveBlob(fileName(subject.title, ".svg"), new Blob([text], { type: "image/svg+xml" }));
 }
 
 function page(): { ground: string; ink: string } {
@@ -81,7 +89,7 @@ function drawHead(ctx: CanvasRenderingContext2D, title: string, series: readonly
   return head;
 }
 
-async function plotAsPng({ title, plot, build }: Subject): Promise<Blob> {
+async function plotAsPng({ title, plot, build }: OfPlot): Promise<Blob> {
   const ratio = window.devicePixelRatio || 1;
   const drawn = plot.ctx.canvas;
   const canvas = document.createElement("canvas");
@@ -97,7 +105,7 @@ async function plotAsPng({ title, plot, build }: Subject): Promise<Blob> {
 }
 
 /** The plot drawn once more, with the same data and scales, onto what keeps lines and text instead of pixels. */
-function plotAsSvg({ title, plot, build }: Subject): string {
+function plotAsSvg({ title, plot, build }: OfPlot): string {
   const ratio = window.devicePixelRatio || 1;
   const { width, height } = plot.ctx.canvas;
   const head = new SvgContext(plot.ctx.canvas);
@@ -142,6 +150,27 @@ function redrawn(plot: uPlot, build: Build): string {
     globalThis.Path2D = OfPixels;
   }
   return context?.toString() ?? "";
+}
+
+/** The page's font as text. An image sees no other than what is within it; another is legible too. */
+async function fontStyle(): Promise<string> {
+  const answer = await fetch(__INTER__).catch(() => null);
+  if (!answer?.ok) return "";
+  const bytes = new Uint8Array(await answer.arrayBuffer());
+  const source = `data:font/woff2;base64,${btoa(String.fromCharCode(...bytes))}`;
+  return `<style>@font-face{font-family:Inter;font-weight:400 600;src:url(${source})}</style>`;
+}
+
+async function drawingAsPng(title: string, frame: Element): Promise<Blob> {
+  const ratio = Math.max(2, window.devicePixelRatio);
+  const image = new Image();
+  image.src = `data:image/svg+xml,${encodeURIComponent(drawingAsSvg(title, frame, await fontStyle()))}`;
+  await image.decode();
+  const canvas = document.createElement("canvas");
+  canvas.width = image.naturalWidth * ratio;
+  canvas.height = image.naturalHeight * ratio;
+  canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return blobOf(canvas);
 }
 
 async function blobOf(canvas: HTMLCanvasElement): Promise<Blob> {

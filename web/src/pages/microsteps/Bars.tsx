@@ -1,5 +1,6 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useState } from "react";
+import { Savable } from "../../plots/Savable";
 import classes from "./Microsteps.module.css";
 
 export interface Bar {
@@ -20,7 +21,7 @@ interface Props {
   every: number;
 }
 
-const LEFT = 44;
+const LEFT = 50;
 const BOTTOM = 18;
 const TOP = 6;
 
@@ -63,63 +64,65 @@ export function Bars({ label, bars, height = 150, scale, format, marked, every }
   }
 
   return (
-    <div
-      ref={ref}
-      className={classes.bars}
-      role="slider"
-      tabIndex={0}
-      aria-label={label}
-      aria-valuemin={0}
-      aria-valuemax={Math.max(0, bars.length - 1)}
-      aria-valuenow={seen ?? 0}
-      aria-valuetext={told || "nothing to show"}
-      onPointerMove={onPointer}
-      onPointerLeave={() => setAt(null)}
-      onKeyDown={onKey}
-      onBlur={() => setAt(null)}
-    >
-      <p className="room flex gap-12 m-0 text-12">
-        <span className="num">{told || " "}</span>
-      </p>
-      <svg width="100%" height={height} aria-hidden="true">
-        {scale.ticks.map((value) => (
-          <g key={value}>
-            <line className="grid-line faint" x1={LEFT} x2={LEFT + inner} y1={place(value)} y2={place(value)} />
-            <text className="tick" x={LEFT - 6} y={place(value)} textAnchor="end" dominantBaseline="central">
-              {format(value)}
-            </text>
-          </g>
-        ))}
-        {seen !== null && (
-          <rect className={classes.looked} x={LEFT + seen * pitch} y={TOP} width={pitch} height={tall} />
-        )}
-        {bars.map((entry, index) => (
-          <g key={entry.label}>
-            {entry.before !== null && (
-              <rect
-                fill="var(--grey)"
-                opacity={0.35}
-                x={LEFT + (index + 0.1) * pitch}
-                width={pitch * 0.8}
-                {...span(entry.before)}
-              />
-            )}
-            {entry.value !== null && (
-              <rect
-                className={index === marked ? "fill-orange" : "fill-accent"}
-                x={LEFT + (index + 0.22) * pitch}
-                width={Math.max(0.6, pitch * 0.56)}
-                {...span(entry.value)}
-              />
-            )}
-            {index % every === 0 && (
-              <text className="tick" x={LEFT + (index + 0.5) * pitch} y={height - 4} textAnchor="middle">
-                {entry.label.replace(/\D/g, "")}
+    <Savable name={label}>
+      <div
+        ref={ref}
+        className={classes.bars}
+        role="slider"
+        tabIndex={0}
+        aria-label={label}
+        aria-valuemin={0}
+        aria-valuemax={Math.max(0, bars.length - 1)}
+        aria-valuenow={seen ?? 0}
+        aria-valuetext={told || "nothing to show"}
+        onPointerMove={onPointer}
+        onPointerLeave={() => setAt(null)}
+        onKeyDown={onKey}
+        onBlur={() => setAt(null)}
+      >
+        <p className="room flex gap-12 m-0 text-12">
+          <span className="num">{told || " "}</span>
+        </p>
+        <svg width="100%" height={height} aria-hidden="true">
+          {scale.ticks.map((value) => (
+            <g key={value}>
+              <line className="grid-line faint" x1={LEFT} x2={LEFT + inner} y1={place(value)} y2={place(value)} />
+              <text className="tick" x={LEFT - 6} y={place(value)} textAnchor="end" dominantBaseline="central">
+                {format(value)}
               </text>
-            )}
-          </g>
-        ))}
-      </svg>
-    </div>
+            </g>
+          ))}
+          {seen !== null && (
+            <rect className={classes.looked} x={LEFT + seen * pitch} y={TOP} width={pitch} height={tall} />
+          )}
+          {bars.map((entry, index) => (
+            <g key={entry.label}>
+              {entry.before !== null && (
+                <rect
+                  fill="var(--grey)"
+                  opacity={0.35}
+                  x={LEFT + (index + 0.1) * pitch}
+                  width={pitch * 0.8}
+                  {...span(entry.before)}
+                />
+              )}
+              {entry.value !== null && (
+                <rect
+                  className={index === marked ? "fill-orange" : "fill-accent"}
+                  x={LEFT + (index + 0.22) * pitch}
+                  width={Math.max(0.6, pitch * 0.56)}
+                  {...span(entry.value)}
+                />
+              )}
+              {index % every === 0 && (
+                <text className="tick" x={LEFT + (index + 0.5) * pitch} y={height - 4} textAnchor="middle">
+                  {entry.label.replace(/\D/g, "")}
+                </text>
+              )}
+            </g>
+          ))}
+        </svg>
+      </div>
+    </Savable>
   );
 }

@@ -1,6 +1,7 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import { fixed } from "../../lib/format";
+import { Savable } from "../../plots/Savable";
 import classes from "./Microsteps.module.css";
 import { clamp, ENTRIES, TOP, withEntry, withStroke } from "./table";
 
@@ -91,75 +92,77 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
   const ideal = Array.from({ length: ENTRIES }, (_, index) => TOP * Math.sin((index / ENTRIES) * (Math.PI / 2)));
 
   return (
-    <div ref={ref} className={classes.curve}>
-      <svg
-        width="100%"
-        height={HEIGHT}
-        data-tool={tool}
-        onPointerDown={onDown}
-        onPointerMove={onMove}
-        onPointerUp={onUp}
-        onPointerCancel={onUp}
-      >
-        <title>Quarter wave of the microstep table</title>
-        {[0, 16, 32, 48, 63].map((value) => (
-          <g key={`y${value}`}>
-            <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(value)} y2={y(value)} />
-            <text className="tick" x={MARGIN.left - 6} y={y(value)} textAnchor="end" dominantBaseline="central">
-              {value}
-            </text>
+    <Savable low name="Quarter wave of the microstep table">
+      <div ref={ref} className={classes.curve}>
+        <svg
+          width="100%"
+          height={HEIGHT}
+          data-tool={tool}
+          onPointerDown={onDown}
+          onPointerMove={onMove}
+          onPointerUp={onUp}
+          onPointerCancel={onUp}
+        >
+          <title>Quarter wave of the microstep table</title>
+          {[0, 16, 32, 48, 63].map((value) => (
+            <g key={`y${value}`}>
+              <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(value)} y2={y(value)} />
+              <text className="tick" x={MARGIN.left - 6} y={y(value)} textAnchor="end" dominantBaseline="central">
+                {value}
+              </text>
+            </g>
+          ))}
+          {[0, 8, 16, 24, 32, 40, 48, 56, 63].map((index) => (
+            <g key={`x${index}`}>
+              <line className="grid-line faint" x1={x(index)} x2={x(index)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+              <text className="tick" x={x(index)} y={HEIGHT - 6} textAnchor="middle">
+                {index}
+              </text>
+            </g>
+          ))}
+          <g>
+            <path className="dashed fill-none stroke-grey stroke-1" d={stairs(ideal)} />
+            {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(before)} />}
+            <path fill="none" stroke="var(--accent)" strokeWidth={1.25} d={stairs(values)} />
           </g>
-        ))}
-        {[0, 8, 16, 24, 32, 40, 48, 56, 63].map((index) => (
-          <g key={`x${index}`}>
-            <line className="grid-line faint" x1={x(index)} x2={x(index)} y1={MARGIN.top} y2={MARGIN.top + tall} />
-            <text className="tick" x={x(index)} y={HEIGHT - 6} textAnchor="middle">
-              {index}
-            </text>
-          </g>
-        ))}
-        <g>
-          <path className="dashed fill-none stroke-grey stroke-1" d={stairs(ideal)} />
-          {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(before)} />}
-          <path fill="none" stroke="var(--accent)" strokeWidth={1.25} d={stairs(values)} />
-        </g>
-        {values.map((value, index) => (
-          <g
-            // biome-ignore lint/suspicious/noArrayIndexKey: an entry is its place in the table
-            key={index}
-            ref={(node) => {
-              points.current[index] = node;
-            }}
-            className="point"
-            role="slider"
-            tabIndex={index === active ? 0 : -1}
-            aria-label={`Entry ${index}`}
-            aria-orientation="vertical"
-            aria-valuemin={0}
-            aria-valuemax={TOP}
-            aria-valuenow={value}
-            onKeyDown={(event) => onKey(event, index)}
-            onFocus={() => setActive(index)}
-            onBlur={onSettle}
-          >
-            <circle className="halo" cx={x(index)} cy={y(value)} r={7} />
-            <circle className="fill-accent" cx={x(index)} cy={y(value)} r={index === active ? 4 : 2.6} />
-          </g>
-        ))}
-      </svg>
-      <p className="room flex gap-12 m-0 text-12">
-        <span>
-          entry <span className="num">{active}</span> = <span className="num">{values[active]}</span>
-        </span>
-        {before && (
-          <span className="dim">
-            chip <span className="num">{before[active]}</span>
+          {values.map((value, index) => (
+            <g
+              // biome-ignore lint/suspicious/noArrayIndexKey: an entry is its place in the table
+              key={index}
+              ref={(node) => {
+                points.current[index] = node;
+              }}
+              className="point"
+              role="slider"
+              tabIndex={index === active ? 0 : -1}
+              aria-label={`Entry ${index}`}
+              aria-orientation="vertical"
+              aria-valuemin={0}
+              aria-valuemax={TOP}
+              aria-valuenow={value}
+              onKeyDown={(event) => onKey(event, index)}
+              onFocus={() => setActive(index)}
+              onBlur={onSettle}
+            >
+              <circle className="halo" cx={x(index)} cy={y(value)} r={7} />
+              <circle className="fill-accent" cx={x(index)} cy={y(value)} r={index === active ? 4 : 2.6} />
+            </g>
+          ))}
+        </svg>
+        <p className="room flex gap-12 m-0 text-12">
+          <span>
+            entry <span className="num">{active}</span> = <span className="num">{values[active]}</span>
           </span>
-        )}
-        <span className="dim">
-          sine <span className="num">{fixed(ideal[active] ?? 0, 1)}</span>
-        </span>
-      </p>
-    </div>
+          {before && (
+            <span className="dim">
+              chip <span className="num">{before[active]}</span>
+            </span>
+          )}
+          <span className="dim">
+            sine <span className="num">{fixed(ideal[active] ?? 0, 1)}</span>
+          </span>
+        </p>
+      </div>
+    </Savable>
   );
 }

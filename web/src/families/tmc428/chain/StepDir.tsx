@@ -10,6 +10,7 @@ import { duration, fixed, withUnit } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useWork } from "../../../lib/useWork";
+import { Savable } from "../../../plots/Savable";
 import classes from "./Chain.module.css";
 import { pulseLength, stepRateMax } from "./chain";
 
@@ -93,49 +94,51 @@ function Timing({ settings, clockHz, rate }: { settings: Settings; clockHz: numb
   const dirTop = 104;
   const first = starts[0] ?? 0;
   return (
-    <div ref={ref}>
-      <svg
-        width="100%"
-        height={168}
-        role="img"
-        aria-label={`Timing of STEP and DIR: pulses of ${duration(pulse)}, one each ${duration(period)}`}
-      >
-        <text className="text-12 bold mono fill-text" x={4} y={stepTop + 19}>
-          STEP
-        </text>
-        <text className="text-12 bold mono fill-text" x={4} y={dirTop + 19}>
-          DIR
-        </text>
-        {starts.map((start) => (
-          <line
-            key={start}
-            stroke="var(--line)"
-            strokeDasharray="2 3"
-            x1={x(start)}
-            x2={x(start)}
-            y1={14}
-            y2={dirTop + 40}
-          />
-        ))}
-        <path className="fill-none stroke-accent stroke-2" d={wave(highs, end, settings.inv_stp === 1, x, stepTop)} />
-        <path
-          className="fill-none stroke-accent stroke-2"
-          d={wave([[0, end]], end, settings.inv_dir === 1, x, dirTop)}
-        />
-        <text className="tick" x={x(first + period / 2)} y={20} textAnchor="middle">
-          a step each {duration(period)}
-        </text>
-        <path className="stroke-dim stroke-1" d={`M${x(first)},24H${x(first + period)}`} />
-        {!half && (
-          <text className="tick" x={x(first) + 4} y={stepTop + 46}>
-            pulse {duration(pulse)}
+    <Savable name="Timing of STEP and DIR">
+      <div ref={ref}>
+        <svg
+          width="100%"
+          height={168}
+          role="img"
+          aria-label={`Timing of STEP and DIR: pulses of ${duration(pulse)}, one each ${duration(period)}`}
+        >
+          <text className="text-12 bold mono fill-text" x={4} y={stepTop + 19}>
+            STEP
           </text>
-        )}
-        <text className="tick" x={x(end)} y={160} textAnchor="end">
-          time, to scale at the highest velocity set
-        </text>
-      </svg>
-    </div>
+          <text className="text-12 bold mono fill-text" x={4} y={dirTop + 19}>
+            DIR
+          </text>
+          {starts.map((start) => (
+            <line
+              key={start}
+              stroke="var(--line)"
+              strokeDasharray="2 3"
+              x1={x(start)}
+              x2={x(start)}
+              y1={14}
+              y2={dirTop + 40}
+            />
+          ))}
+          <path className="fill-none stroke-accent stroke-2" d={wave(highs, end, settings.inv_stp === 1, x, stepTop)} />
+          <path
+            className="fill-none stroke-accent stroke-2"
+            d={wave([[0, end]], end, settings.inv_dir === 1, x, dirTop)}
+          />
+          <text className="tick" x={x(first + period / 2)} y={20} textAnchor="middle">
+            a step each {duration(period)}
+          </text>
+          <path className="stroke-dim stroke-1" d={`M${x(first)},24H${x(first + period)}`} />
+          {!half && (
+            <text className="tick" x={x(first) + 4} y={stepTop + 46}>
+              pulse {duration(pulse)}
+            </text>
+          )}
+          <text className="tick" x={x(end)} y={160} textAnchor="end">
+            time, to scale at the highest velocity set
+          </text>
+        </svg>
+      </div>
+    </Savable>
   );
 }
 

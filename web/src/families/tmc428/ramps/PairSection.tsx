@@ -6,6 +6,7 @@ import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import type { Calculation } from "../../../lib/useCalc";
 import { WarningList } from "../../../lib/Warnings";
+import { Savable } from "../../../plots/Savable";
 import { CandidateChart } from "./CandidateChart";
 import { idealP, labelOf, type Model, type Pair, pOf, type RampDesign } from "./design";
 import classes from "./Ramps.module.css";
@@ -104,44 +105,48 @@ export function PairSection(props: Props) {
           )}
         </div>
         {result && result.candidates.length > 0 ? (
-          <CandidateChart
-            model={model}
-            candidates={result.candidates}
-            chosen={pair}
-            recommended={recommended}
-            onChoose={onPair}
-          />
+          <Savable low name="Pairs by quality">
+            <figure className="m-0">
+              <CandidateChart
+                model={model}
+                candidates={result.candidates}
+                chosen={pair}
+                recommended={recommended}
+                onChoose={onPair}
+              />
+              <figcaption className="lines-12 hint m-0" aria-hidden>
+                <span className="inline gap-4">
+                  <svg width="10" height="10" aria-hidden="true">
+                    <circle className="fill-accent" cx="5" cy="5" r="4" />
+                  </svg>
+                  no overshoot
+                </span>
+                <span className="inline gap-4">
+                  <svg width="10" height="10" aria-hidden="true">
+                    <circle className={classes.pairOver} cx="5" cy="5" r="3.5" />
+                  </svg>
+                  overshoots
+                </span>
+                <span className="inline gap-4">
+                  <svg width="14" height="14" aria-hidden="true">
+                    <circle className="fill-accent" cx="7" cy="7" r="3.5" />
+                    <circle className="fill-none stroke-text stroke-1" cx="7" cy="7" r="6" />
+                  </svg>
+                  recommended
+                </span>
+                <span>shaded: 0.95 &lt; q &lt; 1</span>
+                <span>over: µsteps beyond the target</span>
+                <span>below: {labelOf(model, "pmul")}</span>
+              </figcaption>
+            </figure>
+          </Savable>
         ) : (
-          <Center mih={214} className="dim text-13 centered">
+          <Center mih={232} className="dim text-13 centered">
             {none
               ? "Without a pair the chip cannot brake to the target. Change a_max, or bring ramp_div and pulse_div closer together."
               : ""}
           </Center>
         )}
-        <p className="lines-12 hint m-0" aria-hidden>
-          <span className="inline gap-4">
-            <svg width="10" height="10" aria-hidden="true">
-              <circle className="fill-accent" cx="5" cy="5" r="4" />
-            </svg>
-            no overshoot
-          </span>
-          <span className="inline gap-4">
-            <svg width="10" height="10" aria-hidden="true">
-              <circle className={classes.pairOver} cx="5" cy="5" r="3.5" />
-            </svg>
-            overshoots
-          </span>
-          <span className="inline gap-4">
-            <svg width="14" height="14" aria-hidden="true">
-              <circle className="fill-accent" cx="7" cy="7" r="3.5" />
-              <circle className="fill-none stroke-text stroke-1" cx="7" cy="7" r="6" />
-            </svg>
-            recommended
-          </span>
-          <span>shaded: 0.95 &lt; q &lt; 1</span>
-          <span>over: µsteps beyond the target</span>
-          <span>below: {labelOf(model, "pmul")}</span>
-        </p>
         <WarningList className="room list" texts={result?.warnings ?? []} />
       </div>
     </Card>

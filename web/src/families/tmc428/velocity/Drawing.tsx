@@ -2,6 +2,7 @@ import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
+import { Savable } from "../../../plots/Savable";
 import { type Knot, moved } from "./knots";
 
 interface Props {
@@ -55,49 +56,51 @@ export function Drawing({ knots, onChange }: Props) {
   };
 
   return (
-    // biome-ignore lint/a11y/useSemanticElements: a drawing is no fieldset
-    <svg
-      ref={svg}
-      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-      className="block w-full"
-      role="group"
-      aria-label={`Velocity over ${compact(endS / 1.05, 4, "s")}, ${knots.length} knots`}
-      onPointerMove={drag}
-      onPointerUp={release}
-      onPointerCancel={release}
-      style={{ touchAction: "none" }}
-    >
-      <line x1={EDGE} x2={WIDTH - EDGE} y1={zero} y2={zero} stroke="currentColor" strokeOpacity={0.3} />
-      <polyline
-        points={knots.map(({ timeS, pps }) => `${x(timeS)},${y(pps)}`).join(" ")}
-        fill="none"
-        stroke={colorOf("velocity", scheme)}
-        strokeWidth={2}
-      />
-      {knots.map(({ timeS, pps }, index) => (
-        <circle
-          // biome-ignore lint/suspicious/noArrayIndexKey: a knot is its place in the row
-          key={index}
-          cx={x(timeS)}
-          cy={y(pps)}
-          r={held === index ? 9 : 7}
-          fill={colorOf("velocity", scheme)}
-          tabIndex={0}
-          role="slider"
-          aria-label={`Knot ${index + 1}`}
-          aria-valuenow={Math.round(pps)}
-          aria-valuetext={`${compact(pps, 4, "pps")} at ${compact(timeS, 4, "s")}`}
-          style={{ cursor: "grab", pointerEvents: "auto" }}
-          onPointerDown={(event) => {
-            event.preventDefault();
-            event.currentTarget.focus();
-            svg.current?.setPointerCapture(event.pointerId);
-            setFrame({ endS, peak });
-            setHeld(index);
-          }}
-          onKeyDown={(event) => step(event, index)}
+    <Savable name="Velocity over time">
+      {/* biome-ignore lint/a11y/useSemanticElements: a drawing is no fieldset */}
+      <svg
+        ref={svg}
+        viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+        className="block w-full"
+        role="group"
+        aria-label={`Velocity over ${compact(endS / 1.05, 4, "s")}, ${knots.length} knots`}
+        onPointerMove={drag}
+        onPointerUp={release}
+        onPointerCancel={release}
+        style={{ touchAction: "none" }}
+      >
+        <line x1={EDGE} x2={WIDTH - EDGE} y1={zero} y2={zero} stroke="currentColor" strokeOpacity={0.3} />
+        <polyline
+          points={knots.map(({ timeS, pps }) => `${x(timeS)},${y(pps)}`).join(" ")}
+          fill="none"
+          stroke={colorOf("velocity", scheme)}
+          strokeWidth={2}
         />
-      ))}
-    </svg>
+        {knots.map(({ timeS, pps }, index) => (
+          <circle
+            // biome-ignore lint/suspicious/noArrayIndexKey: a knot is its place in the row
+            key={index}
+            cx={x(timeS)}
+            cy={y(pps)}
+            r={held === index ? 9 : 7}
+            fill={colorOf("velocity", scheme)}
+            tabIndex={0}
+            role="slider"
+            aria-label={`Knot ${index + 1}`}
+            aria-valuenow={Math.round(pps)}
+            aria-valuetext={`${compact(pps, 4, "pps")} at ${compact(timeS, 4, "s")}`}
+            style={{ cursor: "grab", pointerEvents: "auto" }}
+            onPointerDown={(event) => {
+              event.preventDefault();
+              event.currentTarget.focus();
+              svg.current?.setPointerCapture(event.pointerId);
+              setFrame({ endS, peak });
+              setHeld(index);
+            }}
+            onKeyDown={(event) => step(event, index)}
+          />
+        ))}
+      </svg>
+    </Savable>
   );
 }

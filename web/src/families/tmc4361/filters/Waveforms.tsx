@@ -1,5 +1,6 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
+import { Savable } from "../../../plots/Savable";
 import classes from "./filters.module.css";
 import { cellOf, type Filtered, fates, painted, ticksOf, timeText, wavePath } from "./waves";
 
@@ -80,95 +81,97 @@ export function Waveforms({ pin, input, result, stale, clockHz, onInput }: Props
       : `${timeText(cursor / clockHz)}: pin ${input[cursor]}, filtered ${fits ? fits.output[cursor] : "unknown"}`;
 
   return (
-    <div ref={box} className={`${classes.figure} shrink hidden`} data-stale={stale}>
-      <svg
-        width={width}
-        height={HEIGHT}
-        role="application"
-        aria-roledescription="waveform"
-        aria-label={`${pin} before and after its filter. Left and right move, space changes the level.`}
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: its waveform is drawn with the keys too
-        tabIndex={0}
-        className={classes.waves}
-        onPointerDown={begin}
-        onPointerMove={move}
-        onPointerUp={end}
-        onPointerCancel={end}
-        onKeyDown={onKey}
-        data-testid="waveforms"
-      >
-        {ticksOf(spanS, (width - LEFT - RIGHT) / 80).map((at) => (
-          <g key={at}>
-            <path d={`M${x(at * clockHz)} ${AXIS} v5`} className="stroke-grey" />
-            <text className="tick" x={x(at * clockHz)} y={AXIS + 18} textAnchor="middle">
-              {timeText(at)}
+    <Savable name={`${pin} before and after its filter`}>
+      <div ref={box} className={`${classes.figure} shrink hidden`} data-stale={stale}>
+        <svg
+          width={width}
+          height={HEIGHT}
+          role="application"
+          aria-roledescription="waveform"
+          aria-label={`${pin} before and after its filter. Left and right move, space changes the level.`}
+          // biome-ignore lint/a11y/noNoninteractiveTabindex: its waveform is drawn with the keys too
+          tabIndex={0}
+          className={classes.waves}
+          onPointerDown={begin}
+          onPointerMove={move}
+          onPointerUp={end}
+          onPointerCancel={end}
+          onKeyDown={onKey}
+          data-testid="waveforms"
+        >
+          {ticksOf(spanS, (width - LEFT - RIGHT) / 80).map((at) => (
+            <g key={at}>
+              <path d={`M${x(at * clockHz)} ${AXIS} v5`} className="stroke-grey" />
+              <text className="tick" x={x(at * clockHz)} y={AXIS + 18} textAnchor="middle">
+                {timeText(at)}
+              </text>
+            </g>
+          ))}
+          {stopped.map(({ from, to }) => (
+            <rect
+              key={from}
+              x={x(from)}
+              width={Math.max(1.5, x(to) - x(from))}
+              y={ROWS.input - 6}
+              height={HIGH + 12}
+              fill="color-mix(in srgb, var(--orange) 22%, transparent)"
+              data-testid="stopped"
+            >
+              <title>
+                {timeText((to - from) / clockHz)} long, {to - from} clocks: it does not get through
+              </title>
+            </rect>
+          ))}
+          {fits &&
+            spacing >= LINE_PX &&
+            fits.sample_clocks.map((clock) => (
+              <path key={clock} d={`M${x(clock)} ${ROWS.input - 8} V${AXIS}`} stroke="var(--rule)" />
+            ))}
+          {passed.map(({ from, to }) => (
+            <g key={to} className={classes.passed} data-testid="passed">
+              <path d={`M${x(from)} ${ROWS.input + HIGH + 4} L${x(to)} ${ROWS.output - 4}`} />
+              <title>
+                {timeText((to - from) / clockHz)} late, {to - from} clocks
+              </title>
+            </g>
+          ))}
+          <path d={wavePath(input, x, levelY(ROWS.input))} className={classes.input} />
+          {fits?.samples.map((level, index) => (
+            <circle
+              key={fits.sample_clocks[index]}
+              cx={x(fits.sample_clocks[index] ?? 0)}
+              cy={ROWS.samples + 10 - 10 * level + 2}
+              r={spacing < 6 ? 1.4 : 2.4}
+              className={classes.sample}
+              data-high={level === 1}
+            />
+          ))}
+          {fits && <path d={wavePath(fits.output, x, levelY(ROWS.output))} className={classes.output} />}
+          {cursor !== null && (
+            <rect
+              x={x(Math.floor(cursor / cell) * cell)}
+              width={Math.max(2, x(cell) - x(0))}
+              y={ROWS.input - 8}
+              height={HIGH + 16}
+              className="fill-none stroke-accent"
+            />
+          )}
+          <g className="text-12 bold fill-text">
+            <text x={4} y={ROWS.input + 17}>
+              {pin}
+            </text>
+            <text x={4} y={ROWS.samples + 11} className="regular fill-dim">
+              samples
+            </text>
+            <text x={4} y={ROWS.output + 17}>
+              filtered
             </text>
           </g>
-        ))}
-        {stopped.map(({ from, to }) => (
-          <rect
-            key={from}
-            x={x(from)}
-            width={Math.max(1.5, x(to) - x(from))}
-            y={ROWS.input - 6}
-            height={HIGH + 12}
-            fill="color-mix(in srgb, var(--orange) 22%, transparent)"
-            data-testid="stopped"
-          >
-            <title>
-              {timeText((to - from) / clockHz)} long, {to - from} clocks: it does not get through
-            </title>
-          </rect>
-        ))}
-        {fits &&
-          spacing >= LINE_PX &&
-          fits.sample_clocks.map((clock) => (
-            <path key={clock} d={`M${x(clock)} ${ROWS.input - 8} V${AXIS}`} stroke="var(--rule)" />
-          ))}
-        {passed.map(({ from, to }) => (
-          <g key={to} className={classes.passed} data-testid="passed">
-            <path d={`M${x(from)} ${ROWS.input + HIGH + 4} L${x(to)} ${ROWS.output - 4}`} />
-            <title>
-              {timeText((to - from) / clockHz)} late, {to - from} clocks
-            </title>
-          </g>
-        ))}
-        <path d={wavePath(input, x, levelY(ROWS.input))} className={classes.input} />
-        {fits?.samples.map((level, index) => (
-          <circle
-            key={fits.sample_clocks[index]}
-            cx={x(fits.sample_clocks[index] ?? 0)}
-            cy={ROWS.samples + 10 - 10 * level + 2}
-            r={spacing < 6 ? 1.4 : 2.4}
-            className={classes.sample}
-            data-high={level === 1}
-          />
-        ))}
-        {fits && <path d={wavePath(fits.output, x, levelY(ROWS.output))} className={classes.output} />}
-        {cursor !== null && (
-          <rect
-            x={x(Math.floor(cursor / cell) * cell)}
-            width={Math.max(2, x(cell) - x(0))}
-            y={ROWS.input - 8}
-            height={HIGH + 16}
-            className="fill-none stroke-accent"
-          />
-        )}
-        <g className="text-12 bold fill-text">
-          <text x={4} y={ROWS.input + 17}>
-            {pin}
-          </text>
-          <text x={4} y={ROWS.samples + 11} className="regular fill-dim">
-            samples
-          </text>
-          <text x={4} y={ROWS.output + 17}>
-            filtered
-          </text>
-        </g>
-      </svg>
-      <span className="unseen" role="status">
-        {spoken}
-      </span>
-    </div>
+        </svg>
+        <span className="unseen" role="status">
+          {spoken}
+        </span>
+      </div>
+    </Savable>
   );
 }

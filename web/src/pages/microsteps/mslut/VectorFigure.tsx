@@ -1,4 +1,5 @@
 import { coordinate } from "../../../lib/format";
+import { Savable } from "../../../plots/Savable";
 import { currentAt, POSITIONS } from "./wave";
 
 interface Wave {
@@ -43,33 +44,34 @@ interface Props {
 export function VectorFigure({ design, before, worst, phases }: Props) {
   const angle = worst === null ? null : vector(design, worst)[1];
   return (
-    <svg
-      className="square"
-      viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
-      role="img"
-      aria-label={`Current vector over a period, ${phases.cosine} across and ${phases.sine} up; deviations of its length ${MAGNIFIED} times larger`}
-    >
-      <line stroke="var(--line)" strokeWidth={0.8} x1={-REACH} x2={REACH} y1={0} y2={0} />
-      <line stroke="var(--line)" strokeWidth={0.8} y1={-REACH} y2={REACH} x1={0} x2={0} />
-      <circle fill="none" stroke="var(--grey)" strokeWidth={0.8} strokeDasharray="3 2" r={RADIUS} />
-      {before && <path className="fill-none stroke-grey faint" strokeWidth={1.6} d={path(before)} />}
-      <path fill="none" stroke="var(--accent)" strokeWidth={1.2} d={path(design)} />
-      {angle !== null && (
-        <line
-          stroke="var(--orange)"
-          strokeWidth={1.2}
-          x1={0}
-          y1={0}
-          x2={RADIUS * Math.cos(angle)}
-          y2={-RADIUS * Math.sin(angle)}
-        />
-      )}
-      <text className="fill-dim" fontSize={15} x={REACH} y={-4} textAnchor="end">
-        {phases.cosine.slice(-1)}
-      </text>
-      <text className="fill-dim" fontSize={15} x={5} y={-REACH + 9}>
-        {phases.sine.slice(-1)}
-      </text>
-    </svg>
+    <Savable name={`Current vector, deviations × ${MAGNIFIED}`} className="square">
+      <svg
+        viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
+        role="img"
+        aria-label={`Current vector over a period, ${phases.cosine} across and ${phases.sine} up; deviations of its length ${MAGNIFIED} times larger`}
+      >
+        <line stroke="var(--line)" strokeWidth={0.8} x1={-REACH} x2={REACH} y1={0} y2={0} />
+        <line stroke="var(--line)" strokeWidth={0.8} y1={-REACH} y2={REACH} x1={0} x2={0} />
+        <circle fill="none" stroke="var(--grey)" strokeWidth={0.8} strokeDasharray="3 2" r={RADIUS} />
+        {before && <path className="fill-none stroke-grey faint" strokeWidth={1.6} d={path(before)} />}
+        <path fill="none" stroke="var(--accent)" strokeWidth={1.2} d={path(design)} />
+        {angle !== null && (
+          <line
+            stroke="var(--orange)"
+            strokeWidth={1.2}
+            x1={0}
+            y1={0}
+            x2={RADIUS * Math.cos(angle)}
+            y2={-RADIUS * Math.sin(angle)}
+          />
+        )}
+        <text className="fill-dim" fontSize={15} x={REACH} y={-4} textAnchor="end">
+          {phases.cosine.slice(-1)}
+        </text>
+        <text className="fill-dim" fontSize={15} x={5} y={-REACH + 12}>
+          {phases.sine.slice(-1)}
+        </text>
+      </svg>
+    </Savable>
   );
 }

@@ -3,6 +3,7 @@ import { type KeyboardEvent, type PointerEvent, useMemo, useRef, useState } from
 import type { Schemas } from "../../../api/client";
 import { coordinate, fixed } from "../../../lib/format";
 import { useFrame } from "../../../live/useFrame";
+import { Savable } from "../../../plots/Savable";
 import classes from "./Mslut.module.css";
 import type { Seen } from "./seen";
 import {
@@ -204,163 +205,167 @@ export function WaveEditor(props: Props) {
   const value = values[active] ?? 0;
 
   return (
-    <div ref={ref} className={classes.wave}>
-      <svg
-        width="100%"
-        height={height}
-        data-tool={tool}
-        onPointerDown={onDown}
-        onPointerMove={onMove}
-        onPointerUp={onUp}
-        onPointerCancel={onUp}
-      >
-        <title>Wave of the microstep table with its segments</title>
-        {bands.map(({ key, from, to, segment, named }) => (
-          <g key={key}>
-            <rect
-              className={`${classes.band} ${WIDTH_HUES[segment.width] ?? ""}`}
-              data-offered={nearest !== null || undefined}
-              x={Math.max(MARGIN.left, from)}
-              width={Math.max(0, Math.min(MARGIN.left + inner, to) - Math.max(MARGIN.left, from))}
-              y={4}
-              height={height - MARGIN.bottom - 4}
-            />
-            {named && to - from > 26 && (
-              <text className="text-12 fill-text touchless" x={Math.max(MARGIN.left, from) + 4} y={15}>
-                {to - from > 64 ? `W${segment.width}: ${pairOf(segment.low)}` : `W${segment.width}`}
+    <Savable low name="Wave of the microstep table">
+      <div ref={ref} className={classes.wave}>
+        <svg
+          width="100%"
+          height={height}
+          data-tool={tool}
+          onPointerDown={onDown}
+          onPointerMove={onMove}
+          onPointerUp={onUp}
+          onPointerCancel={onUp}
+        >
+          <title>Wave of the microstep table with its segments</title>
+          {bands.map(({ key, from, to, segment, named }) => (
+            <g key={key}>
+              <rect
+                className={`${classes.band} ${WIDTH_HUES[segment.width] ?? ""}`}
+                data-offered={nearest !== null || undefined}
+                x={Math.max(MARGIN.left, from)}
+                width={Math.max(0, Math.min(MARGIN.left + inner, to) - Math.max(MARGIN.left, from))}
+                y={4}
+                height={height - MARGIN.bottom - 4}
+              />
+              {named && to - from > 26 && (
+                <text className="text-12 fill-text touchless" x={Math.max(MARGIN.left, from) + 4} y={15}>
+                  {to - from > 64 ? `W${segment.width}: ${pairOf(segment.low)}` : `W${segment.width}`}
+                </text>
+              )}
+            </g>
+          ))}
+          {yTicks.map((tick) => (
+            <g key={`y${tick}`}>
+              <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(tick)} y2={y(tick)} />
+              <text className="tick" x={MARGIN.left - 6} y={y(tick)} textAnchor="end" dominantBaseline="central">
+                {fixed(tick)}
               </text>
-            )}
-          </g>
-        ))}
-        {yTicks.map((tick) => (
-          <g key={`y${tick}`}>
-            <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(tick)} y2={y(tick)} />
-            <text className="tick" x={MARGIN.left - 6} y={y(tick)} textAnchor="end" dominantBaseline="central">
-              {fixed(tick)}
-            </text>
-          </g>
-        ))}
-        {xTicks.map((tick) => (
-          <g key={`x${tick}`}>
-            <line className="grid-line faint" x1={x(tick)} x2={x(tick)} y1={MARGIN.top} y2={MARGIN.top + tall} />
-            <text className="tick" x={x(tick)} y={height - 6} textAnchor="middle">
-              {tick}
-            </text>
-          </g>
-        ))}
-        <path className="dashed fill-none stroke-grey stroke-1" d={stairs(whole(IDEAL), x, y)} />
-        {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(whole(before), x, y)} />}
-        {view === "period" && (
-          <path
-            fill="none"
-            stroke="var(--orange)"
-            strokeWidth={1.25}
-            opacity={0.8}
-            d={stairs(whole(design, ENTRIES), x, y)}
-          />
-        )}
-        {nearest && <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(whole(nearest), x, y)} />}
-        <path className="fill-none stroke-accent stroke-1-5" d={stairs(whole(design), x, y)} />
-        <path
-          ref={dots}
-          fill="none"
-          stroke="var(--mantine-color-text)"
-          strokeWidth={2.5}
-          strokeLinecap="round"
-          opacity={0.75}
-        />
-        {marks.map((refusal, place) => (
-          <g key={`${refusal.index} ${refusal.reason}`} className={classes.refusal}>
-            <title>{`entry ${refusal.index}: ${refusal.detail}`}</title>
-            <line
-              className={classes.refusalLine}
-              data-first={place === 0 || undefined}
-              x1={x(refusal.index)}
-              x2={x(refusal.index)}
-              y1={MARGIN.top}
-              y2={MARGIN.top + tall}
+            </g>
+          ))}
+          {xTicks.map((tick) => (
+            <g key={`x${tick}`}>
+              <line className="grid-line faint" x1={x(tick)} x2={x(tick)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+              <text className="tick" x={x(tick)} y={height - 6} textAnchor="middle">
+                {tick}
+              </text>
+            </g>
+          ))}
+          <path className="dashed fill-none stroke-grey stroke-1" d={stairs(whole(IDEAL), x, y)} />
+          {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(whole(before), x, y)} />}
+          {view === "period" && (
+            <path
+              fill="none"
+              stroke="var(--orange)"
+              strokeWidth={1.25}
+              opacity={0.8}
+              d={stairs(whole(design, ENTRIES), x, y)}
             />
-            <path d={`M${x(refusal.index)},${MARGIN.top + tall} l-4,7 h8 Z`} />
-            <circle cx={x(refusal.index)} cy={y(values[refusal.index] ?? 0)} r={place === 0 ? 5 : 3} />
-          </g>
-        ))}
-        {live && (
-          <g className={classes.liveMark}>
-            {view === "period" ? (
-              <>
-                <line x1={x(live.position)} x2={x(live.position)} y1={MARGIN.top} y2={MARGIN.top + tall} />
-                <circle data-phase="a" cx={x(live.position)} cy={y(live.current_a)} r={4} />
-                <circle data-phase="b" cx={x(live.position)} cy={y(live.current_b)} r={4} />
-              </>
-            ) : (
+          )}
+          {nearest && <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(whole(nearest), x, y)} />}
+          <path className="fill-none stroke-accent stroke-1-5" d={stairs(whole(design), x, y)} />
+          <path
+            ref={dots}
+            fill="none"
+            stroke="var(--mantine-color-text)"
+            strokeWidth={2.5}
+            strokeLinecap="round"
+            opacity={0.75}
+          />
+          {marks.map((refusal, place) => (
+            <g key={`${refusal.index} ${refusal.reason}`} className={classes.refusal}>
+              <title>{`entry ${refusal.index}: ${refusal.detail}`}</title>
               <line
-                x1={x(entryAt(live.position).index)}
-                x2={x(entryAt(live.position).index)}
+                className={classes.refusalLine}
+                data-first={place === 0 || undefined}
+                x1={x(refusal.index)}
+                x2={x(refusal.index)}
                 y1={MARGIN.top}
                 y2={MARGIN.top + tall}
               />
-            )}
+              <path d={`M${x(refusal.index)},${MARGIN.top + tall} l-4,7 h8 Z`} />
+              <circle cx={x(refusal.index)} cy={y(values[refusal.index] ?? 0)} r={place === 0 ? 5 : 3} />
+            </g>
+          ))}
+          {live && (
+            <g className={classes.liveMark}>
+              {view === "period" ? (
+                <>
+                  <line x1={x(live.position)} x2={x(live.position)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+                  <circle data-phase="a" cx={x(live.position)} cy={y(live.current_a)} r={4} />
+                  <circle data-phase="b" cx={x(live.position)} cy={y(live.current_b)} r={4} />
+                </>
+              ) : (
+                <line
+                  x1={x(entryAt(live.position).index)}
+                  x2={x(entryAt(live.position).index)}
+                  y1={MARGIN.top}
+                  y2={MARGIN.top + tall}
+                />
+              )}
+            </g>
+          )}
+          <g
+            ref={handle}
+            className="point"
+            role="slider"
+            tabIndex={0}
+            aria-label={`Entry ${active}`}
+            aria-orientation="vertical"
+            aria-valuemin={0}
+            aria-valuemax={TOP}
+            aria-valuenow={value}
+            onKeyDown={onKey}
+            onBlur={onSettle}
+          >
+            <circle className="halo" cx={x(active)} cy={y(value)} r={8} />
+            <circle className="fill-accent" cx={x(active)} cy={y(value)} r={3.5} />
           </g>
-        )}
-        <g
-          ref={handle}
-          className="point"
-          role="slider"
-          tabIndex={0}
-          aria-label={`Entry ${active}`}
-          aria-orientation="vertical"
-          aria-valuemin={0}
-          aria-valuemax={TOP}
-          aria-valuenow={value}
-          onKeyDown={onKey}
-          onBlur={onSettle}
-        >
-          <circle className="halo" cx={x(active)} cy={y(value)} r={8} />
-          <circle className="fill-accent" cx={x(active)} cy={y(value)} r={3.5} />
-        </g>
-      </svg>
-      <svg width="100%" height={STRIP} aria-hidden="true">
-        {[strip.range, 0, -strip.range].map((tick) => (
-          <g key={tick}>
-            <line
-              className="grid-line faint"
-              x1={MARGIN.left}
-              x2={MARGIN.left + inner}
-              y1={stripY(tick)}
-              y2={stripY(tick)}
-            />
-            <text className="tick" x={MARGIN.left - 6} y={stripY(tick)} textAnchor="end" dominantBaseline="central">
-              {tick > 0 ? `+${tick}` : fixed(tick)}
-            </text>
-          </g>
-        ))}
-        <text className="tick" x={MARGIN.left} y={10}>
-          distance from a sine of 248, counts
-        </text>
-        {strip.before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(strip.before, x, stripY)} />}
-        {strip.nearest && (
-          <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(strip.nearest, x, stripY)} />
-        )}
-        <path className="fill-none stroke-accent stroke-1-5" d={stairs(strip.design, x, stripY)} />
-      </svg>
-      <p className={`${classes.readout} room lines-12 m-0 text-12`}>
-        <span>
-          entry <span className="num">{active}</span> = <span className="num">{fixed(value)}</span>
-        </span>
-        <span className="dim">
-          {active === 0 ? "zero crossing" : "from the one before"}{" "}
-          <span className="num">{signed(active === 0 ? 2 * value - mirror : value - (values[active - 1] ?? 0))}</span>
-        </span>
-        {before && (
-          <span className="dim">
-            {beforeName} <span className="num">{before.values[active]}</span>
+        </svg>
+        <svg width="100%" height={STRIP} aria-hidden="true">
+          {[strip.range, 0, -strip.range].map((tick) => (
+            <g key={tick}>
+              <line
+                className="grid-line faint"
+                x1={MARGIN.left}
+                x2={MARGIN.left + inner}
+                y1={stripY(tick)}
+                y2={stripY(tick)}
+              />
+              <text className="tick" x={MARGIN.left - 6} y={stripY(tick)} textAnchor="end" dominantBaseline="central">
+                {tick > 0 ? `+${tick}` : fixed(tick)}
+              </text>
+            </g>
+          ))}
+          <text className="tick" x={MARGIN.left} y={10}>
+            distance from a sine of 248, counts
+          </text>
+          {strip.before && (
+            <path className="faint fill-none stroke-grey stroke-2" d={stairs(strip.before, x, stripY)} />
+          )}
+          {strip.nearest && (
+            <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(strip.nearest, x, stripY)} />
+          )}
+          <path className="fill-none stroke-accent stroke-1-5" d={stairs(strip.design, x, stripY)} />
+        </svg>
+        <p className={`${classes.readout} room lines-12 m-0 text-12`}>
+          <span>
+            entry <span className="num">{active}</span> = <span className="num">{fixed(value)}</span>
           </span>
-        )}
-        <span className="dim">
-          from the sine <span className="num">{signed(strip.design[active] ?? 0, 1)}</span>
-        </span>
-      </p>
-    </div>
+          <span className="dim">
+            {active === 0 ? "zero crossing" : "from the one before"}{" "}
+            <span className="num">{signed(active === 0 ? 2 * value - mirror : value - (values[active - 1] ?? 0))}</span>
+          </span>
+          {before && (
+            <span className="dim">
+              {beforeName} <span className="num">{before.values[active]}</span>
+            </span>
+          )}
+          <span className="dim">
+            from the sine <span className="num">{signed(strip.design[active] ?? 0, 1)}</span>
+          </span>
+        </p>
+      </div>
+    </Savable>
   );
 }
 

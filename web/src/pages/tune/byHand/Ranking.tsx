@@ -6,6 +6,7 @@ import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { dateTimeOf } from "../../../lib/time";
 import { useScheme } from "../../../lib/useScheme";
+import { Savable } from "../../../plots/Savable";
 import type { Changes } from "../useStudies";
 import classes from "./byHand.module.css";
 import { changedIn, differences, distancesOf, FIGURES, type Figure, type Move, parallelOf, ranked } from "./moves";
@@ -178,34 +179,36 @@ function Parallel({ moves, by }: { moves: readonly Move[]; by: Figure }) {
   const { axes, heights } = parallelOf(moves, by);
   const x = (index: number) => (axes.length < 2 ? 50 : 4 + (92 * index) / (axes.length - 1));
   return (
-    <figure className={classes.parallel} aria-label="Settings that were changed, and the figure of each move">
-      <svg viewBox="0 0 100 100" preserveAspectRatio="none" role="presentation">
-        {axes.map(({ name }, index) => (
-          <line key={name} x1={x(index)} x2={x(index)} y1={TOP} y2={BOTTOM} className={classes.axis} />
-        ))}
-        {moves.map((move, place) => (
-          <polyline
-            key={move.id}
-            points={heights(move)
-              .map((height, index) => [height, x(index)] as const)
-              .filter(([height]) => height !== null)
-              .map(([height, at]) => `${at},${BOTTOM - (height ?? 0) * (BOTTOM - TOP)}`)
-              .join(" ")}
-            fill="none"
-            stroke={colorOf("velocity", scheme)}
-            strokeWidth={place === 0 ? 3 : 1}
-            strokeOpacity={place === 0 ? 1 : 0.55}
-            vectorEffect="non-scaling-stroke"
-          />
-        ))}
-      </svg>
-      <figcaption className={classes.names}>
-        {axes.map(({ name, low, high }) => (
-          <span key={name}>
-            {name}: {compact(low, 3)} to {compact(high, 3)}
-          </span>
-        ))}
-      </figcaption>
-    </figure>
+    <Savable name="Settings and figure of each move">
+      <figure className={classes.parallel} aria-label="Settings that were changed, and the figure of each move">
+        <svg viewBox="0 0 100 100" preserveAspectRatio="none" role="presentation">
+          {axes.map(({ name }, index) => (
+            <line key={name} x1={x(index)} x2={x(index)} y1={TOP} y2={BOTTOM} className={classes.axis} />
+          ))}
+          {moves.map((move, place) => (
+            <polyline
+              key={move.id}
+              points={heights(move)
+                .map((height, index) => [height, x(index)] as const)
+                .filter(([height]) => height !== null)
+                .map(([height, at]) => `${at},${BOTTOM - (height ?? 0) * (BOTTOM - TOP)}`)
+                .join(" ")}
+              fill="none"
+              stroke={colorOf("velocity", scheme)}
+              strokeWidth={place === 0 ? 3 : 1}
+              strokeOpacity={place === 0 ? 1 : 0.55}
+              vectorEffect="non-scaling-stroke"
+            />
+          ))}
+        </svg>
+        <figcaption className={classes.names}>
+          {axes.map(({ name, low, high }) => (
+            <span key={name}>
+              {name}: {compact(low, 3)} to {compact(high, 3)}
+            </span>
+          ))}
+        </figcaption>
+      </figure>
+    </Savable>
   );
 }
