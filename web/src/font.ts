@@ -1,5 +1,6 @@
 /** The address of the page's font: `font.js` makes it and its file. */
 declare const __INTER__: string;
+export const interUrl = () => __INTER__;
 
 /** Text on a page and on a canvas. Until Inter is there, another takes the same room: `app.css`. */
 export const FAMILY = 'Inter, "Inter at first", "Inter on Android", "Inter on Linux", system-ui, sans-serif';
@@ -15,7 +16,7 @@ export function inter(): Promise<unknown> {
 async function fetchInter(): Promise<void> {
   if (typeof FontFace === "undefined") return;
   await new Promise((painted) => requestAnimationFrame(() => setTimeout(painted)));
-  const face = new FontFace("Inter", `url(${__INTER__})`, { weight: "400 600" });
+  const face = new FontFace("Inter", `url(${interUrl()})`, { weight: "400 600" });
   try {
     document.fonts.add(await face.load());
   } catch {

@@ -1,4 +1,5 @@
 import { coordinate } from "../lib/format";
+import { TEXT_PX } from "./labels";
 import { escaped } from "./SvgContext";
 
 /** What a drawing's look is made of, and what it is where nothing says so; without that it comes from around it. */
@@ -103,7 +104,7 @@ export function drawingAsSvg(title: string, frame: Element, style = ""): string 
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="${escaped(fontFamily)}">`,
     `<title>${escaped(title)}</title>${style}`,
     `<rect width="100%" height="100%" fill="${plainColor(backgroundColor)}"/>`,
-    `<text x="${EDGE_PX}" y="${HEAD_PX - 4}" font-size="12" font-weight="600" fill="${plainColor(color)}">${escaped(title)}</text>`,
+    `<text x="${EDGE_PX}" y="${HEAD_PX - 4}" font-size="${TEXT_PX}" font-weight="600" fill="${plainColor(color)}">${escaped(title)}</text>`,
     ...parts,
     "</svg>",
   ].join("\n");

@@ -1,5 +1,5 @@
 import uPlot from "uplot";
-import { FAMILY } from "../font";
+import { FAMILY, interUrl } from "../font";
 import { fileName, saveBlob } from "../lib/files";
 import { symbolOf } from "../lib/units";
 import { drawingAsSvg } from "./drawn";
@@ -16,9 +16,6 @@ interface OfPlot {
   plot: uPlot;
   build: Build;
 }
-
-/** The address of the page's font: see `font.ts`. */
-declare const __INTER__: string;
 
 const LINE_PX = 20;
 const EDGE_PX = 8;
@@ -154,7 +151,7 @@ function redrawn(plot: uPlot, build: Build): string {
 
 /** The page's font as text. An image sees no other than what is within it; another is legible too. */
 async function fontStyle(): Promise<string> {
-  const answer = await fetch(__INTER__).catch(() => null);
+  const answer = await fetch(interUrl()).catch(() => null);
   if (!answer?.ok) return "";
   const bytes = new Uint8Array(await answer.arrayBuffer());
   const source = `data:font/woff2;base64,${btoa(String.fromCharCode(...bytes))}`;
