@@ -6,9 +6,9 @@ import re
 from collections.abc import Callable
 
 import httpx
-from playwright.sync_api import BrowserContext, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
-from tests.e2e.views import shown
+from tests.e2e.views import SHOWN, shown
 
 
 def picker(page: Page) -> Locator:
@@ -37,6 +37,17 @@ def test_a_view_comes_again_by_reload_by_back_and_by_its_link(
         assert shown(page) == view, f"{address} by Back"
         elsewhere.goto(page.url)
         assert shown(elsewhere) == view, f"{address} in another browser"
+
+
+def test_a_page_is_busy_until_the_last_part_of_its_view_is_there(page: Page) -> None:
+    held: list[Route] = []
+    page.route(re.compile("/ReferenceSection-"), lambda route: held.append(route))
+    page.goto("/?d=bench&a=1&tab=reference")
+    expect(page.get_by_role("tab", name="Zero")).to_have_attribute("aria-selected", "true")
+    expect(page.locator("#main i[aria-busy=true]")).to_have_count(1)
+    assert page.evaluate(SHOWN) is None
+    held.pop().continue_()
+    assert "reference" in shown(page)["choices"]
 
 
 def test_what_is_chosen_goes_into_the_address_and_back_undoes_it(page: Page) -> None:

@@ -31,7 +31,7 @@ export function lazily<Props extends object>(
 }
 
 /**
- * The same for a part that a first visit does not show: until it is there, nothing is in its place. Where it fails the
+ * The same for a part that a first visit does not show: until it is there, nothing is to be seen in its place. Where it fails the
  * page around it stays, and a message says so.
  */
 export function later<Props extends object>(
@@ -42,7 +42,7 @@ export function later<Props extends object>(
   return function Later(props: Props) {
     return (
       <PartBoundary>
-        <Suspense fallback={null}>
+        <Suspense fallback={<i hidden aria-busy />}>
           <Part {...props} />
         </Suspense>
       </PartBoundary>

@@ -166,7 +166,7 @@ function stateText(device: Device): string {
 /** Calls a second on the wire, used and possible, and who else is on it. */
 function Wire({ device }: { device: Device }) {
   const link = useLinkInfo(device);
-  if (link.data === undefined) return null;
+  if (!link.data) return null;
   const incidents = Object.entries(link.data.counts.incidents).reduce(
     (sum, [kind, count]) => (kind === "opened" ? sum : sum + count), // opening a port is none that anybody minds
     0,
