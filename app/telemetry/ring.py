@@ -11,17 +11,20 @@ FloatArray = NDArray[np.float64]
 class Ring:
     """Keeps the newest `capacity` rows of time and columns.
 
-    The buffer is twice as long as what it keeps: rows are appended, and only when the end is reached
-    are they moved to the front. So a read is one slice, never two, and an append costs a copy of
-    what is appended (plus, spread over `capacity` rows, one move).
+    The buffer is an eighth longer than what it keeps: rows are appended, and only when the end is reached
+    are they moved to the front. So a read is one slice, never two, and a row is copied some nine times while it is
+    kept.
     """
+
+    SPARE = 8
 
     def __init__(self, columns: int, capacity: int) -> None:
         if capacity < 1:
             raise ValueError(f"a ring keeps at least one row, not {capacity}")
         self.capacity = capacity
-        self._time_s = np.empty(2 * capacity)
-        self._samples = np.empty((2 * capacity, columns))
+        room = capacity + -(-capacity // self.SPARE)
+        self._time_s = np.empty(room)
+        self._samples = np.empty((room, columns))
         self._start = 0
         self._end = 0
 
@@ -35,7 +38,6 @@ class Ring:
             time_s, samples, rows = time_s[-self.capacity :], samples[-self.capacity :], self.capacity
         if self._end + rows > len(self._time_s):
             keep = min(len(self), self.capacity - rows)
-            # Never overlapping: what is kept and what comes are at most half of the buffer.
             self._time_s[:keep] = self._time_s[self._end - keep : self._end]
             self._samples[:keep] = self._samples[self._end - keep : self._end]
             self._start, self._end = 0, keep
