@@ -20,6 +20,8 @@ ComplexArray = NDArray[np.complex128]
 LOW, HIGH, POINTS = 1e-3, 10.0, 4000
 """Frequencies as shares of the resonance."""
 HALVINGS = 40
+STEPS_A_RADIAN = 20
+"""Of the resonance, where friction is in a step: so often it is looked whether the rotor stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,27 +113,39 @@ def open_loop_curves(gains: Gains, plant: Plant, points: int) -> tuple[FloatArra
     return omega / (2 * math.pi), 20 * np.log10(np.abs(loop)), np.degrees(phase)
 
 
-def step_answer(gains: Gains, plant: Plant, time_s: FloatArray) -> FloatArray:
-    """Answer of the closed loop to a step of 1, at times that are evenly apart."""
+def step_answer(gains: Gains, plant: Plant, time_s: FloatArray, friction: float = 0.0) -> FloatArray:
+    """Answer of the closed loop to a step of 1, at times that are evenly apart.
+
+    friction : by how much the field has to lead the rotor before it turns, as a share of the step
+    """
     from scipy import linalg  # not its `signal`, which the image leaves out
 
     # the delay as a lag of the first order: it is far shorter than anything that shows in a step
     w, d, lag = plant.w, plant.damping, max(plant.delay_s, 1e-6)
-    numerator = [w * w * gains.proportional, w * w * gains.integral]
-    denominator = np.polymul(np.polymul([1.0, 2 * d * w, w * w], [lag, 1.0]), [1.0, 0.0, 0.0])
-    closed = np.polyadd(denominator, numerator)
-    order = len(closed) - 1
-    # the step beside the states, as one that stays 1
-    motion = np.zeros((order + 1, order + 1))
-    motion[:order, :order] = linalg.companion(closed)
-    motion[0, order] = 1.0
-    seen = np.zeros(order + 1)
-    seen[order - len(numerator) : order] = np.divide(numerator, closed[0])
-    advance = linalg.expm(motion * (time_s[1] - time_s[0]))
-    state = np.zeros(order + 1)
-    state[order] = 1.0
+    between_s = float(time_s[1] - time_s[0])
+    pieces = max(1, math.ceil(between_s * w * STEPS_A_RADIAN)) if friction > 0 else 1
+
+    def advance(way: int) -> FloatArray:
+        """To the next moment: while it turns up (1), down (-1) or stands (0)."""
+        motion = np.zeros((6, 6))  # place, speed, field as it acts, field, integral of the error, and what stays 1
+        if way:
+            motion[0, 1] = 1.0
+            motion[1] = [-w * w, -2 * d * w, w * w, 0.0, 0.0, -way * friction * w * w]
+        motion[2, 2:4] = [-1 / lag, 1 / lag]
+        motion[3, [0, 4, 5]] = [-gains.proportional, gains.integral, gains.proportional]
+        motion[4, [0, 5]] = [-1.0, 1.0]
+        return np.asarray(linalg.expm(motion * (between_s / pieces)))
+
+    by_way = {way: advance(way) for way in (-1, 0, 1)}
+    way, state = 1 if friction <= 0 else 0, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     answer = np.empty(len(time_s))
     for at in range(len(time_s)):
-        answer[at] = seen @ state
-        state = advance @ state
+        answer[at] = state[0]
+        for _ in range(pieces):
+            lead = state[2] - state[0]
+            if way == 0 and abs(lead) > friction:
+                way = 1 if lead > 0 else -1
+            state = by_way[way] @ state
+            if friction > 0 and state[1] * way < 0:
+                way, state[1] = 0, 0.0
     return answer

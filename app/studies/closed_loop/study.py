@@ -43,6 +43,8 @@ OVERSHOOT_SHARE, OVERSHOOT_LEAST = 0.1, 0.02
 NEW = 1
 """The number of the one trial: the new gains."""
 SHOWN_POINTS = 300
+PEAK_POINTS = 4000
+"""Of an expected step whose overshoot is looked for."""
 PLACES = (0.0, 0.25, 0.5, 0.75)
 """Steps end in turn at these shares of a full step: its detent torque, the same at each, would be in all of them alike,
 and another study, begun elsewhere, would find another overshoot."""
@@ -67,6 +69,8 @@ class ClosedLoopStudy(StudyRun):
     _moves: MeasuredMoves
     _gains: Gains
     _plant: Plant
+    _friction: float
+    """By how much the field leads the rotor before it turns, as a share of a step."""
 
     @property
     def wanted(self) -> ClosedLoop:
@@ -163,7 +167,11 @@ class ClosedLoopStudy(StudyRun):
         margins: Margins = worst(gains, plants)
         middle = plants[4]
         frequency_hz, gain_db, phase_deg = open_loop_curves(gains, middle, SHOWN_POINTS)
-        time_s = np.linspace(0.0, STEP_S, 2 * SHOWN_POINTS)
+        time_s = np.linspace(0.0, STEP_S, PEAK_POINTS)
+        self._gains, self._plant = gains, middle
+        # a share of the holding torque, for which the field leads by as many radians
+        lead_fullsteps = max(0.0, rings.friction.value) / (math.pi / 2)
+        self._friction = lead_fullsteps * self._ground.full_step / self._ground.step
         found = LoopFound(
             resonance_hz=estimate(rings.resonance_hz),
             damping_ratio=estimate(rings.damping),
@@ -179,11 +187,14 @@ class ClosedLoopStudy(StudyRun):
             open_loop=LoopCurves(
                 frequency_hz=frequency_hz.tolist(), gain_db=gain_db.tolist(), phase_deg=phase_deg.tolist()
             ),
-            expected_overshoot=float(np.max(step_answer(gains, middle, time_s))) - 1,
+            expected_overshoot=float(np.max(self._expected(time_s))) - 1,
             captures=self.record.runs,
         )
-        self._gains, self._plant = gains, middle
         return gains, found
+
+    def _expected(self, time_s: FloatArray) -> FloatArray:
+        """A step of 1 of the loop that was worked out, at times that are evenly apart."""
+        return step_answer(self._gains, self._plant, time_s, self._friction)
 
     # --- steps ----------------------------------------------------------------------------------------
 
@@ -293,7 +304,7 @@ class ClosedLoopStudy(StudyRun):
         found.step = LoopStep(
             time_s=even.tolist(),
             measured=np.interp(even, first.time_s, first.encoder).tolist(),
-            expected=step_answer(self._gains, self._plant, even).tolist(),
+            expected=self._expected(even).tolist(),
         )
         found.captures = self.record.runs
 
@@ -319,7 +330,7 @@ class ClosedLoopStudy(StudyRun):
         record.best = None
         why = "not shown to settle sooner" if as_asked else "steps are not as the loop that was worked out"
         record.verdict = f"{why}: {words}; it stays as it was"
-        record.next = "" if as_asked else "less friction, or larger margins: friction is in no margin"
+        record.next = "" if as_asked else "larger margins; no play and no load is in the step that was expected"
 
     def _count(self, by: float) -> None:
         self.record.runs += 1
