@@ -6,8 +6,8 @@ const BELIEVED = 0.02;
 /** So often a plot is drawn at the least, however slow the machine is [Hz]. */
 const LEAST_HZ = 4;
 /** What a late frame leaves of the plots a frame, and what each other one makes of them. */
-const FEWER = 0.9;
-const MORE = 1.01;
+const FEWER = 0.85;
+const MORE = 1.005;
 
 /**
  * Shares frames among plots: as many are drawn in each as leave the page its 60 a second, or as many as its

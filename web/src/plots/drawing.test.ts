@@ -1,5 +1,6 @@
-import { describe, expect, it } from "vitest";
-import { placeOfLevel, withOverlays } from "./drawing";
+import type uPlot from "uplot";
+import { describe, expect, it, vi } from "vitest";
+import { drawingPlugin, placeOfLevel, withOverlays } from "./drawing";
 
 describe("levels", () => {
   it("stand on the plot, or say at its edge where they are", () => {
@@ -10,6 +11,27 @@ describe("levels", () => {
 });
 
 describe("overlays", () => {
+  it("have dots of one place drawn once", () => {
+    const fillRect = vi.fn();
+    const ctx = new Proxy({} as Record<string, unknown>, {
+      get: (_, name) => (name === "fillRect" ? fillRect : vi.fn()),
+    });
+    const scale = { min: 0, max: 10 };
+    const plot = { ctx, bbox: { left: 0, top: 0, width: 100, height: 100 }, scales: { x: scale, y: scale } };
+    vi.stubGlobal("window", { devicePixelRatio: 1 });
+    const dots = { x: [1, 1.01, 5, 1], y: [2, 2.01, 5, 2], color: "", dots: 2 };
+    const { draw } = drawingPlugin(
+      () => [dots],
+      () => [],
+      () => [],
+    ).hooks as { draw: (plot: uPlot) => void };
+    draw(plot as unknown as uPlot);
+    expect(fillRect.mock.calls).toEqual([
+      [9, 79, 2, 2],
+      [49, 49, 2, 2],
+    ]);
+  });
+
   it("count for the range of their scale where they are seen, unless they stand aside", () => {
     const line = { x: [0, 1, 2, 3], y: [5, -9, 7, 100], color: "" };
     expect(withOverlays([line], "y", [0.5, 1.5], [0, 1])).toEqual([-9, 7]);

@@ -4,6 +4,9 @@ import { TEXT_PX } from "./labels";
 import { lowerBound } from "./series";
 import type { Level, Mark, Overlay } from "./types";
 
+/** More pixels than any plot has from left to right. */
+const PLACES_ACROSS = 1 << 16;
+
 /** Lines and dots with their own x columns, levels and marks, on top of the series, clipped to the plot. */
 export function drawingPlugin(
   overlays: () => readonly Overlay[],
@@ -66,11 +69,15 @@ function drawDots(plot: uPlot, overlay: Overlay, size: number) {
   const perY = bbox.height / (high - low);
   const shift = overlay.shift ?? 0;
   ctx.fillStyle = overlay.color;
-  // squares: thousands of arcs would cost a frame
+  // squares, and each place once: thousands of arcs, or of squares upon each other, would cost a frame
+  const drawn = new Set<number>();
   for (let row = 0; row < (overlay.length ?? overlay.x.length); row++) {
-    const px = bbox.left + ((overlay.x[row] as number) + shift - left) * perX;
-    const py = bbox.top + (high - (overlay.y[row] as number)) * perY;
-    ctx.fillRect(Math.round(px - size / 2), Math.round(py - size / 2), size, size);
+    const px = Math.round(bbox.left + ((overlay.x[row] as number) + shift - left) * perX - size / 2);
+    const py = Math.round(bbox.top + (high - (overlay.y[row] as number)) * perY - size / 2);
+    const place = py * PLACES_ACROSS + px;
+    if (drawn.has(place)) continue;
+    drawn.add(place);
+    ctx.fillRect(px, py, size, size);
   }
 }
 

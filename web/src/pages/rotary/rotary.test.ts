@@ -5,7 +5,7 @@ import { type Answer, compareCount, extendedOf, liveActual, liveEncoder } from "
 import { pair } from "./gears";
 import { longTime, Pace, pieceCount, viewOf } from "./pieces";
 import { broken, liveColumns, lookColumns, tooFast, unwound } from "./traces";
-import { angleAt, degreesOf, follow, geared, placeOf, snapped, stepsOfTurns, targetAt } from "./turn";
+import { angleAt, degreesOf, follow, geared, placeOf, snapped, targetAt } from "./turn";
 
 const TURN = { length: ratio(51_200n), zero: 0n };
 const GEARED = { length: geared(51_200n, 3n, 7n), zero: 0n };
@@ -105,11 +105,7 @@ describe("a turn", () => {
     ]);
   });
 
-  it("says a way in degrees, and turns in microsteps", () => {
-    expect(degreesOf(-76_800n, TURN)).toBe(-540);
-    expect(stepsOfTurns(ratio(5n, 2n), TURN)).toBe(128_000n);
-    expect(stepsOfTurns(ratio(1n), GEARED)).toBe(119_467n);
-  });
+  it("says a way in degrees", () => expect(degreesOf(-76_800n, TURN)).toBe(-540));
 
   it("follows a counter through its wraps", () => {
     expect(follow(FAR, 2 ** 31 - 5, -(2 ** 31) + 5, 32)).toBe(FAR + 10n);

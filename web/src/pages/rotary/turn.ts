@@ -55,11 +55,6 @@ export function degreesOf(way: bigint, { length }: Turn): number {
   return toNumber(ratio(way * 360n * length.d, length.n));
 }
 
-/** What a distance in turns is in microsteps, to the nearest. */
-export function stepsOfTurns(turns: Ratio, { length }: Turn): bigint {
-  return rounded(times(turns, length));
-}
-
 /** What the counter's change since it was known to be at `actual` adds: the shorter way round, exactly. */
 export function follow(actual: bigint, counter: number, count: number, bits: number): bigint {
   const half = 2 ** (bits - 1);

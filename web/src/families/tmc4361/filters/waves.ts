@@ -13,9 +13,6 @@ export interface Setting {
   length: number;
 }
 
-/** What the server works on at once. */
-export const CLOCKS_MOST = 32_768;
-
 export function periodOf(sampleRate: number): number {
   return 2 ** sampleRate;
 }

@@ -29,7 +29,7 @@ export interface Measured {
 
 const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8", b: "#9d8cff" } };
 /** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
-const ROWS_PER_PIXEL = 3;
+const ROWS_PER_PIXEL = 2;
 
 /** What to add to a device's time to get that of a source [s]; 0 while one of them has not told when it began. */
 export function shiftTo(source: TelemetrySource, device: string): number {

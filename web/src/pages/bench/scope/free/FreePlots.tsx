@@ -33,7 +33,7 @@ const SPECTRUM_MS = 200;
 /** So often the figures of a panel are worked out: people read them [ms]. */
 const FIGURES_MS = 500;
 const DOTS_MAX = 2000;
-const ROWS_PER_PIXEL = 3;
+const ROWS_PER_PIXEL = 2;
 
 /** Whose time plots show: the scope's, or that of a panel of its own. */
 export type PlotTime = Pick<
