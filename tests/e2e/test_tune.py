@@ -188,8 +188,10 @@ def test_stealthchop_is_found_told_taken_and_undone(
 
 
 def test_coolstep_is_told_of_as_soon_as_it_is_looked_for(
-    page: Page, slide: Chip, check_axe: Callable[[Page], None]
+    page: Page, slide: Chip, api: httpx.Client, check_axe: Callable[[Page], None]
 ) -> None:
+    start = {**START, "counts_per_rev": 40_000}
+    api.post(f"/devices/{slide.device}/start-up", json=start).raise_for_status()
     select(page, slide)
     page.goto("/tune")
     page.get_by_role("radio", name="Cooler").check()

@@ -49,6 +49,12 @@ describe("ScopeView", () => {
     expect(view.current()[0]).toBeCloseTo(10.9);
   });
 
+  it("is paused at the newest sample before its first frame", () => {
+    const view = new ScopeView(1, "roll");
+    view.pause([source()]);
+    expect(view.current()[1]).toBeCloseTo(2.02);
+  });
+
   it("shows what was there when it was paused", () => {
     const view = new ScopeView(1, "roll");
     const live = source();

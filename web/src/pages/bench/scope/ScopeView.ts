@@ -59,6 +59,8 @@ export class ScopeView {
 
   pause(sources: readonly TelemetrySource[], window?: readonly [number, number]): void {
     if (!this.paused) {
+      // no frame has followed the signal yet
+      if (Number.isNaN(this.smoothEnd)) this.next(sources[0]?.buffer.lastTime ?? Number.NaN, performance.now());
       this.frozen = new Map(sources.map((source) => [source, frozenOf(source)]));
       this.cursorTimes = this.cursors();
       this.paused = true;

@@ -1,9 +1,14 @@
 import { useState } from "react";
-import { NumberField } from "../../../lib/NumberField";
 import { QuantityField } from "../../../lib/QuantityField";
 import type { FieldsProps } from "../kind";
+import { type Asked, Numbers } from "../Numbers";
 import type { ScoredMoveForm } from "./form";
 import { Watch } from "./Watch";
+
+const NUMBERS: readonly Asked<ScoredMoveForm>[] = [
+  { key: "repeats", label: "Times", min: 1, max: 20, integer: true },
+  { key: "bandFullsteps", label: "Over when the encoder stays within", min: 0.01, max: 20, unit: "full steps" },
+];
 
 /** The move, how often, and when it is over. */
 export function Fields({ form, change, scale, axis }: FieldsProps<ScoredMoveForm>) {
@@ -19,22 +24,7 @@ export function Fields({ form, change, scale, axis }: FieldsProps<ScoredMoveForm
         onUnit={setUnit}
         onChange={(distance) => change({ distance })}
       />
-      <NumberField
-        label="Times"
-        value={form.repeats}
-        min={1}
-        max={20}
-        integer
-        onChange={(repeats) => change({ repeats })}
-      />
-      <NumberField
-        label="Over when the encoder stays within"
-        value={form.bandFullsteps}
-        min={0.01}
-        max={20}
-        unit="full steps"
-        onChange={(bandFullsteps) => change({ bandFullsteps })}
-      />
+      <Numbers form={form} change={change} of={NUMBERS} />
       <Watch device={axis.device} axis={axis.index} />
     </>
   );

@@ -2,11 +2,24 @@ import { Checkbox, TextInput } from "@mantine/core";
 import { Choice } from "../../../lib/Choice";
 import { NumberField } from "../../../lib/NumberField";
 import type { FieldsProps } from "../kind";
+import { type Asked, Numbers } from "../Numbers";
 import { type StallGuardForm, speedsOf } from "./form";
 
 const SIDES = [
   { value: "left", label: "left" },
   { value: "right", label: "right" },
+];
+
+const NUMBERS: readonly Asked<StallGuardForm>[] = [
+  {
+    key: "freeRuns",
+    label: "Free runs of the proof",
+    description: "299 without a false stall show less than 1 %",
+    min: 20,
+    max: 3000,
+    integer: true,
+  },
+  { key: "stops", label: "Runs into the stop of the proof", min: 10, max: 1000, integer: true },
 ];
 
 /** Where the stop is, at which speeds, and how many runs prove it. */
@@ -34,23 +47,7 @@ export function Fields({ form, change }: FieldsProps<StallGuardForm>) {
         error={speedsOf(form.speeds).length > 0 ? undefined : "one number at least"}
         onChange={({ currentTarget }) => change({ speeds: currentTarget.value })}
       />
-      <NumberField
-        label="Free runs of the proof"
-        description="299 without a false stall show less than 1 %"
-        value={form.freeRuns}
-        min={20}
-        max={3000}
-        integer
-        onChange={(freeRuns) => change({ freeRuns })}
-      />
-      <NumberField
-        label="Runs into the stop of the proof"
-        value={form.stops}
-        min={10}
-        max={1000}
-        integer
-        onChange={(stops) => change({ stops })}
-      />
+      <Numbers form={form} change={change} of={NUMBERS} />
       <Checkbox
         label="A hard stop is there, and the motor may run into it"
         checked={form.confirmed}
