@@ -17,9 +17,5 @@ const NUMBERS: readonly Asked<CoilForm>[] = [
 
 /** A motor's coil, its current and its supply: what a chopper is calculated from. */
 export function CoilFields({ form, change }: { form: CoilForm; change: (part: Partial<CoilForm>) => void }) {
-  return (
-    <>
-      <Numbers form={form} change={change} of={NUMBERS} />
-    </>
-  );
+  return <Numbers form={form} change={change} of={NUMBERS} />;
 }

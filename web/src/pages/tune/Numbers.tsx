@@ -19,7 +19,7 @@ export function Numbers<F>(props: { form: F; change: (part: Partial<F>) => void;
       {...field}
       value={props.form[key] as number | null}
       onChange={(value) => set(key, value)}
-      onClear={optional && (() => set(key, null))}
+      {...(optional && { onClear: () => set(key, null) })}
     />
   ));
 }

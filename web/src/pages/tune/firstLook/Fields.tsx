@@ -16,9 +16,5 @@ const NUMBERS: readonly Asked<FirstLookForm>[] = [
 
 /** How far a first look turns, and how far it looks for switches. */
 export function Fields({ form, change }: FieldsProps<FirstLookForm>) {
-  return (
-    <>
-      <Numbers form={form} change={change} of={NUMBERS} />
-    </>
-  );
+  return <Numbers form={form} change={change} of={NUMBERS} />;
 }

@@ -44,9 +44,5 @@ const NUMBERS: readonly Asked<IdentificationForm>[] = [
 
 /** How slowly it turns, how often it hops, and the torque that makes an inertia of a resonance. */
 export function Fields({ form, change }: FieldsProps<IdentificationForm>) {
-  return (
-    <>
-      <Numbers form={form} change={change} of={NUMBERS} />
-    </>
-  );
+  return <Numbers form={form} change={change} of={NUMBERS} />;
 }

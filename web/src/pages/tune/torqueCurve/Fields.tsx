@@ -35,11 +35,7 @@ export function Fields({ form, change }: FieldsProps<TorqueForm>) {
   return (
     <>
       <Numbers form={form} change={change} of={NUMBERS} />
-      {form.inertiaKgm2 !== null && (
-        <>
-          <Numbers form={form} change={change} of={OF_LOAD} />
-        </>
-      )}
+      {form.inertiaKgm2 !== null && <Numbers form={form} change={change} of={OF_LOAD} />}
     </>
   );
 }
