@@ -1,4 +1,5 @@
 import { useRef } from "react";
+import { TURNS } from "../../live/turns";
 import { useFrame } from "../../live/useFrame";
 import { emulatedAxis, type StagePlaces } from "./emulation";
 import type { LiveAxis } from "./live";
@@ -55,9 +56,9 @@ export function useCarriage(
   place: (share: number, offsetFullsteps: number) => void,
 ): void {
   const offset = useRef({ state: emulator, fullsteps: Number.NaN });
-  useFrame(() => {
+  useFrame((nowMs) => {
     const stage = emulatedAxis(emulator, axis);
-    if (!stage) return;
+    if (!stage || !TURNS.take("stage", nowMs)) return;
     const geometry = geometryOf(stage.places);
     const share = (fullsteps: number) => (fullsteps - geometry.from) / (geometry.to - geometry.from);
     if (microsteps === null) {
