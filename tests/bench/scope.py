@@ -159,8 +159,8 @@ def measure(*, quick: bool) -> list[Row]:
             required=f">= {REQUIRED_FPS:g} frames/s",
             ok=fps >= REQUIRED_FPS and bench.whole,
             notes=(
-                f"{len(gaps_ms)} frames, 99 % within {float(np.percentile(gaps_ms, 99)):.0f} ms; each plot is drawn "
-                f"{drawn_hz:.0f} times a second",
+                f"{len(gaps_ms)} frames, 99 % within {float(np.percentile(gaps_ms, 99)):.0f} ms",
+                f"each plot is drawn {drawn_hz:.0f} times a second",
             ),
         ),
         Row(
