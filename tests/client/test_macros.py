@@ -10,16 +10,21 @@ from pathlib import Path
 
 from app.client import AsyncBench
 
-STEPS = [
-    {"do": "record start", "name": "mine", "channels": ["position.0"], "rate_hz": 100},
-    {"do": "move", "target": 2000, "relative": True},
-    {"do": "wait channel", "channel": "velocity.0", "when": "above", "value": 10, "at_most_s": 5},
-    {"do": "wait position", "at_most_s": 20},
-    {"do": "record stop"},
-    {"do": "wait", "seconds": 0.05},
-    {"do": "move", "target": -2000, "relative": True},
-    {"do": "wait position", "at_most_s": 20},
-]
+
+def steps(home: int) -> list[dict[str, object]]:
+    """Some of each kind, which end at `home`; what is waited for lasts until it was seen."""
+    return [
+        {"do": "record start", "name": "mine", "channels": ["position.0"], "rate_hz": 100},
+        {"do": "move", "target": 2000, "relative": True},
+        {"do": "wait position", "at_most_s": 20},
+        {"do": "rotate", "velocity": 500},
+        {"do": "wait channel", "channel": "velocity.0", "when": "above", "value": 10, "at_most_s": 20},
+        {"do": "stop"},
+        {"do": "record stop"},
+        {"do": "wait", "seconds": 0.05},
+        {"do": "move", "target": home},
+        {"do": "wait position", "at_most_s": 20},
+    ]
 
 
 async def program(server: str, *command: str) -> tuple[int, str]:
@@ -37,8 +42,11 @@ async def program(server: str, *command: str) -> tuple[int, str]:
 
 
 async def test_a_macro_is_added_tried_and_run_and_its_python_does_the_same(server: str, tmp_path: Path) -> None:
+    async with AsyncBench(server) as bench:
+        began = (await bench.axis("bench", 0)).position
+    made = steps(began)
     file = tmp_path / "mine.json"
-    file.write_text(json.dumps({"format": "stepscope.macro", "version": 1, "name": "Mine", "steps": STEPS}))
+    file.write_text(json.dumps({"format": "stepscope.macro", "version": 1, "name": "Mine", "steps": made}))
     cli = ("-m", "app.cli", "macro")
     code, out = await program(server, *cli, "add", str(file))
     assert (code, out) == (0, "mine, revision 1\n")
@@ -48,13 +56,12 @@ async def test_a_macro_is_added_tried_and_run_and_its_python_does_the_same(serve
     async with AsyncBench(server) as bench:
         standing = await bench.call("GET", "/devices/bench/macro-run")
         assert [each["passed"] for each in standing["tried"]] == [True]
-        assert len(standing["run"]["done"]) == len(STEPS)
+        assert len(standing["run"]["done"]) == len(made)
         before = len(await bench.recordings())
         code, text = await program(server, *cli, "python", "mine", "--device", "bench")
         assert code == 0
         script = tmp_path / "mine.py"
         script.write_text(text)
-        began = (await bench.axis("bench", 0)).position
         code, out = await program(server, str(script))
         assert (code, out) == (0, "")
         assert (await bench.axis("bench", 0)).position == began
