@@ -58,9 +58,12 @@ def test_a_first_start_tells_how_far_it_is_and_a_motor_moves_meanwhile(
         page = context.new_page()
         # As by a server that is still starting: the page asks again.
         page.route("**/health/details", lambda route: route.abort(), times=1)
+        fetched: list[str] = []
+        page.on("request", lambda request: fetched.append(request.url))
         page.goto("/")
         note = page.get_by_test_id("first-start")
         expect(note).to_contain_text(re.compile(r"First start: \d+ of \d+ emulators"), timeout=60_000)
+        assert not [url for url in fetched if "restStyles" in url], "a first load is no larger for it"
         page.get_by_role("button", name="Start demo motion").click()
         until(page, MOVED)
         bar = note.get_by_role("progressbar")

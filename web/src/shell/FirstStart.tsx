@@ -2,7 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { api } from "../api/client";
 import { later } from "../lib/later";
 
-const FirstStartNote = later(() => import("./FirstStartNote").then((part) => part.FirstStartNote));
+const FirstStartNote = later(() => import("./FirstStartNote").then((part) => part.FirstStartNote), false);
 
 /** Above every page while a first start compiles what emulators run on: how far it is, and what works meanwhile. */
 export function FirstStart() {

@@ -27,7 +27,7 @@ const FreePlots = later(() => import("./free/FreePlots").then((part) => part.Fre
 const ChannelTree = later(() => import("./free/ChannelTree").then((part) => part.ChannelTree));
 const CursorFigures = later(() => import("./free/CursorTable").then((part) => part.CursorFigures));
 const StretchInAddress = later(() => import("./free/StretchInAddress").then((part) => part.StretchInAddress));
-const ToldMarks = later(() => import("./free/ToldMarks").then((part) => part.ToldMarks));
+const ToldMarks = later(() => import("./free/ToldMarks").then((part) => part.ToldMarks), false);
 
 interface Props {
   devices: readonly Device[];
