@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from . import __version__
+from .allocator import give_back_large_buffers
 from .byte_code import compile_ahead, keep_byte_code
 from .commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
 from .errors import BenchError
@@ -112,6 +113,7 @@ def serve(
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
         compile_ahead()
+        give_back_large_buffers()
         gc.disable()  # it looks through what modules make for 0.4 s, and finds nothing; a ready server has it on
         try:
             from . import serving

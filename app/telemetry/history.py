@@ -63,9 +63,8 @@ class History:
 
     def since(self, from_s: float, channels: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Time [rows] and samples [rows, len(channels)] from device time `from_s` [s] on; NaN for what is not kept."""
-        time_s, samples = self._ring.since(from_s)
+        kept = {at: self._column[name] for at, name in enumerate(channels) if name in self._column}
+        time_s, samples = self._ring.since(from_s, [*kept.values()])
         wanted = np.full((len(time_s), len(channels)), np.nan)
-        for index, name in enumerate(channels):
-            if name in self._column:
-                wanted[:, index] = samples[:, self._column[name]]
+        wanted[:, [*kept]] = samples
         return time_s, wanted

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,8 +48,9 @@ class Ring:
         self._end += rows
         self._start = max(self._start, self._end - self.capacity)
 
-    def since(self, from_s: float) -> tuple[FloatArray, FloatArray]:
-        """Copies of all rows at `from_s` [s] or later: time [rows], samples [rows, columns]."""
+    def since(self, from_s: float, columns: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+        """Copies of all rows at `from_s` [s] or later: time [rows], samples [rows, len(columns)]."""
         time_s = self._time_s[self._start : self._end]
         first = int(np.searchsorted(time_s, from_s))
-        return time_s[first:].copy(), self._samples[self._start + first : self._end].copy()
+        # those columns alone: all of them are 20 MB of a chip with many channels
+        return time_s[first:].copy(), self._samples[self._start + first : self._end, list(columns)]
