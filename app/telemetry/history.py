@@ -30,7 +30,7 @@ class History:
         """The row that was added last."""
         self._column = {name: index for index, name in enumerate(self.channels)}
         self._slot = np.nan
-        self._ring = Ring(len(self.channels), max(1, round(minutes * 60 * HISTORY_RATE_HZ)))
+        self._ring = Ring(len(self.channels), max(1, round(minutes * 60 * HISTORY_RATE_HZ)), minutes * 60)
 
     def __len__(self) -> int:
         return len(self._ring)

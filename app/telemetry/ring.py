@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,20 +12,21 @@ FloatArray = NDArray[np.float64]
 
 
 class Ring:
-    """Keeps the newest `capacity` rows of time and columns.
+    """Keeps the newest rows of time and columns: at most `capacity`, and none `span_s` [s] older than the newest.
 
-    The buffer is an eighth longer than what it keeps: rows are appended, and only when the end is reached
-    are they moved to the front. So a read is one slice, never two, and a row is copied some nine times while it is
-    kept.
+    Rows are appended, and only when the end of the buffer is reached are those that are kept moved to its front. So a
+    read is one slice, never two. The buffer grows with what is kept, a quarter at a time, up to an eighth more than
+    `capacity`: after `span_s` of an even rate it has its length, and axes that rest take little.
     """
 
-    SPARE = 8
+    FIRST, SPARE = 256, 8
 
-    def __init__(self, columns: int, capacity: int) -> None:
+    def __init__(self, columns: int, capacity: int, span_s: float = math.inf) -> None:
         if capacity < 1:
             raise ValueError(f"a ring keeps at least one row, not {capacity}")
         self.capacity = capacity
-        room = capacity + -(-capacity // self.SPARE)
+        self._span_s = span_s
+        room = self._room(self.FIRST)
         self._time_s = np.empty(room)
         self._samples = np.empty((room, columns))
         self._start = 0
@@ -34,19 +36,33 @@ class Ring:
         return self._end - self._start
 
     def append(self, time_s: FloatArray, samples: FloatArray) -> None:
-        """Add rows, `time_s` [rows] and `samples` [rows, columns]; the oldest go where there is no room."""
-        rows = len(time_s)
-        if rows > self.capacity:
-            time_s, samples, rows = time_s[-self.capacity :], samples[-self.capacity :], self.capacity
+        """Add rows, `time_s` [rows] and `samples` [rows, columns]; the oldest go."""
+        if not len(time_s):
+            return
+        oldest_s = time_s[-1] - self._span_s
+        first = max(int(np.searchsorted(time_s, oldest_s)), len(time_s) - self.capacity)
+        time_s, samples, rows = time_s[first:], samples[first:], len(time_s) - first
+        self._start = max(self._start, self._end - (self.capacity - rows))
+        self._start += int(np.searchsorted(self._time_s[self._start : self._end], oldest_s))
         if self._end + rows > len(self._time_s):
-            keep = min(len(self), self.capacity - rows)
-            self._time_s[:keep] = self._time_s[self._end - keep : self._end]
-            self._samples[:keep] = self._samples[self._end - keep : self._end]
-            self._start, self._end = 0, keep
+            self._make_room(rows)
         self._time_s[self._end : self._end + rows] = time_s
         self._samples[self._end : self._end + rows] = samples
         self._end += rows
-        self._start = max(self._start, self._end - self.capacity)
+
+    def _make_room(self, rows: int) -> None:
+        """Move what is kept to the front, of a longer buffer where it would be nearly full again."""
+        keep, old = len(self), slice(self._start, self._end)
+        time_s, samples = self._time_s, self._samples
+        if keep + rows > len(time_s) * self.SPARE // (self.SPARE + 1):
+            room = self._room((keep + rows) * 5 // 4)
+            time_s, samples = np.empty(room), np.empty((room, samples.shape[1]))
+        time_s[:keep], samples[:keep] = self._time_s[old], self._samples[old]
+        self._time_s, self._samples, self._start, self._end = time_s, samples, 0, keep
+
+    def _room(self, rows: int) -> int:
+        """So many, or the most that it takes."""
+        return min(rows, self.capacity + -(-self.capacity // self.SPARE))
 
     def since(self, from_s: float, columns: Sequence[int]) -> tuple[FloatArray, FloatArray]:
         """Copies of all rows at `from_s` [s] or later: time [rows], samples [rows, len(columns)]."""

@@ -313,7 +313,7 @@ async def test_the_history_of_a_removed_device_needs_no_garbage_collector_to_go(
 
     def watched(*given: Any, **options: Any) -> FloatArray:
         made: FloatArray = empty(*given, **options)
-        if made.nbytes > 1_000_000:
+        if made.nbytes > 10_000:
             memory.append(weakref.ref(made))
         return made
 
@@ -322,10 +322,9 @@ async def test_the_history_of_a_removed_device_needs_no_garbage_collector_to_go(
     try:
         await rig.manager.add(DeviceConfig("other", "tmc4210", {"kind": "emulator"}))
         await rig.clock.advance(1.0)
-        assert len(memory) == 1
-        assert memory[0]() is not None
+        assert [each for each in memory if each() is not None]
         await rig.manager.remove("other")
         await rig.clock.advance(1.0)
-        assert memory[0]() is None
+        assert not [each for each in memory if each() is not None]
     finally:
         gc.enable()
