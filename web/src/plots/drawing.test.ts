@@ -18,7 +18,6 @@ describe("overlays", () => {
     });
     const scale = { min: 0, max: 10 };
     const plot = { ctx, bbox: { left: 0, top: 0, width: 100, height: 100 }, scales: { x: scale, y: scale } };
-    vi.stubGlobal("window", { devicePixelRatio: 1 });
     const dots = { x: [1, 1.01, 5, 1], y: [2, 2.01, 5, 2], color: "", dots: 2 };
     const { draw } = drawingPlugin(
       () => [dots],
