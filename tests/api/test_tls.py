@@ -29,7 +29,7 @@ def test_https_with_a_token_for_a_network(tmp_path: Path) -> None:
         found = re.search(r"(https://127\.0\.0\.1:\d+)/\?token=(\S+)", line)
         assert found is not None, line
         url, token = found.groups()
-        with httpx.Client(base_url=url, verify=trusting) as visitor:
+        with httpx.Client(base_url=url, verify=trusting, timeout=30) as visitor:
             assert visitor.get("/api/v1/devices").status_code == 401
             welcome = visitor.get("/", params={"token": token})
             assert welcome.status_code == 303
@@ -98,4 +98,4 @@ def test_a_server_that_cannot_begin_says_so_in_one_line(tmp_path: Path) -> None:
 
 def test_plain_http_promises_no_https(tmp_path: Path) -> None:
     with running("serve", "--port", "0", "--no-demo", "--data-dir", str(tmp_path / "data")) as (_, line):
-        assert "strict-transport-security" not in httpx.get(f"{address(line)}/api/v1/health").headers
+        assert "strict-transport-security" not in httpx.get(f"{address(line)}/api/v1/health", timeout=30).headers
