@@ -1,5 +1,5 @@
 // @vitest-environment jsdom
-import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
+import { QueryClient, QueryClientProvider, useMutation } from "@tanstack/react-query";
 import { act, useLayoutEffect } from "react";
 import { flushSync } from "react-dom";
 import { createRoot } from "react-dom/client";
@@ -44,5 +44,13 @@ declare global {
 describe("work of a button", () => {
   it("is that of what is shown when it is pressed", async () => {
     expect(await sent((work) => useWork(work))).toEqual([1]);
+  });
+
+  it("would be that of a later render with a bare mutation", async () => {
+    const useBare: Press = (work) => {
+      const mutation = useMutation({ mutationFn: work });
+      return { mutate: () => mutation.mutate() };
+    };
+    expect(await sent(useBare)).toEqual([2]);
   });
 });
