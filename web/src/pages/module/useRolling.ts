@@ -1,12 +1,9 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import { useFrame } from "../../live/useFrame";
-import { cut, type Trace } from "../../live/window";
+import { cut, ROWS_PER_PIXEL, type Trace } from "../../live/window";
 import type { PlotHandle, WindowChange } from "../../plots/types";
 import { ScopeView } from "../bench/scope/ScopeView";
-
-/** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
-const ROWS_PER_PIXEL = 3;
 
 interface Slot {
   handle: PlotHandle | null;

@@ -7,7 +7,7 @@ import { hub } from "../../../live/hub";
 import type { TelemetrySource } from "../../../live/TelemetrySource";
 import { useFrame } from "../../../live/useFrame";
 import { useLinks, useTelemetries } from "../../../live/useTelemetry";
-import { cut, type Trace } from "../../../live/window";
+import { cut, ROWS_PER_PIXEL, type Trace } from "../../../live/window";
 import { type PlotData, resampled } from "../../../plots/series";
 import type { Level, Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
 import { flagsOf } from "../../recordings/flags";
@@ -28,8 +28,6 @@ export interface Measured {
 }
 
 const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8", b: "#9d8cff" } };
-/** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
-const ROWS_PER_PIXEL = 2;
 
 /** What to add to a device's time to get that of a source [s]; 0 while one of them has not told when it began. */
 export function shiftTo(source: TelemetrySource, device: string): number {

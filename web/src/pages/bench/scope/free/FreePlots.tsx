@@ -10,6 +10,7 @@ import { LiveText } from "../../../../live/LiveText";
 import { TURNS } from "../../../../live/turns";
 import { useFrame } from "../../../../live/useFrame";
 import { useTelemetries } from "../../../../live/useTelemetry";
+import { ROWS_PER_PIXEL } from "../../../../live/window";
 import { Plot } from "../../../../plots/Plot";
 import { type PlotData, resampled } from "../../../../plots/series";
 import type { Overlay, PlotHandle, PlotScale, PlotSeries } from "../../../../plots/types";
@@ -33,7 +34,6 @@ const SPECTRUM_MS = 200;
 /** So often the figures of a panel are worked out: people read them [ms]. */
 const FIGURES_MS = 500;
 const DOTS_MAX = 2000;
-const ROWS_PER_PIXEL = 2;
 
 /** Whose time plots show: the scope's, or that of a panel of its own. */
 export type PlotTime = Pick<
