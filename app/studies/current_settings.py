@@ -1,4 +1,4 @@
-"""The motor current of an axis as a setting: which register holds its scales, and how to write them."""
+"""The motor current of an axis as a setting: where its scales are, and how to write them."""
 
 from __future__ import annotations
 
@@ -7,18 +7,22 @@ from dataclasses import dataclass
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration
-from .field_settings import word_before
+from .field_settings import FieldSpace, Place
 from .record import Held
 
 
 @dataclass(frozen=True, slots=True)
 class CurrentPlaces:
-    """The register of both scales and its fields; the current is (scale + 1) of `steps` parts."""
+    """Where both scales are; the current is (scale + 1) of `steps` parts. per : numbers of the register a scale"""
 
-    register: str
-    run: str
-    hold: str
+    run: Place
+    hold: Place
     steps: int
+    per: int = 1
+
+    def word(self, scale: int) -> int:
+        """The greatest number that means this scale."""
+        return (scale + 1) * self.per - 1
 
 
 class CurrentSpace:
@@ -26,17 +30,12 @@ class CurrentSpace:
 
     def __init__(self, device: Device, axis: int, places: CurrentPlaces, held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState where that could not be put back."""
-        found = device.family.table.find(places.register, axis)
-        run = None if found is None else found[0].field_named(places.run)
-        hold = None if found is None else found[0].field_named(places.hold)
-        if found is None or run is None or hold is None:
+        self._space, self._places = FieldSpace(device, axis, (places.run, places.hold), held), places
+        if places.run not in self._space or places.hold not in self._space:
             raise WrongState(f"a {device.family.title} has no current scales that a study sets", "")
-        self._row, self._run, self._hold, self.steps = found[0], run, hold, places.steps
-        word = self._word = word_before(device, self._row, held)
-        self.before = [Held(name=self._row.name, axis=self._row.axis, value=self._row.decode(word))]
-        self.run_scale = run.unpack(word)
-        """As it was before."""
-        self.hold_scale = hold.unpack(word)
+        self.before, self.steps = self._space.before, places.steps
+        self.run_scale, self.hold_scale = (self._space[each] // places.per for each in (places.run, places.hold))
+        """As they were before."""
 
     def share(self, scale: int) -> float:
         """The current at a scale, of that at the run scale."""
@@ -44,5 +43,6 @@ class CurrentSpace:
 
     def registers(self, scale: int, hold: int | None = None) -> list[Held]:
         """What to write for this scale; `hold`: the one at rest, None for the same."""
-        word = self._hold.pack(scale if hold is None else hold, self._run.pack(scale, self._word))
-        return [Held(name=self._row.name, axis=self._row.axis, value=self._row.decode(word))]
+        places = self._places
+        at_rest = places.word(scale if hold is None else hold)
+        return self._space.registers({places.run: places.word(scale), places.hold: at_rest})

@@ -77,6 +77,11 @@ class FastestMove(Part):
     pairs: Annotated[int, Field(strict=True, ge=10, le=300)] = Field(
         default=10, description="of the proof: as many moves with the old setting and with the new, in turn"
     )
+    loss_rate_max: Annotated[float, Field(strict=True, ge=0.001, le=0.2, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="bound of the share of moves that lose a step, 95 %: after the pairs the new setting moves until "
+        "so much is shown, 299 times for 0.01; null: what the pairs show",
+    )
     band_fullsteps: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = Field(
         default=1.0, description="a move is over when the encoder stays within it of the target [full steps]"
     )

@@ -9,6 +9,7 @@ from ..devices.core.device import Device
 from ..errors import WrongState
 from .chopper.setting import ChopperPlaces
 from .closed_loop.setting import LoopPlaces
+from .current_settings import CurrentPlaces
 from .identification.places import IdentificationPlaces
 from .least_current.cool_setting import CoolPlaces
 from .ramp_settings import RampRegisters
@@ -19,7 +20,8 @@ from .stealthchop.setting import StealthPlaces
 from .tmc5xxx.by_hand import BY_HAND as BY_HAND_5XXX
 from .tmc5xxx.chopper import CHOPPER
 from .tmc5xxx.coolstep import COOLSTEP
-from .tmc5xxx.identification import AMPLITUDE, CURRENT, ENCODER, HOP
+from .tmc5xxx.current import CURRENT
+from .tmc5xxx.identification import AMPLITUDE, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
@@ -27,20 +29,24 @@ from .tmc5xxx.stealthchop import STEALTHCHOP
 from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
+from .tmcl.by_hand import BY_HAND as MODULE_BY_HAND
+from .tmcl.coolstep import COOLSTEP as MODULE_COOLSTEP
+from .tmcl.current import CURRENT as MODULE_CURRENT
+from .tmcl.ramp import RAMP as MODULE_RAMP
+from .tmcl.stall import STALL as MODULE_STALL
 
 T = TypeVar("T")
 
-RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP}
-IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
-    "tmc5xxx": IdentificationPlaces(HOP, CURRENT, ENCODER, AMPLITUDE)
-}
-COOLSTEPS: Mapping[str, CoolPlaces] = {"tmc5xxx": COOLSTEP}
+RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP, "tmcl": MODULE_RAMP}
+IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, ENCODER, AMPLITUDE)}
+CURRENTS: Mapping[str, CurrentPlaces] = {"tmc5xxx": CURRENT, "tmcl": MODULE_CURRENT}
+COOLSTEPS: Mapping[str, CoolPlaces] = {"tmc5xxx": COOLSTEP, "tmcl": MODULE_COOLSTEP}
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
 STEALTHCHOPS: Mapping[str, StealthPlaces] = {"tmc5xxx": STEALTHCHOP}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
-HANDS: Mapping[str, Sequence[HandPlace]] = {"tmc5xxx": BY_HAND_5XXX, "tmc4361": BY_HAND_4361}
-STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL}
+HANDS: Mapping[str, Sequence[HandPlace]] = {"tmc5xxx": BY_HAND_5XXX, "tmc4361": BY_HAND_4361, "tmcl": MODULE_BY_HAND}
+STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL, "tmcl": MODULE_STALL}
 
 
 def ramp_of(device: Device) -> RampRegisters:
@@ -58,6 +64,16 @@ def identification_of(device: Device) -> IdentificationPlaces:
     """Where it keeps what an identification sets. Raises WrongState for a family whose axes no study identifies."""
     remedy = "a TMC5xxx with an encoder can be looked at"
     return _known(IDENTIFICATIONS, device, "no study identifies what hangs on a {} yet", remedy)
+
+
+def sets_current(device: Device) -> bool:
+    """Whether studies set its current."""
+    return device.family.family in CURRENTS
+
+
+def current_of(device: Device) -> CurrentPlaces:
+    """Where it keeps the scales of its current. Raises WrongState for a family whose current no study sets."""
+    return _known(CURRENTS, device, "no study sets the current of a {} yet", "set it by hand on its page of currents")
 
 
 def loop_of(device: Device) -> LoopPlaces:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from ..devices.core.device import Device
 from ..errors import WrongState
-from ..profiles.capture import CapturedConfiguration
+from ..profiles.capture import CapturedConfiguration, axis_part
 from ..profiles.items import Key, items_by_key, key_of
+from ..profiles.physical import UnitContext
 from ..registers.model import Field, Register
 from .record import Held
 
@@ -30,6 +31,12 @@ def word_before(device: Device, row: Register, held: CapturedConfiguration) -> i
             "write it once, or start the axis up (POST .../start-up)",
         )
     return word
+
+
+def units_of(device: Device, held: CapturedConfiguration) -> UnitContext:
+    """What its registers count in, as it is set."""
+    axes = tuple(axis_part(each.settings) for each in device.axes)
+    return UnitContext(device.model, device.clock_hz, axes, held.words)
 
 
 def place_of(device: Device, axis: int, place: Place) -> tuple[Register, Field | None] | None:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration, axis_part, read_held
-from ..profiles.document import ProfileDocument, Tables
+from ..profiles.document import ProfileDocument
 from ..profiles.items import Key, key_of
 from ..profiles.physical import UnitContext
 from ..registers.model import Register
-from .field_settings import word_before
+from .field_settings import units_of, word_before
 from .record import Held
-from .table_settings import parts_of
+from .table_settings import with_registers
 
 SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
 UNITS = {SPEED: "pps", ACCELERATION: "pps^2", JERK: "pps^3"}
@@ -43,10 +43,11 @@ class _Setting:
     rows: tuple[Register, ...]
     unit: float
     """What one more in the register is [pps, pps^2, pps^3]."""
+    least: int
     most: int
 
     def raw(self, value: float) -> int:
-        return min(max(round(value / self.unit), 1), self.most)
+        return min(max(round(value / self.unit), self.least), self.most)
 
 
 class RampSpace:
@@ -56,9 +57,7 @@ class RampSpace:
         """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
         self._device, self._axis = device, axis
         self._brake = names.brake
-        context = UnitContext(
-            device.model, device.clock_hz, tuple(axis_part(each.settings) for each in device.axes), held.words
-        )
+        context = units_of(device, held)
         self._settings = {
             name: self._setting(context, registers)
             for name, registers in names.settings.items()
@@ -80,7 +79,8 @@ class RampSpace:
         unit = context.physical(rows[0], 1)
         if unit is None:
             raise WrongState(f"what {rows[0].name} counts in is not known", "")
-        return _Setting(rows, unit.value, min(row.maximum for row in rows))
+        lows, highs = zip(*(self._device.configuration.range_of(row) for row in rows), strict=True)
+        return _Setting(rows, unit.value, max(1, *lows), min(highs))
 
     def names(self, name: str) -> frozenset[str]:
         """The registers that hold a setting."""
@@ -127,15 +127,13 @@ class RampSpace:
 
 def document_of(device: Device, registers: Sequence[Held], name: str) -> ProfileDocument:
     """A profile of these registers alone."""
-    plain, tables = parts_of(device.model, registers)
-    return ProfileDocument(
+    empty = ProfileDocument(
         name=name,
         model=device.model,
         clock_hz=device.clock_hz,
         axes=[axis_part(axis.settings) for axis in device.axes],
-        registers=plain,
-        tables=Tables(mslut=tables or None),
     )
+    return with_registers(empty, registers)
 
 
 async def held_of(device: Device) -> CapturedConfiguration:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 from ..calc.microsteps.mslut import MslutRegisters
 from ..devices.core.device import Device
 from ..errors import WrongState
 from ..profiles.capture import CapturedConfiguration
-from ..profiles.document import MslutPart, ProfileDocument, RegisterPart
+from ..profiles.document import MslutPart, ParameterPart, ProfileDocument, RegisterPart
 from ..profiles.register_bits import mslut_rows
+from ..registers.catalog import MODELS
 from .record import Held
+
+P = TypeVar("P", bound=RegisterPart | ParameterPart)
 
 
 class TableSpace:
@@ -50,7 +54,20 @@ class TableSpace:
         return [each.model_copy(update={"value": value}) for each, value in zip(self.before, values, strict=True)]
 
 
-def parts_of(model: str, registers: Sequence[Held]) -> tuple[list[RegisterPart], list[MslutPart]]:
+def with_registers(document: ProfileDocument, registers: Sequence[Held]) -> ProfileDocument:
+    """A profile with these registers or parameters instead of its own."""
+    if MODELS[document.model].kind == "module":
+        told = [ParameterPart(name=each.name, axis=each.axis, value=each.value) for each in registers]
+        return document.model_copy(update={"parameters": _put(document.parameters, told)})
+    plain, tables = _plain_and_tables(document.model, registers)
+    whole = document.model_copy(update={"registers": _put(document.registers, plain)})
+    if tables:
+        kept = [part for part in document.tables.mslut or () if part.axis not in {each.axis for each in tables}]
+        whole.tables = document.tables.model_copy(update={"mslut": [*kept, *tables]})
+    return whole
+
+
+def _plain_and_tables(model: str, registers: Sequence[Held]) -> tuple[list[RegisterPart], list[MslutPart]]:
     """Registers as a profile has them: by themselves, and those of tables together."""
     tables = {
         (item.row.name, item.row.axis): item.row.axis
@@ -68,19 +85,11 @@ def parts_of(model: str, registers: Sequence[Held]) -> tuple[list[RegisterPart],
     return plain, [MslutPart(axis=axis, words=held[:8], select=held[8], start=held[9]) for axis, held in words.items()]
 
 
-def with_registers(document: ProfileDocument, registers: Sequence[Held]) -> ProfileDocument:
-    """A profile with these registers instead of its own."""
-    plain, tables = parts_of(document.model, registers)
-    other = {(each.name, each.axis): each.value for each in plain}
-    parts = [
-        RegisterPart(name=part.name, axis=part.axis, value=other.pop((part.name, part.axis)), unit=part.unit)
-        if (part.name, part.axis) in other
-        else part
-        for part in document.registers
-    ]
-    parts += [RegisterPart(name=name, axis=axis, value=value) for (name, axis), value in other.items()]
-    whole = document.model_copy(update={"registers": parts})
-    if tables:
-        kept = [part for part in document.tables.mslut or () if part.axis not in {each.axis for each in tables}]
-        whole.tables = document.tables.model_copy(update={"mslut": [*kept, *tables]})
-    return whole
+def _put(parts: Sequence[P], others: Sequence[P]) -> list[P]:
+    """These parts with the others, each in the place of the one that it replaces, or behind them all."""
+    new = {(each.name, each.axis): each for each in others}
+    whole: list[P] = []
+    for part in parts:
+        whole.append(new.pop((part.name, part.axis), part))
+        whole[-1].unit = part.unit
+    return [*whole, *new.values()]

@@ -12,6 +12,7 @@ from playwright.sync_api import Page, expect
 
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import PHONE
+from tests.e2e.modules import a_module
 from tests.e2e.motor import wait_for
 
 LONG_MS = 90_000
@@ -261,3 +262,41 @@ def test_coolstep_is_found_told_taken_and_undone(
         expect(verdict).to_be_visible()
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
         page.goto("/connections")  # before the chip is gone
+
+
+def test_a_module_is_made_faster_with_a_bound_of_its_lost_steps(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    with a_module(api, "tuned module") as device:
+        module = Chip(api, device)
+        module.emulator(time_scale=8.0)
+
+        def speed() -> int:
+            return int(module.register("maximum_positioning_speed")["value"])
+
+        select(page, module)
+        page.goto("/stallguard")
+        page.get_by_role("link", name="Find the threshold by itself").click()
+        plan = page.get_by_test_id("plan")
+        expect(plan).to_contain_text("It sets, and sets back: maximum_positioning_speed")
+        page.get_by_role("radio", name="Faster").check()
+        for label, value in (("Distance", "0.25"), ("Settings tried at most", "3")):
+            field = page.get_by_label(label, exact=True)
+            field.fill(value)
+            field.press("Tab")
+        bound = page.get_by_label("Moves that may lose a step, at most")
+        bound.fill("10")
+        bound.press("Tab")
+        expect(plan).to_contain_text("19 more with the best setting alone")
+        before = speed()
+        page.get_by_test_id("begin").click()
+        verdict = page.get_by_test_id("verdict")
+        # 29 moves of the new setting, and ten with its margin
+        expect(verdict).to_contain_text("no step lost in 39 runs", timeout=LONG_MS)
+        assert speed() == before
+        page.get_by_role("button", name="Take the best").click()
+        wait_for(lambda: speed() > before, "the best setting is taken")
+        page.get_by_role("button", name="Undo").click()
+        wait_for(lambda: speed() == before, "the setting is as before")
+        check_axe(page)
+        page.goto("/connections")  # before the module is gone

@@ -9,6 +9,7 @@ import pytest
 
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.fastest_move import ranges
+from app.studies.kinds import KINDS
 from app.studies.ramp_settings import least_time_s
 from app.studies.report import html_of
 from app.studies.run import MAY_TURN
@@ -52,6 +53,52 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert record.verdict.split(" (")[0] in report
         assert report.count("<svg") == 3
         assert "<script" not in report
+
+
+async def test_an_asked_loss_rate_is_shown_by_moves_of_the_new_setting_alone(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        study = {**MOVE, "loss_rate_max": 0.05}
+        for time_s, warned in ((60.0, True), (3600.0, False)):
+            document = s.document(study, budget={"trials": 8, "time_s": time_s})
+            plan = await KINDS["fastest_move"].plan(s.device, 0, document)
+            assert any("49 more with the best setting alone" in step for step in plan.steps)
+            assert any("may not be shown within 60 s" in said for said in plan.warnings) == warned
+        record = await s.finish(s.begin(document), 3600)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        evidence = record.evidence
+        assert evidence is not None
+        # 59 of the setting itself, and ten with its margin.
+        assert (evidence.pairs, evidence.runs) == (10, 69)
+        assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / 69))
+        assert "no step lost in 69 runs: fewer than 4.2 % lose some" in record.verdict
+        assert not record.next
+
+
+async def test_a_loss_rate_that_the_budget_leaves_open_is_not_claimed(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        run = s.begin(s.document({**MOVE, "loss_rate_max": 0.001}, budget={"trials": 8, "time_s": 120.0}))
+        record = await s.finish(run, 300)
+        assert (record.state, record.improved, record.left) == ("done", None, []), record.message
+        assert "the budget ended before fewer than 0.1 % were shown" in record.verdict
+        assert record.evidence is not None
+        assert record.evidence.runs > 20, "moves of the new setting alone had begun"
+
+
+async def test_a_step_that_is_lost_in_the_moves_alone_refutes_a_setting(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        run = s.begin(s.document({**MOVE, "loss_rate_max": 0.01}, budget={"trials": 8, "time_s": 3600.0}))
+        while not run.record.message.startswith("the new setting alone, move 5 "):
+            await s.clock.advance(0.05)
+        number = run.record.best
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, load_torque_nm=0.6)]))
+        await s.clock.advance(1.0)
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, load_torque_nm=0.0)]))
+        record = await s.finish(run, 3600)
+        refuted = record.trial(number)
+        assert refuted is not None
+        assert (refuted.state, refuted.why) == ("infeasible", "it lost steps, or did not settle, in the proof")
+        assert record.best != number
+        assert record.evidence is None or record.evidence.runs >= 299 or not record.improved
 
 
 async def test_a_setting_that_cannot_be_beaten_stays(tmp_path: Path) -> None:

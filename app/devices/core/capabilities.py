@@ -273,6 +273,10 @@ class ConfigurationRules(Protocol):
         """What the numbers of `register` count in, as the device is set now."""
         return register.unit
 
+    def range_of(self, register: Register, /) -> tuple[int, int]:
+        """The least and the greatest number that `register` takes, as the device is set now."""
+        return register.minimum, register.maximum
+
     def settable(self, register: Register, /) -> bool:
         """Whether a write of `register` is known to set it: so says its table, or it was seen."""
         return register.access.writable

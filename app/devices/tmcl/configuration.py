@@ -7,7 +7,7 @@ from ...registers.model import Register, to_raw
 from ..core.capabilities import ConfigurationRules
 from ..core.results import AxisState
 from ..core.session import Session
-from ..core.tmcl_refusals import unit_of
+from ..core.tmcl_refusals import limits, unit_of
 from .borrowed import BorrowedAcceleration
 from .parameters import Parameters
 from .state import ModuleState
@@ -37,6 +37,9 @@ class ModuleConfiguration(ConfigurationRules):
 
     def unit_of(self, register: Register, /) -> str:
         return unit_of(register, self._state.unit_mode)
+
+    def range_of(self, register: Register, /) -> tuple[int, int]:
+        return limits(register, self._state.unit_mode)
 
     def as_set(self, register: Register, word: int, /) -> int:
         own = self._borrowed.own

@@ -69,9 +69,11 @@ class ModuleEncoders(EncoderSetting, PositionFromEncoder):
         return calls.need(roles.actual_position, position) - encoder
 
     def require_encoder(self, axis: int) -> None:
-        """Raises always: steps are recorded of chips alone."""
-        what, instead = NO_ENCODER
-        raise WrongState(f"a {self._session.family.title} {what}", instead)
+        """Raises WrongState where the firmware has no built-in encoder."""
+        self._session.axis(axis)
+        if self._state.lacking.has(self._state.roles.encoder):
+            what, instead = NO_ENCODER
+            raise WrongState(f"a {self._session.family.title} {what}", instead)
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
         """The resolution of the external encoder; of the built-in one, whose is fixed, the full steps of the motor, by

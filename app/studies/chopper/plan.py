@@ -13,7 +13,7 @@ from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import CalmChopper, StudyDocument
 from ..encoder_scale import microsteps_a_count
-from ..families import chopper_of, identification_of
+from ..families import chopper_of, current_of, identification_of
 from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from .setting import ChopperSetting, ChopperSpace, Coil
@@ -81,7 +81,7 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
         return looked
     try:
         device.need(EncoderSetting).require_encoder(axis)
-        scales = CurrentSpace(device, axis, identification_of(device).current, found.held)
+        scales = CurrentSpace(device, axis, current_of(device), found.held)
         coil = Coil(
             wanted.resistance_ohm,
             wanted.inductance_h,

@@ -8,6 +8,7 @@ from ...devices.core.device import Device
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
+from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
 from ..search import Dimension
 
@@ -93,12 +94,19 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, axis: int) -> None:
     now, most = ranges.space.now(), {each.name: each.high * (1 + wanted.margin) for each in ranges.dimensions}
     step_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
-    runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs
+    alone = 0 if wanted.loss_rate_max is None else max(0, runs_for(wanted.loss_rate_max) - wanted.pairs)
+    runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs + alone
     share = (1 + wanted.margin) * 100
     way = abs(wanted.distance) + ranges.period
     told.moves_max = 2 * runs
     told.way_fullsteps = 2 * runs * way / ranges.microsteps
-    told.time_s = min(budget.time_s, runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S)
+    whole_s = runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S
+    told.time_s = min(budget.time_s, whole_s)
+    if alone and budget.time_s < whole_s:
+        told.warnings.append(
+            f"the loss rate may not be shown within {plain(budget.time_s)} s: all moves together may take "
+            f"{plain(whole_s, 2)} s; allow more time, or ask for a greater rate"
+        )
     if budget.distance_fullsteps is not None:
         told.way_fullsteps = min(told.way_fullsteps, budget.distance_fullsteps)
     far = ranges.start + (1 if wanted.distance > 0 else -1) * way
@@ -115,6 +123,7 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         "beyond the edge steps will be lost, which is loud",
         "after lost steps the position is taken from the encoder, and the motor goes back slowly",
         f"{wanted.pairs} moves with the old and {wanted.pairs} with the best setting, in turn; as many with margin",
+        *([f"{alone} more with the best setting alone, if it is better: none may lose a step"] if alone else []),
         "the setting as it is now goes back, whatever came of it; one click takes the best one",
     ]
     told.unwatched = [

@@ -11,7 +11,7 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
-from ..proof import compared_pairs, pair_order, rate_bound
+from ..proof import compared_pairs, pair_order, rate_bound, runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Evidence, Figures, Pair, Trial
 from ..run import StudyRun
@@ -241,12 +241,12 @@ class FastestMoveStudy(StudyRun):
     async def _pairs(self, best: Trial) -> bool:
         """The pairs of one candidate; False where it lost steps."""
         record, wanted = self.record, self.wanted
-        record.pairs, lost, runs = [], 0, 0
+        record.pairs, runs = [], 0
         self.keeper.mark(f"proof of trial {best.number}: {words_of(best.setting)}")
         for index in range(wanted.pairs):
             if self.spent():
                 break
-            self.tell("proof", 0.75 + 0.25 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
+            self.tell("proof", 0.75 + 0.1 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
             place = self._trials.place()
             order = pair_order(index)
             times: dict[str, float] = {}
@@ -255,9 +255,7 @@ class FastestMoveStudy(StudyRun):
                     best.setting
                 )
                 figures = figures_of([await self._trials.once(place)])
-                if which == "B":
-                    runs += 1
-                    lost += bool(figures.lost_fullsteps)
+                runs += which == "B"
                 if figures.time_s is None:
                     if which == "A":
                         raise Failed("the setting before lost steps, or did not settle, in the proof")
@@ -269,51 +267,84 @@ class FastestMoveStudy(StudyRun):
                 if figures.lost_fullsteps:
                     return self._refuted(best, figures)
             record.pairs.append(Pair(baseline_s=times["A"], winner_s=times["B"], order=order))
-        self._decide(best, lost, runs)
+        if self._faster(runs):
+            alone = 0
+            if wanted.loss_rate_max is not None:
+                alone, lost = await self._alone(best, runs_for(wanted.loss_rate_max) - len(record.pairs))
+                if lost is not None:
+                    return self._refuted(best, lost)
+            self._bound(runs + alone, len(record.pairs) + alone)
         await self.keeper.save(record)
         return True
+
+    async def _alone(self, best: Trial, most: int) -> tuple[int, Figures | None]:
+        """Move with the new setting alone: how often it held, and the one move that did not, which ends it."""
+        self.keeper.mark(f"proof of trial {best.number}, alone: {words_of(best.setting)}")
+        await self._trials.set(best.setting)
+        held = 0
+        while held < most and not self.spent():
+            self.tell("proof", 0.85 + 0.15 * held / most, f"the new setting alone, move {held + 1} of {most}")
+            figures = figures_of([await self._trials.once()])
+            if figures.time_s is None:
+                return held, figures
+            held += 1
+        return held, None
 
     def _refuted(self, best: Trial, figures: Figures) -> bool:
         best.state, best.figures.lost_fullsteps = "infeasible", figures.lost_fullsteps
         best.why = "it lost steps, or did not settle, in the proof"
+        self.record.evidence = None
         self._judge()
         return False
 
-    def _decide(self, best: Trial, lost: int, runs: int) -> None:
+    def _faster(self, runs: int) -> bool:
+        """Whether the pairs show the new setting to be faster; `runs` of it, margin included, lost no step."""
         record, wanted = self.record, self.wanted
         if len(record.pairs) < 10:
             record.improved = None
             record.verdict = f"the budget ended after {len(record.pairs)} of {wanted.pairs} pairs: nothing is shown"
             record.next = "more time or way"
-            return
+            return False
         before, after = [pair.baseline_s for pair in record.pairs], [pair.winner_s for pair in record.pairs]
         shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed)
-        effect, old, new, better = shown.effect, shown.old, shown.new, shown.better
-        all_runs = runs + best.figures.runs + (wanted.repeats if wanted.margin else 0)
+        effect, old = shown.effect, shown.old
         record.evidence = Evidence(
             pairs=len(record.pairs),
             baseline_s=old,
-            winner_s=new,
+            winner_s=shown.new,
             difference_s=effect.mean,
             interval_s=Interval(low=effect.low, high=effect.high),
             share=effect.mean / old,
             p=effect.p,
             test="Wilcoxon signed-rank, two-sided; interval: bootstrap and Student's t over the pairs, the wider",
-            significant=better,
-            lost_runs=lost,
-            runs=all_runs,
-            loss_rate_max=rate_bound(lost, all_runs),
+            significant=shown.better,
+            lost_runs=0,
+            runs=runs,
+            loss_rate_max=rate_bound(0, runs),
         )
-        record.improved = better
-        if better:
-            record.verdict = (
-                f"{-100 * effect.mean / old:.3g} % faster ({plain(old, 4)} s to {plain(new, 4)} s; 95 %: "
-                f"{plain(-effect.high * 1e3, 3)} to {plain(-effect.low * 1e3, 3)} ms less), "
-                f"no step lost in {all_runs} runs: fewer than {100 * record.evidence.loss_rate_max:.2g} % lose some"
-            )
-            record.next = "more pairs bound the rate of lost steps closer: 299 runs without one show less than 1 %"
-        else:
-            record.verdict = "the best setting is not shown to be faster: it stays as it is"
+        if not shown.better:
+            record.improved, record.verdict = False, "the best setting is not shown to be faster: it stays as it is"
+        return shown.better
+
+    def _bound(self, runs: int, own: int) -> None:
+        """How seldom the new setting loses a step, by `runs` of the proof, `own` of them without the margin."""
+        record, asked = self.record, self.wanted.loss_rate_max
+        evidence = record.evidence
+        assert evidence is not None
+        evidence.runs, evidence.loss_rate_max = runs, rate_bound(0, runs)
+        old, new, less = evidence.baseline_s, evidence.winner_s, evidence.interval_s
+        record.improved = True
+        record.verdict = (
+            f"{-100 * evidence.share:.3g} % faster ({plain(old, 4)} s to {plain(new, 4)} s; 95 %: "
+            f"{plain(-less.high * 1e3, 3)} to {plain(-less.low * 1e3, 3)} ms less), "
+            f"no step lost in {runs} runs: fewer than {100 * evidence.loss_rate_max:.2g} % lose some"
+        )
+        if asked is None:
+            record.next = "a loss rate asked for: 299 runs without a lost step show less than 1 %"
+        elif own < runs_for(asked):
+            record.improved = None
+            record.verdict += f"; the budget ended before fewer than {100 * asked:.2g} % were shown"
+            record.next = "more time or way"
 
 
 def _beats(one: Trial, other: Trial) -> bool:

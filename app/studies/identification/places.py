@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..current_settings import CurrentPlaces
 from ..encoder_scale import EncoderPlaces
 from ..ramp_settings import RampRegisters
 from .coil import AmplitudePlaces
@@ -16,6 +15,5 @@ class IdentificationPlaces:
     tunes itself"""
 
     hop: RampRegisters
-    current: CurrentPlaces
     encoder: EncoderPlaces
     amplitude: AmplitudePlaces | None = None

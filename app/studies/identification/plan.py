@@ -11,7 +11,7 @@ from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import Identification, StudyDocument
 from ..encoder_scale import microsteps_a_count
-from ..families import identification_of
+from ..families import current_of, identification_of
 from ..field_settings import FieldSpace
 from ..plan import AxisNow, Looked, StudyPlan, axis_now, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
@@ -82,7 +82,7 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
         device.need(EncoderSetting).require_encoder(axis)
         places = identification_of(device)
         ramp = RampSpace(device, axis, places.hop, found.held)
-        current = CurrentSpace(device, axis, places.current, found.held)
+        current = CurrentSpace(device, axis, current_of(device), found.held)
     except WrongState as error:
         say(str(error))
         return looked

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...errors import WrongState
 from ...profiles.capture import CapturedConfiguration
-from ..field_settings import FieldSpace, Place, place_of
+from ..field_settings import FieldSpace, Place, place_of, units_of
 from ..record import Held
 from ..speed_threshold import SpeedThreshold
 from .found import CoolSetting
@@ -22,7 +22,7 @@ class CoolPlaces:
     level : of StallGuard2, which shifts the load value; armed : registers of the speed from which on it works, the
         first that the chip has
     stop : whether a stall stops the motor; quiet : whether StealthChop is on
-    measures_quiet : what a chip has whose StallGuard measures with StealthChop too
+    measures_quiet : what a chip has whose StallGuard measures with StealthChop too; None: no chip of the family
     """
 
     lower: Place
@@ -34,7 +34,7 @@ class CoolPlaces:
     armed: tuple[Place, ...]
     stop: Place
     quiet: Place
-    measures_quiet: Place
+    measures_quiet: Place | None = None
 
 
 class CoolSpace:
@@ -51,12 +51,13 @@ class CoolSpace:
         self._places, self._armed = places, armed[0]
         mine = (places.lower, places.width, places.up, places.down, places.least, places.level, armed[0])
         self._space = FieldSpace(device, axis, mine, held)
-        beside = FieldSpace(device, axis, (places.stop, places.quiet, places.measures_quiet), held)
+        beside = FieldSpace(device, axis, (places.stop, places.quiet), held)
+        blind = places.measures_quiet is None or place_of(device, axis, places.measures_quiet) is None
         self.before = self._space.before
         self.stops = places.stop in beside and bool(beside[places.stop])
         """Whether a stall stops the motor: then level and speed are not CoolStep's own."""
-        self._stealth = places.quiet in beside and bool(beside[places.quiet]) and places.measures_quiet not in beside
-        self._from = SpeedThreshold(armed[1][0], device.session.clock_hz, full_step)
+        self._stealth = places.quiet in beside and bool(beside[places.quiet]) and blind
+        self._from = SpeedThreshold(armed[1][0], units_of(device, held), full_step)
         self.from_pps = self._from.speed_pps(self._space[armed[0]])
         """From where on it worked before."""
         self.level = self._space[places.level]

@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import LeastCurrent, StudyDocument
-from ..families import coolstep_of, identification_of
+from ..families import coolstep_of, current_of
 from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
@@ -75,7 +75,7 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if found is None:
         return looked
     try:
-        current = CurrentSpace(device, axis, identification_of(device).current, found.held)
+        current = CurrentSpace(device, axis, current_of(device), found.held)
     except WrongState as error:
         say(str(error))
         return looked

@@ -1,11 +1,10 @@
-"""What a family has of settings that move ripple: its current scales, and its choppers."""
+"""What a family has of settings that move ripple beside its current: its choppers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..current_settings import CurrentPlaces
 from ..field_settings import Place
 
 
@@ -15,7 +14,6 @@ class RipplePlaces:
     stealthchop, spreadcycle : what is set for one of both at every speed
     """
 
-    current: CurrentPlaces
     quiet: Place
     stealthchop: Sequence[tuple[Place, int]]
     spreadcycle: Sequence[tuple[Place, int]]

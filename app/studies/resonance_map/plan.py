@@ -14,7 +14,7 @@ from ...number_text import plain
 from ...profiles.capture import CapturedConfiguration
 from ..current_settings import CurrentSpace
 from ..document import ResonanceMap, StudyDocument
-from ..families import ripple_of
+from ..families import current_of, ripple_of, sets_current
 from ..field_settings import FieldSpace, place_of, word_before
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
@@ -150,12 +150,9 @@ def _settings(
     device: Device, axis: int, wanted: ResonanceMap, held: CapturedConfiguration, before: list[Held]
 ) -> Sequence[Setting]:
     """The changes that this chip can be set to; what they set joins `before`. Raises WrongState."""
-    places = ripple_of(device)
-    if places is None:
-        return []
     told: list[Setting] = []
-    if wanted.current_shares:
-        current = CurrentSpace(device, axis, places.current, held)
+    if wanted.current_shares and sets_current(device):
+        current = CurrentSpace(device, axis, current_of(device), held)
         before.extend(current.before)
         for share in wanted.current_shares:
             scale = round(share * (current.run_scale + 1)) - 1
@@ -166,8 +163,9 @@ def _settings(
             told.append(
                 Setting(name, {SCALE: scale}, {SCALE: current.run_scale}, {SCALE: f"1/{current.steps}"}, registers)
             )
-    at = place_of(device, axis, places.quiet)
-    if wanted.other_chopper and at is not None and at[1] is not None:
+    places = ripple_of(device)
+    at = None if places is None else place_of(device, axis, places.quiet)
+    if wanted.other_chopper and places is not None and at is not None and at[1] is not None:
         quiet = at[1].unpack(word_before(device, at[0], held))
         values = dict(places.spreadcycle if quiet else places.stealthchop)
         chopper = FieldSpace(device, axis, values, held)

@@ -11,7 +11,7 @@ from ...errors import WrongState
 from ...profiles.capture import CapturedConfiguration
 from ...profiles.items import key_of
 from ...registers.model import Field, Register
-from ..field_settings import Place, place_of, word_before
+from ..field_settings import Place, place_of, units_of, word_before
 from ..record import Held
 from ..speed_threshold import SpeedThreshold
 from .scale import COUNTS_A_THRESHOLD, Generation, Scale
@@ -26,15 +26,16 @@ class StallPlaces:
 
     armed : registers of the speed from which on a stall stops: the first that the chip has; in clocks a step, or as a
         velocity
+    stop : whether a stall stops the motor; None: the speed says it too, 0 for never
     fixed : what has to be so for the value to mean anything, as far as the chip has it
     """
 
     generation: Generation
     threshold: Place
     filter: Place
-    stop: Place
     armed: tuple[str, ...]
     fixed: Sequence[tuple[Place, int]]
+    stop: Place | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +55,11 @@ class StallSpace:
     ) -> None:
         """`full_step` [microsteps]. Raises WrongState for a chip without it, and for what could not be put back."""
         self._device, self._axis, self._places, self._full_step = device, axis, places, full_step
+        self._units = units_of(device, held)
         threshold = self._find(places.threshold)
         armed = next((row for name in places.armed if (row := self._row(name)) is not None), None)
-        stop = self._find(places.stop)
-        if threshold is None or armed is None or stop is None:
+        stop = None if places.stop is None else self._find(places.stop)
+        if threshold is None or armed is None or (stop is None and places.stop is not None):
             raise WrongState(
                 f"a {device.family.title} has no StallGuard{places.generation} that could stop its motor", ""
             )
@@ -69,7 +71,7 @@ class StallSpace:
         self.scale = Scale(places.generation, bits.minimum, bits.maximum, slope)
         parts = [
             threshold,
-            stop,
+            *([stop] if stop else []),
             (armed, None),
             *([self._filter] if self._filter else []),
             *(at for at, _ in self._fixed),
@@ -120,10 +122,10 @@ class StallSpace:
 
     @property
     def _from(self) -> SpeedThreshold:
-        return SpeedThreshold(self._armed, self._device.session.clock_hz, self._full_step)
+        return SpeedThreshold(self._armed, self._units, self._full_step)
 
     def registers(self, setting: StallSetting, *, stops: bool | None) -> list[Held]:
-        """What to write. stops : whether a stall stops the motor; None: as before."""
+        """What to write. stops : whether a stall stops the motor; None: as before, where that is told apart."""
         words = dict(self._words)
 
         def put(at: tuple[Register, Field | None], value: int) -> None:
@@ -137,7 +139,10 @@ class StallSpace:
         if self._filter is not None:
             put(self._filter, int(setting.filtered))
         put((self._armed, None), self._from.word(setting.armed_pps))
-        put(self._stop, self._of(self._stop) if stops is None else int(stops))
+        if self._stop is not None and stops is not None:
+            put(self._stop, int(stops))
+        elif self._stop is None and stops is False:
+            put((self._armed, None), 0)
         return [Held(name=row.name, axis=row.axis, value=row.decode(words[key])) for key, row in self._rows.items()]
 
     def told(self, setting: StallSetting) -> dict[str, float]:

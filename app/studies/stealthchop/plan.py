@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import QuietStealthChop, StudyDocument
-from ..families import identification_of, stealthchop_of
+from ..families import current_of, stealthchop_of
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from .setting import Motor, StealthSpace
@@ -107,7 +107,7 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
         return looked
     state, full_step, turn = found.state, found.full_step, found.turn
     try:
-        current = CurrentSpace(device, axis, identification_of(device).current, found.held)
+        current = CurrentSpace(device, axis, current_of(device), found.held)
         motor = Motor(
             wanted.resistance_ohm,
             wanted.inductance_h,

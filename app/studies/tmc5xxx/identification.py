@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ..current_settings import CurrentPlaces
 from ..encoder_scale import EncoderPlaces
 from ..field_settings import Place
 from ..identification.coil import AmplitudePlaces
@@ -12,7 +11,6 @@ from ..ramp_settings import ACCELERATION, SPEED, RampRegisters
 HOP = RampRegisters(
     {SPEED: ("VMAX", "VSTART", "VSTOP"), ACCELERATION: ("AMAX", "DMAX")}, off={"V1": 0, "V2": 0}, brake=("DMAX",)
 )
-CURRENT = CurrentPlaces("IHOLD_IRUN", "irun", "ihold", steps=32)
 ENCODER = EncoderPlaces("ENC_CONST", "ENCMODE", "enc_sel_decimal")
 # It begins with what PWMCONF held while pwm_autoscale was last 0 (7.4); the greatest PWM_REG follows in a turn.
 _BEGIN = {

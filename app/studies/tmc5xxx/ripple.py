@@ -1,14 +1,12 @@
-"""Where a TMC5xxx keeps what moves ripple: run current, and which chopper drives the coils (DS-TMC5160 6.1, 6.4)."""
+"""Where a TMC5xxx keeps which chopper drives the coils, which moves ripple (DS-TMC5160 6.4)."""
 
 from __future__ import annotations
 
 from ..field_settings import Place
 from ..resonance_map.places import RipplePlaces
-from .identification import CURRENT
 
 QUIET = Place("GCONF", "en_pwm_mode")
 RIPPLE = RipplePlaces(
-    current=CURRENT,
     quiet=QUIET,
     stealthchop=((QUIET, 1), (Place("TPWMTHRS"), 0), (Place("THIGH"), 0), (Place("VHIGH"), (1 << 23) - 1)),
     spreadcycle=((QUIET, 0), (Place("THIGH"), 0), (Place("VHIGH"), (1 << 23) - 1)),

@@ -3,15 +3,13 @@ there is none?"""
 
 from __future__ import annotations
 
-import asyncio
 import itertools
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, Tmc5xxxPatch
-from tests.bench.on_all_cores import on_all_cores
+from tests.bench.collected import collected
 from tests.bench.table import Row
 from tests.plants.broken import FAULTS, drawn
 from tests.studies.harness import START, studied
@@ -34,7 +32,8 @@ class Judged:
     says: str
 
 
-async def _looked(seed: int, folder: Path) -> Judged:
+async def judged(seed: int, folder: Path) -> Judged:
+    """The first look at one plant."""
     plant = drawn(seed)
     slips = itertools.cycle(plant.slips_fullsteps)
     async with studied(folder, FULL, **plant.options) as s:
@@ -49,23 +48,16 @@ async def _looked(seed: int, folder: Path) -> Judged:
     return Judged(plant.fault or "", ", ".join(named), as_before, says)
 
 
-def judged(seed: int) -> Judged:
-    """The first look at one plant."""
-    with tempfile.TemporaryDirectory() as folder:
-        return asyncio.run(_looked(seed, Path(folder)))
-
-
 def measure(quick: bool) -> Sequence[Row]:
     """One row for what is broken and one for what is not; quick: a few plants."""
     plants = 10 if quick else 125
-    seeds = range(FIRST_SEED, FIRST_SEED + plants)
-    found = on_all_cores(judged, seeds)
+    found = collected("broken plants", judged, range(FIRST_SEED, FIRST_SEED + plants))
     rows = []
     for what, wanted in (
         ("broken plants: the fault named and no other", True),
         ("healthy plants: none called broken", False),
     ):
-        told = [(seed, one) for seed, one in zip(seeds, found, strict=True) if bool(one.fault) == wanted]
+        told = [(seed, one) for seed, one in found.items() if bool(one.fault) == wanted]
         right = sum(one.named == one.fault for _, one in told)
         each = (
             f"{fault}: {sum(one.named == one.fault for _, one in told if one.fault == fault)} of "

@@ -5,11 +5,10 @@ The grid is worked out on the drive itself, at the same speeds: the load angle, 
 
 from __future__ import annotations
 
-import asyncio
 import random
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from app.studies.chopper.setting import ChopperSetting, ChopperSpace, Coil
 from app.studies.families import chopper_of
 from app.studies.ramp_settings import held_of
 from app.studies.record import StudyRecord
-from tests.bench.collected import KEEPING, at_least, at_most, collected
+from tests.bench.collected import at_least, at_most, collected
 from tests.bench.table import Row
 from tests.plants.choppers import ChopperPlant, drawn
 from tests.studies.harness import START, Studied, studied
@@ -151,19 +150,9 @@ async def _set(s: Studied, chopconf: int) -> None:
 def measure(quick: bool) -> Sequence[Row]:
     """Two rows; quick: a few plants of each."""
     plants, nulls = (3, 2) if quick else (PLANTS, NULLS)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-
-        async def all_of() -> tuple[list[Judged], list[Judged]]:
-            async def one(seed: int) -> Judged:
-                return await _judged(seed, folder / f"p{seed}", best_before=seed >= NULL)
-
-            return (
-                await collected("chopper", range(plants), one, KEEPING, 2 / 3),
-                await collected("chopper", range(NULL, NULL + nulls), one, KEEPING, 1 / 3),
-            )
-
-        judged, empty = asyncio.run(all_of())
+    judged = collected("chopper", partial(_judged, best_before=False), range(plants), share=2 / 3).values()
+    best = partial(_judged, best_before=True)
+    empty = collected("chopper at its best", best, range(NULL, NULL + nulls), share=1 / 3).values()
     near = [one for one in judged if one.ratio <= WITHIN]
     far = [one for one in judged if one.ratio > WITHIN]
     odd = [one for one in (*judged, *empty) if one.record.state != "done" or not one.as_before]

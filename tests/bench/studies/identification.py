@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.studies.fitted import Estimate
 from app.studies.record import StudyRecord
+from tests.bench.collected import collected
 from tests.bench.table import Row
 from tests.plants.axes import nominal_of
 from tests.plants.machines import Machine, drawn
@@ -86,20 +85,15 @@ async def judged(seed: int, folder: Path) -> Judged:
 
 def measure(quick: bool) -> Sequence[Row]:
     """Two rows of a batch of plants; quick: a few."""
-    count = 4 if quick else 100
-    with tempfile.TemporaryDirectory() as name:
-
-        async def all_of() -> list[Judged]:
-            return [await judged(seed, Path(name) / str(seed)) for seed in range(FIRST, FIRST + count)]
-
-        plants = asyncio.run(all_of())
+    found = collected("identification", judged, range(FIRST, FIRST + (4 if quick else 100)))
+    plants, count = found.values(), len(found)
     names = (*WITHIN, "backlash", "lines")
     right = {name: sum(one.right(name) for one in plants) for name in names}
     holds = {name: sum(one.holds(name) for one in plants) for name in (*names, *COIL) if name != "lines"}
     odd = [one.record.message for one in plants if one.record.state != "done" or not one.as_before]
     said = [
         f"plant {seed}: {name}, {_words(one, name)}"
-        for seed, one in enumerate(plants, FIRST)
+        for seed, one in found.items()
         for name in names
         if not one.right(name)
     ]

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import asyncio
 import random
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from app.studies.record import StudyRecord
+from tests.bench.collected import at_least, collected
 from tests.bench.table import Row
 from tests.plants.axes import drawn
 from tests.studies.harness import START, Studied, studied
@@ -105,13 +105,9 @@ async def claimed(seed: int, folder: Path) -> tuple[bool, str] | None:
 
 def measure(quick: bool) -> Sequence[Row]:
     """One row; quick: a few plants."""
-    plants, cycles = (4, 20) if quick else (40, CYCLES)
-    with tempfile.TemporaryDirectory() as name:
-
-        async def all_of() -> list[Judged]:
-            return [await judged(seed, Path(name) / f"p{seed}", cycles) for seed in range(FIRST, FIRST + plants)]
-
-        found = asyncio.run(all_of())
+    plants, cycles = (4, 20) if quick else (100, CYCLES)
+    row = partial(judged, cycles=cycles)
+    found = collected(f"least current, {cycles} cycles", row, range(FIRST, FIRST + plants)).values()
     better = [one for one in found if one.record.improved]
     limited = [one for one in found if one.record.least_current and one.record.least_current.limited_by_supply]
     good = [one for one in better if not one.lost]
@@ -119,9 +115,10 @@ def measure(quick: bool) -> Sequence[Row]:
     odd = [one for one in found if one.record.state != "done" or not one.as_before]
     return [
         Row(
-            what=f"least current on {plants} blind plants, {len(better)} with less than before, {len(limited)} limited "
-            f"by their supply; {cycles} more cycles, warm and with 10 % less supply",
-            measured=f"{len(good)} lose no step; heat {100 * np.median(shares):.0f} % of before, median",
+            what=f"least current on {len(found)} blind plants, {len(better)} with less than before, {len(limited)} "
+            f"limited by their supply; {cycles} more cycles, warm and with 10 % less supply",
+            measured=f"{at_least(len(good), len(better))} lose no step; "
+            f"heat {100 * np.median(shares):.0f} % of before, median",
             peer=f"{len(better)}",
             ratio=len(good) / max(1, len(better)),
             required=f">= {SHARE:g}, every axis as before",

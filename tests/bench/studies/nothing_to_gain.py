@@ -7,13 +7,11 @@ StallGuard: load values that are noise, several times what a load makes of them,
 
 from __future__ import annotations
 
-import asyncio
-import tempfile
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.bench.collected import KEEPING, at_most, collected
+from tests.bench.collected import at_most, collected
 from tests.bench.studies import closed_loop, fastest_move, least_current, microstep_calibration, stallguard
 from tests.bench.table import Row
 
@@ -38,25 +36,16 @@ class Claimed:
     said: list[str]
 
 
-async def of_study(name: str, seeds: Sequence[int], folder: Path) -> Claimed:
+def of_study(name: str, seeds: Sequence[int]) -> Claimed:
     """That study on plants of these seeds."""
-    judge = STUDIES[name]
-    share = 1 / len(STUDIES)
-    told = await collected(f"gain {name}", seeds, lambda seed: judge(seed, folder / f"{name}{seed}"), KEEPING, share)
-    found = [one for one in told if one is not None]
+    told = collected(f"gain {name}", STUDIES[name], seeds, share=1 / len(STUDIES))
+    found = [one for one in told.values() if one is not None]
     return Claimed(name, len(found), [words for better, words in found if better])
 
 
 def measure(quick: bool) -> Sequence[Row]:
     """A row for all of them; quick: a plant of each."""
-    count = 1 if quick else 20
-    seeds = range(FIRST, FIRST + count)
-    with tempfile.TemporaryDirectory() as folder:
-
-        async def all_of() -> list[Claimed]:
-            return [await of_study(name, seeds, Path(folder)) for name in STUDIES]
-
-        found = asyncio.run(all_of())
+    found = [of_study(name, range(FIRST, FIRST + (1 if quick else 20))) for name in STUDIES]
     plants, claims = sum(one.plants for one in found), sum(len(one.said) for one in found)
     return [
         Row(

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import random
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from app.studies.record import StudyRecord
+from tests.bench.collected import at_least, collected
 from tests.bench.table import Row
 from tests.plants.machines import TEETH, Machine, drawn
 from tests.studies.harness import START, studied
@@ -78,15 +77,10 @@ async def judged(seed: int, folder: Path) -> Judged:
         return Judged(machine, frozenset(driven), may, record, await s.settings(*NAMES) == before)
 
 
-def measure(quick: bool, count: int = 100) -> Sequence[Row]:
+def measure(quick: bool) -> Sequence[Row]:
     """Two rows of a batch of plants; quick: a few."""
-    count = 4 if quick else count
-    with tempfile.TemporaryDirectory() as name:
-
-        async def all_of() -> list[Judged]:
-            return [await judged(seed, Path(name) / str(seed)) for seed in range(count)]
-
-        plants = asyncio.run(all_of())
+    found = collected("resonance map", judged, range(4 if quick else 100))
+    plants, count = found.values(), len(found)
     near = [one for one in plants if one.off <= WITHIN]
     right = [one for one in plants if one.orders_right]
     good = [one for one in plants if one.off <= WITHIN and one.orders_right]
@@ -94,14 +88,14 @@ def measure(quick: bool, count: int = 100) -> Sequence[Row]:
     said = [
         f"plant {seed}: {sorted(one.named)} for {sorted(one.driven)}, {100 * one.off:.1f} % off, damping "
         f"{one.machine.damping:.3f}; {one.record.verdict or one.record.message}"
-        for seed, one in enumerate(plants)
+        for seed, one in found.items()
         if one not in good
     ]
     holds = sum(one.holds for one in plants)
     return [
         Row(
             what=f"resonance map of {count} blind plants: speeds of resonance within 2 %, their orders right",
-            measured=f"{len(good)}: speeds {len(near)}, orders {len(right)}",
+            measured=f"{at_least(len(good), count)}: speeds {len(near)}, orders {len(right)}",
             peer=f"{count}",
             ratio=len(good) / count,
             required=f">= {SHARE:g}, every axis as before",

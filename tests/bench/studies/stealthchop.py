@@ -6,12 +6,11 @@ switch-over speed, and how far the coils' current is off with each pair of ampli
 
 from __future__ import annotations
 
-import asyncio
 import math
 import random
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from app.emulators.drive import Drive
 from app.emulators.tmc5xxx import Tmc5xxxOptions
 from app.studies.record import StudyRecord
 from app.studies.stealthchop.seen import AFTER_S, BEFORE_S
-from tests.bench.collected import KEEPING, at_least, at_most, collected
+from tests.bench.collected import at_least, at_most, collected
 from tests.bench.table import Row
 from tests.plants.choppers import ChopperPlant, drawn
 from tests.studies.harness import START, Studied, studied
@@ -235,23 +234,12 @@ async def _set(s: Studied, what: Set) -> None:
 def measure(quick: bool) -> Sequence[Row]:
     """Two rows; quick: a few plants of each."""
     plants, nulls = (3, 2) if quick else (PLANTS, NULLS)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-
-        async def all_of() -> tuple[list[Judged], list[Judged]]:
-            async def one(seed: int) -> Judged:
-                return await judged(seed, folder / f"p{seed}", best_before=seed >= NULL)
-
-            return (
-                await collected("stealthchop", range(plants), one, KEEPING, 2 / 3),
-                await collected("stealthchop", range(NULL, NULL + nulls), one, KEEPING, 1 / 3),
-            )
-
-        blind, empty = asyncio.run(all_of())
-    return rows(blind, empty)
+    blind = collected("stealthchop", judged, range(plants), share=2 / 3).values()
+    best = partial(judged, best_before=True)
+    return rows(blind, collected("stealthchop at its best", best, range(NULL, NULL + nulls), share=1 / 3).values())
 
 
-def rows(blind: Sequence[Judged], empty: Sequence[Judged]) -> list[Row]:
+def rows(blind: Collection[Judged], empty: Collection[Judged]) -> list[Row]:
     """What came of both kinds of plants."""
     good = [one for one in blind if one.good]
     claimed = [one for one in empty if one.record.improved]

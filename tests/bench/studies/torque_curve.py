@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import random
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +18,7 @@ import numpy as np
 from app.devices.core.capabilities import PositionFromEncoder
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.record import StudyRecord
+from tests.bench.collected import collected
 from tests.bench.table import Row
 from tests.plants.heavy import drawn
 from tests.studies.harness import START, STEP_S, Studied, studied
@@ -173,17 +173,9 @@ async def _aborted(seed: int, folder: Path) -> bool:
 
 def measure(quick: bool) -> Sequence[Row]:
     """Three rows; quick: a few plants of each."""
-    plants, aborts = (2, 3) if quick else (40, 20)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-
-        async def all_of() -> tuple[list[Judged], list[bool]]:
-            return (
-                [await _judged(seed, folder / f"p{seed}") for seed in range(plants)],
-                [await _aborted(2000 + seed, folder / f"a{seed}") for seed in range(aborts)],
-            )
-
-        judged, stops = asyncio.run(all_of())
+    plants, aborts = (2, 3) if quick else (100, 20)
+    judged = collected("torque", _judged, range(plants), share=0.9).values()
+    stops = collected("torque aborts", _aborted, range(2000, 2000 + aborts), share=0.1).values()
     told = [one for one in judged if len(one.truth_nm) >= SPEEDS]
     off = [value for one in told for value in one.off]
     held = [value for one in told for value in one.held]
@@ -199,13 +191,14 @@ def measure(quick: bool) -> Sequence[Row]:
     ]
     return [
         Row(
-            what=f"torque over speed on {plants} blind plants, {len(told)} with {SPEEDS} speeds or more, by a brake",
+            what=f"torque over speed on {len(judged)} blind plants, {len(told)} with {SPEEDS} speeds or more, "
+            "by a brake",
             measured=f"{near} within {100 * WITHIN:g} %; median {100 * np.median(np.abs(off)):.1f} %, "
             f"worst {100 * np.abs(off).max():.1f} %",
             peer=f"{len(off)} speeds",
             ratio=near / len(off),
             required=f">= {HOLDS:g}, every axis as before",
-            ok=near / len(off) >= HOLDS and all(one.as_before for one in judged) and len(told) >= HOLDS * plants,
+            ok=near / len(off) >= HOLDS and all(one.as_before for one in judged) and len(told) >= HOLDS * len(judged),
             notes=tuple(said),
         ),
         Row(
@@ -217,10 +210,10 @@ def measure(quick: bool) -> Sequence[Row]:
             ok=sum(held) / len(held) >= HOLDS,
         ),
         Row(
-            what=f"studies of torque stopped at {aborts} random moments",
+            what=f"studies of torque stopped at {len(stops)} random moments",
             measured=f"{sum(stops)} as before, or told what is left",
-            peer=f"{aborts}",
-            ratio=sum(stops) / aborts,
+            peer=f"{len(stops)}",
+            ratio=sum(stops) / len(stops),
             required="all",
             ok=all(stops),
         ),

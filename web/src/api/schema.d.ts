@@ -7976,6 +7976,11 @@ export interface components {
              */
             pairs?: number;
             /**
+             * Loss Rate Max
+             * @description bound of the share of moves that lose a step, 95 %: after the pairs the new setting moves until so much is shown, 299 times for 0.01; null: what the pairs show
+             */
+            loss_rate_max?: number | null;
+            /**
              * Band Fullsteps
              * @description a move is over when the encoder stays within it of the target [full steps]
              * @default 1
@@ -8044,6 +8049,11 @@ export interface components {
              * @default 10
              */
             pairs: number;
+            /**
+             * Loss Rate Max
+             * @description bound of the share of moves that lose a step, 95 %: after the pairs the new setting moves until so much is shown, 299 times for 0.01; null: what the pairs show
+             */
+            loss_rate_max: number | null;
             /**
              * Band Fullsteps
              * @description a move is over when the encoder stays within it of the target [full steps]

@@ -22,6 +22,7 @@ describe("pages", () => {
       "StallGuard",
       "Rotary",
       "3D",
+      "Tune",
       "Program",
       "Together",
       "Recordings",

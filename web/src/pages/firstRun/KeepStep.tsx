@@ -67,7 +67,7 @@ export function KeepStep({ device, axis, progress, onDone, disabled }: StepProps
 function nextOf(device: StepProps["device"]): [href: string, title: string, what: string][] {
   const pages: [boolean, string, string, string][] = [
     [
-      can(device, "encoder") && !can(device, "parameters"),
+      can(device, "encoder"),
       "/tune",
       "Tune",
       "let studies find a faster ramp, or less current, and prove it",

@@ -43,7 +43,7 @@ export type EncoderLook = "study" | "condition" | "none";
 
 export function encoderLook(device: Pick<Device, "about">): EncoderLook {
   if (!can(device, "encoder")) return "none";
-  // no study sets the ramp of a module
+  // that of a module is built in: nobody has to say how many lines it has
   return can(device, "parameters") ? "condition" : "study";
 }
 

@@ -79,8 +79,24 @@ function ModuleLoad({ device, axis }: Props) {
             }
       }
       accelerationPps2={inPps ? held(AP.acceleration) : null}
-      thresholds={<Thresholds parameters={parameters} disabled={!connected} />}
+      thresholds={
+        <>
+          <ByStudy device={device} />
+          <Thresholds parameters={parameters} disabled={!connected} />
+        </>
+      }
     />
+  );
+}
+
+/** The way to the study that finds the threshold. */
+function ByStudy({ device }: Pick<Props, "device">) {
+  return (
+    can(device, "encoder") && (
+      <Anchor component={Link} href="/tune?kind=stallguard" size="sm">
+        Find the threshold by itself
+      </Anchor>
+    )
   );
 }
 
@@ -121,11 +137,7 @@ function ChipLoad({ device, axis }: Props) {
       accelerationPps2={amax ? (amax * clockHz ** 2) / 2 ** 41 : null}
       thresholds={
         <>
-          {can(device, "encoder") && (
-            <Anchor component={Link} href="/tune?kind=stallguard" size="sm">
-              Find the threshold by itself
-            </Anchor>
-          )}
+          <ByStudy device={device} />
           <ChipThresholds chip={chip} settings={settings} current={current} disabled={!chip.known} />
         </>
       }

@@ -52,6 +52,12 @@ describe("a study on the page", () => {
         twin: null,
       },
     });
+    // 1 % takes 299 moves to show: fifteen minutes, as for other studies, would end before.
+    const bounded = { ...forms.fastest_move, lossPercent: 1 };
+    expect(documentOf("fastest_move", { ...forms, fastest_move: bounded }, "slide", 0)).toMatchObject({
+      budget: { trials: 30, time_s: 14_400 },
+      study: { loss_rate_max: 0.01 },
+    });
     expect(documentOf("first_look", forms, "slide", 0)).toEqual({
       device: "slide",
       axis: 0,

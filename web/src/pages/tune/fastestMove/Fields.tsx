@@ -10,6 +10,15 @@ const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
   { key: "trials", label: "Settings tried at most", min: 1, max: 1000, integer: true },
   {
+    key: "lossPercent",
+    label: "Moves that may lose a step, at most",
+    description: "1 % takes 299 moves to show; empty: what ten pairs show",
+    min: 0.1,
+    max: 20,
+    unit: "%",
+    optional: true,
+  },
+  {
     key: "velocityMaxPps",
     label: "Never faster than",
     description: "empty: the soft limit, else ten times as now",

@@ -6,6 +6,8 @@ export interface FastestMoveForm {
   distance: number;
   marginPercent: number;
   trials: number;
+  /** bound of the share of moves that lose a step; null: what the pairs show */
+  lossPercent: number | null;
   quiet: boolean;
   velocityMaxPps: number | null;
   accelerationMaxPps2: number | null;
@@ -20,17 +22,19 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
     distance: 2 * (microstepsPerTurn ?? 51_200),
     marginPercent: 10,
     trials: 30,
+    lossPercent: null,
     quiet: false,
     velocityMaxPps: null,
     accelerationMaxPps2: null,
     twin: FIRST_TWIN,
   }),
   wish: (form) => ({
-    budget: { trials: form.trials },
+    budget: { trials: form.trials, ...(form.lossPercent !== null && { time_s: 14_400 }) },
     study: {
       kind: "fastest_move",
       distance: Math.round(form.distance),
       margin: form.marginPercent / 100,
+      loss_rate_max: form.lossPercent === null ? null : form.lossPercent / 100,
       quiet: form.quiet,
       velocity_max_pps: form.velocityMaxPps,
       acceleration_max_pps2: form.accelerationMaxPps2,

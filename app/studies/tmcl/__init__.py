@@ -1,0 +1,1 @@
+"""What studies know of TMCL modules alone."""

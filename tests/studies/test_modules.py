@@ -1,0 +1,150 @@
+"""Studies of TMCL modules: their settings are parameters, in the driver's units or in pps, and all go back."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.profiles.capture import read_held
+from app.studies.kinds import KINDS
+from app.studies.store import StudyStore
+from tests.devices.tmcl.harness import bench
+from tests.studies.harness import Studied
+
+MODULES = ("pd42-1241", "tmcm-1161")
+HEAVY = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+LIGHT = {"inertia_kgm2": 2e-5, "friction_nm": 0.02}
+MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
+DRIVER_UNITS = 0
+"""Unit mode (AP 255)."""
+
+
+@asynccontextmanager
+async def studied(folder: Path, model: str = "pd42-1241", **options: object) -> AsyncIterator[Studied]:
+    async with bench(model, **options) as b:
+        yield Studied(b, StudyStore(folder, aside=False))
+
+
+async def words(s: Studied) -> dict[Any, int | None]:
+    """All that is configuration, as it is set now."""
+    return dict((await read_held(s.device)).words)
+
+
+@pytest.mark.parametrize("model", MODULES)
+async def test_a_first_look_finds_the_encoder_of_a_module(tmp_path: Path, model: str) -> None:
+    async with studied(tmp_path, model) as s:
+        before = await words(s)
+        record = await s.finish(s.begin(s.document({"kind": "first_look"})))
+        assert (record.state, record.verdict) == ("done", "all is well"), record.message
+        assert {each.name: each.sure for each in record.findings}["encoder"] == "measured"
+        assert await words(s) == before
+
+
+@pytest.mark.parametrize("model", MODULES)
+async def test_a_faster_ramp_of_a_module_is_found_proved_and_put_back(tmp_path: Path, model: str) -> None:
+    async with studied(tmp_path, model, load=HEAVY) as s:
+        before = await words(s)
+        plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+        assert plan.missing == []
+        record = await s.finish(s.begin(s.document(MOVE, budget={"trials": 8})))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await words(s) == before
+        best = record.trial(record.best)
+        assert best is not None
+        assert record.evidence is not None
+        assert record.evidence.interval_s.high < 0
+        assert "maximum_positioning_speed" in {each.name for each in best.registers}
+        assert best.setting["speed"] > record.baseline_setting["speed"]
+
+
+async def test_a_ramp_counts_in_the_units_of_the_driver_where_the_module_does(tmp_path: Path) -> None:
+    found = []
+    for folder in ("pps", "driver"):
+        async with studied(tmp_path / folder, load=HEAVY) as s:
+            if folder == "driver":
+                for name in ("maximum_positioning_speed", "maximum_acceleration", "maximum_deceleration"):
+                    await s.device.registers.write(name, 0, 50_000)
+                await s.device.registers.write("unit_mode", 0, DRIVER_UNITS)
+            plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+            record = await s.finish(s.begin(s.document(MOVE, budget={"trials": 4})))
+            assert record.state == "done", record.message
+            found.append((plan, record))
+    in_pps, in_units = found
+    one_pps = 16e6 / (1 << 24)
+    assert in_units[1].baseline_setting["speed"] == pytest.approx(in_units[1].baseline[0].value * one_pps), (
+        "a number of the driver is 0.95 pps"
+    )
+    assert in_pps[1].baseline_setting["speed"] == in_pps[1].baseline[0].value
+
+
+async def test_a_stall_threshold_of_a_module_is_one_parameter_that_also_stops_the_motor(tmp_path: Path) -> None:
+    stage = {"left_at_fullsteps": -5000.0, "right_at_fullsteps": 5000.0, "left_end_fullsteps": -300.0}
+    study = {
+        "kind": "stallguard",
+        "within_fullsteps": 500.0,
+        "stop_confirmed": True,
+        "speeds_rps": [1.0],
+        "free_runs": 20,
+        "stops": 20,
+    }
+    async with studied(tmp_path, load=LIGHT, stage=stage) as s:
+        before = await words(s)
+        record = await s.finish(s.begin(s.document(study)))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        best = record.trial(record.best)
+        assert best is not None
+        held = {each.name: each.value for each in best.registers}
+        assert held["stop_on_stall"] == round(best.setting["armed from"]) > 0
+        assert "stop_on_stall was 0: it never stopped the motor" in record.verdict
+        assert await words(s) == before
+
+
+async def test_the_least_current_of_a_module_keeps_two_parameters(tmp_path: Path) -> None:
+    study = {"kind": "least_current", "distance": 25_600, "loss_rate_max": 0.2, "coolstep": False, "speed_margin": 0.0}
+    async with studied(tmp_path, load=LIGHT) as s:
+        before = await words(s)
+        record = await s.finish(s.begin(s.document(study)))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        best = record.trial(record.best)
+        assert best is not None
+        held = {each.name: each.value for each in best.registers}
+        # 255 is the whole current, of which the driver makes 32 steps.
+        assert held["maximum_current"] == 8 * (best.setting["run current scale"] + 1) - 1
+        assert held["standby_current"] <= held["maximum_current"]
+        assert await words(s) == before
+
+
+async def test_a_stop_leaves_a_module_as_before(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        before = await words(s)
+        run = s.begin(s.document(MOVE))
+        await s.clock.advance(6.1)
+        assert run.running
+        await s.device.stop_axes([0])
+        record = await s.finish(run, 20)
+        assert (record.state, record.left) == ("aborted", []), record.message
+        assert await words(s) == before
+
+
+@pytest.mark.parametrize(
+    ("study", "why"),
+    [
+        ({"kind": "identification"}, "no study identifies what hangs on a PD42-1241 yet"),
+        ({"kind": "microstep_calibration"}, "a PD42-1241 has no table of differences"),
+        ({"kind": "closed_loop"}, "no study sets a position loop of a PD42-1241"),
+    ],
+)
+async def test_what_no_study_of_a_module_can_do_is_told(tmp_path: Path, study: dict[str, Any], why: str) -> None:
+    async with studied(tmp_path) as s:
+        plan = await KINDS[study["kind"]].plan(s.device, 0, s.document(study))
+        assert any(why in each for each in plan.missing), plan.missing
+
+
+async def test_a_module_without_an_encoder_is_refused(tmp_path: Path) -> None:
+    async with studied(tmp_path, unknown_parameters=[209]) as s:
+        plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+        assert any("no encoder" in each for each in plan.missing), plan.missing
