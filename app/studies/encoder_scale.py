@@ -19,8 +19,12 @@ class EncoderPlaces:
     decimal: str
 
 
-def microsteps_a_count(device: Device, axis: int, places: EncoderPlaces, held: CapturedConfiguration) -> float | None:
+def microsteps_a_count(
+    device: Device, axis: int, places: EncoderPlaces | None, held: CapturedConfiguration
+) -> float | None:
     """What a count is set to be [microsteps], without its sign; None where nobody knows."""
+    if places is None:
+        return None
     table = device.family.table
     constant, mode = table.find(places.constant, axis), table.find(places.mode, axis)
     if constant is None:

@@ -32,13 +32,17 @@ from .tmc4361.ramp import RAMP as S_RAMP
 from .tmcl.by_hand import BY_HAND as MODULE_BY_HAND
 from .tmcl.coolstep import COOLSTEP as MODULE_COOLSTEP
 from .tmcl.current import CURRENT as MODULE_CURRENT
+from .tmcl.ramp import HOP as MODULE_HOP
 from .tmcl.ramp import RAMP as MODULE_RAMP
 from .tmcl.stall import STALL as MODULE_STALL
 
 T = TypeVar("T")
 
 RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP, "tmcl": MODULE_RAMP}
-IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {"tmc5xxx": IdentificationPlaces(HOP, ENCODER, AMPLITUDE)}
+IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
+    "tmc5xxx": IdentificationPlaces(HOP, ENCODER, AMPLITUDE),
+    "tmcl": IdentificationPlaces(MODULE_HOP),
+}
 CURRENTS: Mapping[str, CurrentPlaces] = {"tmc5xxx": CURRENT, "tmcl": MODULE_CURRENT}
 COOLSTEPS: Mapping[str, CoolPlaces] = {"tmc5xxx": COOLSTEP, "tmcl": MODULE_COOLSTEP}
 CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
@@ -62,7 +66,7 @@ def stalls_of(device: Device) -> Sequence[StallPlaces]:
 
 def identification_of(device: Device) -> IdentificationPlaces:
     """Where it keeps what an identification sets. Raises WrongState for a family whose axes no study identifies."""
-    remedy = "a TMC5xxx with an encoder can be looked at"
+    remedy = "a TMC5xxx or a TMCL module with an encoder can be looked at"
     return _known(IDENTIFICATIONS, device, "no study identifies what hangs on a {} yet", remedy)
 
 

@@ -118,6 +118,20 @@ async def test_the_least_current_of_a_module_keeps_two_parameters(tmp_path: Path
         assert await words(s) == before
 
 
+async def test_what_hangs_on_a_module_is_identified_without_its_encoders_counts(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=LIGHT) as s:
+        before = await words(s)
+        record = await s.finish(s.begin(s.document({"kind": "identification", "hops": 8})))
+        assert (record.state, record.left) == ("done", []), record.message
+        assert record.identified is not None
+        assert record.identified.resonance_hz is not None
+        # By the ripple of slow turns, a study of another kind, it was 152.7 Hz.
+        assert record.identified.resonance_hz.value == pytest.approx(152.7, rel=0.02)
+        told = {each.name: each.sure for each in record.findings}
+        assert (told["damping"], told["encoder counts"]) == ("measured", "cannot be told")
+        assert await words(s) == before
+
+
 async def test_a_stop_leaves_a_module_as_before(tmp_path: Path) -> None:
     async with studied(tmp_path, load=HEAVY) as s:
         before = await words(s)
@@ -133,7 +147,16 @@ async def test_a_stop_leaves_a_module_as_before(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("study", "why"),
     [
-        ({"kind": "identification"}, "no study identifies what hangs on a PD42-1241 yet"),
+        (
+            {
+                "kind": "chopper",
+                "resistance_ohm": 2.3,
+                "inductance_h": 4.4e-3,
+                "run_current_a": 1.0,
+                "supply_v": 24.0,
+            },
+            "no study sets the chopper of a PD42-1241 yet",
+        ),
         ({"kind": "microstep_calibration"}, "a PD42-1241 has no table of differences"),
         ({"kind": "closed_loop"}, "no study sets a position loop of a PD42-1241"),
     ],

@@ -11,9 +11,9 @@ from .coil import AmplitudePlaces
 
 @dataclass(frozen=True, slots=True)
 class IdentificationPlaces:
-    """hop : a ramp that starts and stops at its full speed; amplitude : None where a family has no StealthChop that
-    tunes itself"""
+    """hop : a ramp that starts and stops at its full speed; encoder : None where nothing tells what a count is;
+    amplitude : None where a family has no StealthChop that tunes itself"""
 
     hop: RampRegisters
-    encoder: EncoderPlaces
+    encoder: EncoderPlaces | None = None
     amplitude: AmplitudePlaces | None = None

@@ -1,15 +1,21 @@
-"""The parameters of a TMCL module that make a ramp of one speed and one acceleration (FM-PD42-1241 7.5)."""
+"""The parameters of a TMCL module that make a ramp of one speed and one acceleration, or a hop (FM-PD42-1241 7.5)."""
 
 from __future__ import annotations
 
 from ..ramp_settings import ACCELERATION, SPEED, RampRegisters
 
+_ACCELERATIONS = ("maximum_acceleration", "maximum_deceleration")
+_OFF = {"velocity_v1": 0}
 # Without V1 neither A1 nor D1 have a part in the ramp. Without a SixPoint ramp there is one acceleration for both ways.
 RAMP = RampRegisters(
+    {SPEED: ("maximum_positioning_speed",), ACCELERATION: _ACCELERATIONS}, off=_OFF, brake=_ACCELERATIONS[1:]
+)
+# It starts and stops at full speed.
+HOP = RampRegisters(
     {
-        SPEED: ("maximum_positioning_speed",),
-        ACCELERATION: ("maximum_acceleration", "maximum_deceleration"),
+        SPEED: ("maximum_positioning_speed", "velocity_vstart", "velocity_vstop", "minimum_speed"),
+        ACCELERATION: _ACCELERATIONS,
     },
-    off={"velocity_v1": 0},
-    brake=("maximum_deceleration",),
+    off=_OFF,
+    brake=_ACCELERATIONS[1:],
 )
