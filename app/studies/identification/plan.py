@@ -100,7 +100,7 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
     hop = min(HOP_PPS, ramp.allowed(SPEED))
     if hop < HOP_PPS:
         looked.warnings.append(
-            f"a hop is made at {plain(hop, 4)} pps, as its ramp and the soft limits allow: a fast resonance may not show"
+            f"a hop is made at {plain(hop, 4)} pps, as its ramp and soft limits allow: a fast resonance may not show"
         )
     slow = min(wanted.velocity_rps * turn, hop)
     if limits.acceleration_max_pps2 is not None:
