@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Literal
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Page, ViewportSize, expect
+from playwright.sync_api import Page, Route, ViewportSize, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE
 
@@ -63,3 +64,15 @@ def test_pages_are_reached_by_menu_and_by_keyboard(page: Page) -> None:
 def test_an_unknown_address_leads_to_the_bench(page: Page) -> None:
     page.goto("/no/such/page")
     expect(page).to_have_title("Bench · stepscope")
+
+
+def test_a_page_that_is_still_loading_says_so(page: Page, check_axe: Callable[[Page], None]) -> None:
+    held: list[Route] = []
+    page.route(re.compile(r"/assets/MicrostepsPage-.*\.js"), lambda route: held.append(route))
+    page.goto("/microsteps", wait_until="commit")  # it loads until the page is there
+    expect(page.get_by_role("progressbar", name="Loading the page")).to_be_visible()
+    check_axe(page)
+    for route in held:
+        route.continue_()
+    expect(page.get_by_role("heading", level=1)).to_be_attached()
+    expect(page.get_by_label("Loading the page")).to_have_count(0)

@@ -52,8 +52,8 @@ def test_what_other_sources_have_judged_does_not_count(
     collected("row", one, range(1), keeping=Keeping(tmp_path))
     collected("row", one, range(1), keeping=Keeping(tmp_path))
     assert asked(log) == [0]
-    changed = Path(__file__)  # as if the judge were another now
-    monkeypatch.setattr(kept, "_digest", lambda path: "" if path == changed else kept._digest.__wrapped__(path))
+    changed, digest = Path(__file__), kept._digest  # as if the judge were another now
+    monkeypatch.setattr(kept, "_digest", lambda path: "" if path == changed else digest(path))
     collected("row", one, range(1), keeping=Keeping(tmp_path))
     assert asked(log) == [0]
 

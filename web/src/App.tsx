@@ -1,7 +1,7 @@
-import { Loader } from "@mantine/core";
 import { type ComponentType, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
 import type { PageEntry } from "./families/family";
+import { Loading } from "./lib/Loading";
 import { lazily } from "./lib/later";
 import BenchPage from "./pages/bench/BenchPage";
 import { OtherDevice } from "./shell/OtherDevice";
@@ -39,7 +39,7 @@ export function App() {
       <Suspense
         fallback={
           <div className="row" style={{ height: "60vh", justifyContent: "center" }}>
-            <Loader aria-label="Loading the page" />
+            <Loading label="Loading the page" />
           </div>
         }
       >

@@ -1,7 +1,8 @@
-import { Button, Loader, Stack, Text } from "@mantine/core";
+import { Button, Stack, Text } from "@mantine/core";
 import type { ReactNode } from "react";
 import { Link } from "wouter";
 import { EmptyState } from "./EmptyState";
+import { Loading } from "./Loading";
 import { Page } from "./Page";
 
 interface Props {
@@ -30,7 +31,7 @@ export function Waiting({ page, label = "Looking for devices" }: { page: string;
   return (
     <Page name={page}>
       <Stack align="center" py="xl">
-        <Loader aria-label={label} />
+        <Loading label={label} />
       </Stack>
     </Page>
   );

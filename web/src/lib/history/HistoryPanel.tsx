@@ -1,6 +1,7 @@
-import { Button, Group, Loader, Text, UnstyledButton } from "@mantine/core";
+import { Button, Group, Text, UnstyledButton } from "@mantine/core";
 import { useEffect, useState } from "react";
 import type { Device } from "../../api/queries";
+import { Loading } from "../Loading";
 import { ProblemAlert } from "../ProblemAlert";
 import { dateTimeOf, timeOf } from "../time";
 import { type Aim, beforeChange, changeText, minutesAgo, withoutChange } from "./aim";
@@ -93,7 +94,7 @@ function Changes({ device, look }: { device: Device; look: (aim: Aim) => void })
         ))}
       </Group>
       {error !== null && <ProblemAlert error={error} doing="Reading the history" />}
-      {changes === undefined && error === null && <Loader size="sm" aria-label="Reading the history" />}
+      {changes === undefined && error === null && <Loading size="sm" label="Reading the history" />}
       {changes?.length === 0 && <Text className="hint">Nothing was done to it yet.</Text>}
       <ol className={`${css.changes} list`} data-testid="device-history">
         {changes?.map((change) => {

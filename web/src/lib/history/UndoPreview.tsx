@@ -1,8 +1,9 @@
-import { Alert, Button, Checkbox, Group, Loader, Text } from "@mantine/core";
+import { Alert, Button, Checkbox, Group, Text } from "@mantine/core";
 import { IconCheck } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../format";
+import { Loading } from "../Loading";
 import { ProblemAlert } from "../ProblemAlert";
 import { dateTimeOf } from "../time";
 import type { Aim } from "./aim";
@@ -27,7 +28,7 @@ export function UndoPreview({ aim, onBack }: { aim: Aim; onBack: () => void }) {
     <section className="grid gap-8" aria-label="Preview" data-testid="undo-preview">
       <h3 className="m-0 text-14 bold">{aim.title}</h3>
       {preview.isError && <ProblemAlert error={preview.error} doing="Looking what would be put back" />}
-      {preview.isLoading && <Loader size="sm" aria-label="Looking what would be put back" />}
+      {preview.isLoading && <Loading size="sm" label="Looking what would be put back" />}
       {putBack.isSuccess ? (
         <Done answer={putBack.data} onClose={onBack} />
       ) : (

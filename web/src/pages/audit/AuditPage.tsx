@@ -1,9 +1,10 @@
-import { Button, Group, Loader, Text } from "@mantine/core";
+import { Button, Group, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconHistory } from "@tabler/icons-react";
 import { useEffect, useMemo, useState } from "react";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AuditEntries } from "./AuditEntries";
@@ -32,7 +33,7 @@ export default function AuditPage() {
         {audit.entries === undefined ? (
           audit.error === null && (
             <Group justify="center" py="xl">
-              <Loader aria-label="Reading the audit log" />
+              <Loading label="Reading the audit log" />
             </Group>
           )
         ) : audit.entries.length + audit.news.length === 0 ? (

@@ -1,9 +1,10 @@
-import { Loader, SegmentedControl, Text } from "@mantine/core";
+import { SegmentedControl, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Device } from "../../api/queries";
 import { familyOf } from "../../families/families";
 import { optionsOf } from "../../lib/choices";
 import { fixed } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { later } from "../../lib/later";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { usePhone } from "../../lib/usePhone";
@@ -77,7 +78,7 @@ interface NothingProps {
 }
 
 function Nothing({ pending, connected, registers, need }: NothingProps) {
-  if (pending) return <Loader size="xs" aria-label="Asking for events" />;
+  if (pending) return <Loading size="xs" label="Asking for events" />;
   return (
     <Text size="xs" c="dimmed" pb={6}>
       {connected

@@ -4,7 +4,6 @@ import {
   Code,
   CopyButton,
   Group,
-  Loader,
   NativeSelect,
   Table,
   Text,
@@ -16,6 +15,7 @@ import { type FormEvent, useState } from "react";
 import { type Access, logOut, useAccess } from "../../api/access";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { dateTimeOf } from "../../lib/time";
 import classes from "./health.module.css";
@@ -101,7 +101,7 @@ function Tokens({ open }: { open: boolean }) {
         <ProblemAlert error={tokens.error} doing="Reading the tokens" retry={() => void tokens.refetch()} />
       )}
       {tokens.data === undefined ? (
-        tokens.isPending && <Loader size="sm" mt="sm" aria-label="Reading the tokens" />
+        tokens.isPending && <Loading size="sm" mt="sm" label="Reading the tokens" />
       ) : tokens.data.length === 0 ? (
         <EmptyState title="No named tokens" icon={<IconKey size={22} />}>
           <Text size="sm">Each gives one person a role, and a name in the lease and the audit log.</Text>

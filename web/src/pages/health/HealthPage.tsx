@@ -1,6 +1,7 @@
-import { Alert, Group, List, Loader } from "@mantine/core";
+import { Alert, Group, List } from "@mantine/core";
 import { IconDatabaseExclamation } from "@tabler/icons-react";
 import { Card } from "../../lib/Card";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AccessSection } from "./AccessSection";
@@ -19,7 +20,7 @@ export default function HealthPage() {
       {data === undefined ? (
         !isError && (
           <Group justify="center" py="xl">
-            <Loader aria-label="Reading the health" />
+            <Loading label="Reading the health" />
           </Group>
         )
       ) : (

@@ -1,6 +1,7 @@
-import { Loader, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import type { UseQueryResult } from "@tanstack/react-query";
 import { fixed } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import classes from "./module.module.css";
 import { type MotionEnd, REASONS } from "./useStops";
@@ -17,7 +18,7 @@ function clock(unixS: number): string {
 export function StopsList({ stops }: { stops: UseQueryResult<MotionEnd[]> }) {
   if (stops.error)
     return <ProblemAlert error={stops.error} doing="Asking for the stops" retry={() => stops.refetch()} />;
-  if (stops.isPending) return stops.fetchStatus === "idle" ? <Nothing /> : <Loader size="xs" aria-label="Asking" />;
+  if (stops.isPending) return stops.fetchStatus === "idle" ? <Nothing /> : <Loading size="xs" label="Asking" />;
   if (stops.data.length === 0) return <Nothing />;
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a list that scrolls has to be reached with the keys

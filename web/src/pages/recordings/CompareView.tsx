@@ -1,4 +1,4 @@
-import { Group, Loader, SegmentedControl, Text } from "@mantine/core";
+import { Group, SegmentedControl, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff } from "@tabler/icons-react";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
@@ -10,6 +10,7 @@ import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { EmptyState } from "../../lib/EmptyState";
 import { compact, fixed } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
@@ -98,7 +99,7 @@ export function CompareView() {
         <ProblemAlert error={query.error} doing="Comparing" retry={() => void query.refetch()} />
         {data === undefined && query.error === null && (
           <Group justify="center" py="xl">
-            <Loader aria-label="Comparing" />
+            <Loading label="Comparing" />
           </Group>
         )}
         {data?.notes.map((note) => (

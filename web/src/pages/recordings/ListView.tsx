@@ -1,4 +1,4 @@
-import { Button, Checkbox, Drawer, Group, Loader, Progress, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { Button, Checkbox, Drawer, Group, Progress, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue, useDisclosure } from "@mantine/hooks";
 import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconReportAnalytics, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
@@ -7,6 +7,7 @@ import { Ago } from "../../lib/Ago";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed, sizeText } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
@@ -101,7 +102,7 @@ export function ListView() {
           <ProblemAlert error={list.error} doing="Reading the list" retry={() => void list.refetch()} />
         ) : list.data === undefined ? (
           <Group justify="center" py="xl">
-            <Loader aria-label="Reading the list" />
+            <Loading label="Reading the list" />
           </Group>
         ) : sorted.length === 0 && list.data.unread === 0 ? (
           <EmptyState

@@ -1,10 +1,11 @@
-import { Button, Group, Loader, Select, Text } from "@mantine/core";
+import { Button, Group, Select, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { api } from "../../api/client";
 import { putIntoAddress, useAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import type { RecordingDetail } from "./api";
 import { ComparePlots, Differences } from "./CompareView";
@@ -98,7 +99,7 @@ export function PredictionSection({ detail, window, onWindow }: Props) {
       <ProblemAlert error={on ? query.error : null} doing="Predicting" />
       {on && data === undefined && query.error === null && (
         <Group justify="center" py="md">
-          <Loader size="sm" aria-label="Working the prediction out" />
+          <Loading size="sm" label="Working the prediction out" />
         </Group>
       )}
       {on && data && (

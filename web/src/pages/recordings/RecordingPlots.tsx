@@ -1,7 +1,8 @@
-import { Center, Loader } from "@mantine/core";
+import { Center } from "@mantine/core";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { recordingCursor } from "../../lib/cursor";
 import { fixed } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { usePhone } from "../../lib/usePhone";
 import { useScheme } from "../../lib/useScheme";
@@ -141,7 +142,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
   if (loaded === null)
     return (
       <Center mih={260}>
-        <Loader aria-label="Reading the recording" />
+        <Loading label="Reading the recording" />
       </Center>
     );
   if (loaded.x.length === 0)

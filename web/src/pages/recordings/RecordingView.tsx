@@ -1,4 +1,4 @@
-import { Box, Button, Group, Loader, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { Box, Button, Group, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
 import { useCallback, useState } from "react";
@@ -6,6 +6,7 @@ import { Link, useLocation } from "wouter";
 import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { duration, fixed, sizeText } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { later } from "../../lib/later";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -45,7 +46,7 @@ export function RecordingView({ id }: { id: string }) {
       </Page>
     ) : (
       <Group justify="center" py="xl">
-        <Loader aria-label="Reading the recording" />
+        <Loading label="Reading the recording" />
       </Group>
     );
   return <Loaded detail={recording.data} />;

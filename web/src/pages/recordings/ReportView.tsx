@@ -1,10 +1,11 @@
-import { Group, Loader, Text } from "@mantine/core";
+import { Group, Text } from "@mantine/core";
 import { IconReportAnalytics } from "@tabler/icons-react";
 import { useState } from "react";
 import { Link, useSearch } from "wouter";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { duration } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type RecordingDetail, titleOf, useRecording, useRecordings } from "./api";
@@ -99,7 +100,7 @@ function ignored() {
 function Waits({ what }: { what: string }) {
   return (
     <Group justify="center" py="xl">
-      <Loader aria-label={what} />
+      <Loading label={what} />
     </Group>
   );
 }

@@ -1,10 +1,11 @@
-import { Button, Checkbox, Group, Loader, Select, Text } from "@mantine/core";
+import { Button, Checkbox, Group, Select, Text } from "@mantine/core";
 import { useQueries } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { compact, frequency } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
@@ -136,7 +137,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
       <ProblemAlert error={problem} doing="Spectrum" />
       {on && first === undefined && problem === null && (
         <Group justify="center" py="md">
-          <Loader size="sm" aria-label="Working the spectrum out" />
+          <Loading size="sm" label="Working the spectrum out" />
         </Group>
       )}
       {on && first && data && (

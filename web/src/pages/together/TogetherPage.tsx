@@ -1,6 +1,7 @@
-import { Loader, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { useDevices } from "../../api/queries";
 import { Card } from "../../lib/Card";
+import { Loading } from "../../lib/Loading";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StartCard } from "./StartCard";
@@ -19,7 +20,7 @@ export default function TogetherPage() {
           {devices.isError ? (
             <ProblemAlert error={devices.error} doing="Reading the devices" retry={() => void devices.refetch()} />
           ) : (
-            <Loader size="sm" aria-label="Loading the devices" />
+            <Loading size="sm" label="Loading the devices" />
           )}
         </Card>
       </Page>

@@ -1,4 +1,4 @@
-import { Button, Loader, Text } from "@mantine/core";
+import { Button, Text } from "@mantine/core";
 import { IconCube } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
@@ -6,6 +6,7 @@ import { api } from "../../api/client";
 import { Card } from "../../lib/Card";
 import { recordingCursor } from "../../lib/cursor";
 import { fixed } from "../../lib/format";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
 import { NoWebGl } from "./NoWebGl";
@@ -78,7 +79,7 @@ function Scrubbed({ recording }: { recording: string }) {
     <>
       <ProblemAlert error={failed} doing="The 3D view" retry={() => setAttempt(attempt + 1)} />
       {!hasWebGl() && <NoWebGl />}
-      {!ours && failed === null && <Loader size="sm" aria-label="Starting the 3D view" />}
+      {!ours && failed === null && <Loading size="sm" label="Starting the 3D view" />}
       {ours && (
         <div className={`${classes.scrubbed} columns until-62 gap-12`}>
           {hasWebGl() && <TwinFrame state={state} label="3D view of the recording, at the cursor of its plot" />}

@@ -1,6 +1,7 @@
-import { Loader, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { useMemo, useRef, useState } from "react";
 import { Card } from "../../lib/Card";
+import { Loading } from "../../lib/Loading";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AuditEntries } from "../../pages/audit/AuditEntries";
 import { useAudit } from "../../pages/audit/useAudit";
@@ -27,7 +28,7 @@ export function LogPanel({ device }: DeviceProps) {
         aria-label={`Log of ${device.name}`}
       >
         {audit.entries === undefined ? (
-          audit.error === null && <Loader aria-label="Reading the log" />
+          audit.error === null && <Loading label="Reading the log" />
         ) : audit.entries.length + audit.news.length === 0 ? (
           <Text size="sm" className="dim">
             Nothing was done to {device.name} yet.

@@ -1,10 +1,11 @@
-import { Loader, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { useMemo, useState } from "react";
 import { api, type Schemas } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { duration, fixed } from "../../../lib/format";
+import { Loading } from "../../../lib/Loading";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
@@ -101,7 +102,7 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
         </Text>
       )}
       {shown === null || result === undefined ? (
-        error === null && <Loader size="xs" aria-label="Reckoning the current" />
+        error === null && <Loading size="xs" label="Reckoning the current" />
       ) : (
         <div className="fades" data-stale={stale} data-testid="drive-current">
           <Plot

@@ -1,8 +1,9 @@
-import { Button, Checkbox, Loader, Select, Text } from "@mantine/core";
+import { Button, Checkbox, Select, Text } from "@mantine/core";
 import { useState } from "react";
 import { api } from "../../../api/client";
 import { Card } from "../../../lib/Card";
 import { compact, duration, fixed } from "../../../lib/format";
+import { Loading } from "../../../lib/Loading";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
@@ -157,7 +158,7 @@ export function SequenceSection({ chip, clockHz, disabled }: Props) {
             {result ? (
               <Preview result={result} stale={stale} />
             ) : (
-              error === null && <Loader size="xs" aria-label="Foreseeing the sequence" />
+              error === null && <Loading size="xs" label="Foreseeing the sequence" />
             )}
             <Text className="hint">
               {entered.trigger === "target"
