@@ -8,6 +8,7 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..errors import OutOfRange
 from .procedure import POLL_S, Ended, Failed, Procedure
+from .standing import Standing
 
 DWELL_MAX_S = 60.0
 LOOK_S = 0.25
@@ -57,7 +58,7 @@ class Shuttle(Procedure):
     async def _go(self, target: int) -> None:
         started = await self.device.motion.move(self.axis, target)
         there_s = started.started_at_s + (started.predicted_duration_s or 0.0)
-        pause_s = POLL_S
+        pause_s, standing = POLL_S, Standing()
         while True:
             device_s, server_s = self.device.device_time_s(), self.clock.now()
             await self.clock.sleep(pause_s)
@@ -68,7 +69,7 @@ class Shuttle(Procedure):
             state = await self.device.monitor.axis_state(self.axis)
             if state.position_reached and not state.moving:
                 return
-            if not state.moving:
+            if standing.seen(state):
                 raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or v_max or a_max is 0")
 
     def _over(self, how: Ended) -> None:

@@ -12,6 +12,7 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..procedures.procedure import POLL_S, Failed
+from ..procedures.standing import Standing
 from ..telemetry.sampling import FloatArray
 from .sampled import sampling
 
@@ -161,6 +162,7 @@ class MeasuredMoves:
         began_s = device.device_time_s()
         usual_s = 60.0 if predicted_s is None else predicted_s
         longest_s, pause_s = usual_s * LONGEST + 2.0, POLL_S
+        standing = Standing()
         while True:
             device_s, server_s = device.device_time_s(), clock.now()
             await clock.sleep(pause_s)
@@ -172,7 +174,7 @@ class MeasuredMoves:
             state = await self.state()
             if state.position_reached and not state.moving and state.position == target:
                 return
-            if not state.moving and device.device_time_s() - began_s > POLL_S:
+            if standing.seen(state) and device.device_time_s() - began_s > POLL_S:
                 raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
             if device.device_time_s() - began_s > longest_s:
                 raise Failed(f"the motor has not arrived at {target} after {longest_s:.3g} s")

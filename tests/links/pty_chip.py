@@ -45,6 +45,10 @@ class PtyChip(PtyModule):
             return b""
         return form.reply(register, self.words.get((form.node, register), word_of(register, form.node)))
 
+    def refusal(self, frame: bytes) -> bytes:
+        """Chips have none: they keep silent."""
+        return b""
+
     def asked(self) -> list[bytes]:
         """The datagrams seen, without those that only keep the line in step or count writes."""
         return [frame for frame in self.seen if self.form(frame).register_of(frame) not in FENCES]

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from app.links.serial_line import LinePort, serial_port
-from app.links.tmcl import Reply, Request
+from app.links.tmcl import Reply, Request, sound
 from app.links.tmcl_session import FENCES
-from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.commands import Opcode, Status
 
 VERSION = 1241 << 16 | 0x012C
 Behaviour = Callable[["PtyModule", bytes], bytes]
@@ -136,6 +136,10 @@ class PtyModule:
         del received
         return 9
 
+    def refusal(self, frame: bytes) -> bytes:
+        """What it says to a frame that came damaged, or cut in two, as modules do; b"" to any other."""
+        return b"" if sound(frame) else Reply(2, self.addresses[0], Status.WRONG_CHECKSUM, frame[1]).encode()
+
     def say(self, data: bytes) -> None:
         """Send bytes now, asked or not."""
         with self._lock:
@@ -155,7 +159,7 @@ class PtyModule:
             while (size := self.size_of(received)) and len(received) >= size:
                 frame, received = received[:size], received[size:]
                 self.seen.append(frame)
-                reply = self.behave(self, frame)
+                reply = self.refusal(frame) or self.behave(self, frame)
                 if reply:
                     self.say(reply)
 

@@ -18,7 +18,7 @@ from app.links.queue import LinkQueue
 from app.links.serial_line import LinePort
 from app.links.tmcl import Reply, Request, version_string
 from app.links.tmcl_session import FENCES
-from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.commands import Opcode, Status
 from tests.links.pty_module import (
     LONG_S,
     PtyModule,
@@ -387,6 +387,22 @@ def corrupt(chance: random.Random, reply: bytes, old: list[bytes]) -> bytes:
         old.append(reply)  # too late: it comes before another one's
         return b""
     return reply
+
+
+async def test_noise_that_looks_like_a_wrong_checksum_does_not_keep_a_module_out_of_step() -> None:
+    """Filling up is for a module that holds half a frame; one that holds none is left with the padding."""
+    async with line() as (module, port):
+        module.behave = silent
+        with pytest.raises(LinkTimeout):
+            await value(port, 1, SHORT_S)
+        module.behave = lambda module, frame: answer(frame, Status.WRONG_CHECKSUM)
+        with pytest.raises(LinkTimeout, match="was not sent"):
+            await value(port, 1)
+        module.behave = right
+        for _ in range(2):
+            with contextlib.suppress(LinkTimeout):
+                assert await value(port, 1, 1.0) == value_of(1)
+        assert await value(port, 2) == value_of(2)
 
 
 async def test_a_thousand_corrupt_answers() -> None:

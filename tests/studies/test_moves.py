@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any
+
 import numpy as np
 import pytest
 
+from app.links.tmcl import Reply, Request
 from app.procedures.procedure import Failed
-from app.studies.moves import Sampled, figures_of
+from app.registers.tmcl.commands import Opcode, Status
+from app.studies.moves import MeasuredMoves, Sampled, figures_of
+from tests.devices.tmcl.harness import Bench, bench
 
 
 def test_a_move_of_which_hardly_a_sample_came_has_no_figures_and_says_so() -> None:
@@ -15,3 +22,55 @@ def test_a_move_of_which_hardly_a_sample_came_has_no_figures_and_says_so() -> No
     found = Sampled(0.0, times, rows, rows, 0, 0.0, np.empty((2, 0)))
     with pytest.raises(Failed, match="hardly a sample came"):
         figures_of(found, 1000, 0.0, 256, 64.0)
+
+
+TARGET_POSITION, SPEED, REACHED = 0, 3, 8
+"""Axis parameters. A look at the axis asks for them in this order, but the speed before the target."""
+TARGET = 12_800
+UNDER_WAY_S = 0.3
+
+
+def show_one_rest(b: Bench) -> None:
+    """Let the module look at rest once under way: as where the last step is done behind the answer of the position."""
+    latest, shown = -1, False
+
+    def spoil(request: Request, reply: bytes) -> bytes:
+        nonlocal latest, shown
+        if request.opcode != Opcode.GAP or b.clock.now() < UNDER_WAY_S or shown:
+            return reply
+        shown = request.type == REACHED and latest == TARGET_POSITION
+        latest = request.type if request.type == TARGET_POSITION or latest != TARGET_POSITION else latest
+        at_rest = {SPEED: 0, REACHED: 1}.get(request.type)
+        return reply if at_rest is None else Reply(2, request.address, Status.OK, Opcode.GAP, at_rest).encode()
+
+    b.tap.spoil = spoil
+
+
+async def passing(b: Bench, work: Coroutine[Any, Any, None], meanwhile: Callable[[], Awaitable[object]]) -> None:
+    """Let time pass until `work` is done; once under way, do `meanwhile`."""
+    task, done = asyncio.create_task(work), False
+    while not task.done():
+        await b.clock.advance(0.05)
+        if not done and b.clock.now() > UNDER_WAY_S:
+            done = True
+            await meanwhile()
+    await task
+
+
+async def nothing() -> None:
+    """Do so."""
+
+
+async def test_one_look_that_shows_rest_under_way_is_not_believed() -> None:
+    async with bench() as b:
+        moves = MeasuredMoves(b.device, 0, b.clock, 256, 1.0)
+        show_one_rest(b)
+        await passing(b, moves.go(TARGET), nothing)
+        assert (await moves.state()).position == TARGET
+
+
+async def test_a_motor_that_was_stopped_is_told_to_stand_elsewhere() -> None:
+    async with bench() as b:
+        moves = MeasuredMoves(b.device, 0, b.clock, 256, 1.0)
+        with pytest.raises(Failed, match=f"not {TARGET}"):
+            await passing(b, moves.go(TARGET), lambda: b.device.stop(0))

@@ -12,6 +12,7 @@ from ...devices.core.capabilities import PositionFromEncoder
 from ...devices.core.device import Device
 from ...devices.core.results import AxisState
 from ...procedures.procedure import POLL_S, Failed
+from ...procedures.standing import Standing
 from ...telemetry.sampling import FloatArray
 from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS, deviation_of
 from ..sampled import sampling
@@ -152,14 +153,15 @@ class StallRuns:
         began_s = device.device_time_s()
         usual_s = 60.0 if started.predicted_duration_s is None else started.predicted_duration_s
         longest_s, pause_s = usual_s * LONGEST + 2.0, POLL_S
-        begin = state.position
+        begin, standing = state.position, Standing()
         while True:
             await clock.sleep(pause_s)
             take()
             left_s = began_s + usual_s - device.device_time_s()
             pause_s = min(max(left_s / 2, POLL_S), LOOK_S)
             state = await self._state()
-            if not state.moving and (state.position == target or device.device_time_s() - began_s > 2 * POLL_S):
+            stands = standing.seen(state) and device.device_time_s() - began_s > 2 * POLL_S
+            if stands or (state.position == target and not state.moving):
                 self.way_fullsteps += abs(state.position - begin) / self._full_step
                 return state
             if device.device_time_s() - began_s > longest_s:
