@@ -32,6 +32,11 @@ def estimate(found: Fitted, scale: float = 1.0) -> Estimate:
     return Estimate(value=told.value, interval=Interval(low=told.value - told.half, high=told.value + told.half))
 
 
+def fitted(told: Estimate) -> Fitted:
+    """The other way: a figure as it is calculated with."""
+    return Fitted(told.value, (told.interval.high - told.interval.low) / 2)
+
+
 def ringing(rings: RingDown) -> Ringing:
     """The ring that was fitted and is shown."""
     return Ringing(

@@ -9,9 +9,11 @@ from typing import Any
 
 import pytest
 
+from app.calc.motors.ring_down import Fitted
+from app.studies.document import Identification
 from app.studies.fitted import Estimate
 from app.studies.identification.found import Identified
-from app.studies.identification.measured import findings
+from app.studies.identification.measured import findings, torque_of
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
 from tests.devices.tmc4361.harness import START as START_4361
@@ -71,6 +73,42 @@ async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path
         assert record.runs <= plan.moves_max
         assert record.way_fullsteps == pytest.approx(plan.way_fullsteps, rel=0.2)
         assert "A ring after a hop" in html_of(record)
+
+
+async def test_the_back_emf_tells_the_holding_torque_of_a_motor_whose_sheet_nobody_has(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        record = await s.finish(s.begin(s.document({**STUDY, **COIL, "hold_torque_nm": None})))
+        told = record.identified
+        assert told is not None
+        assert near(told.torque_nm, TORQUE, 0.2 * TORQUE)
+        assert near(told.inertia_kgm2, INERTIA, 0.2 * INERTIA)
+        assert told.inertia_kgm2 is not None
+        assert told.inertia_kgm2.interval.low < INERTIA < told.inertia_kgm2.interval.high
+
+
+WANTED = Identification(hold_torque_nm=0.45, run_current_a=1.5)
+
+
+def test_a_holding_torque_as_told_and_the_same_by_the_back_emf_are_surer_together() -> None:
+    torque, why = torque_of(WANTED, Fitted(BACK_EMF * 0.9, BACK_EMF * 0.2))
+    assert torque is not None
+    assert why == ""
+    assert 0.405 < torque.value < 0.45
+    assert torque.half < 0.045
+    alone, _ = torque_of(WANTED, None)
+    assert alone is not None
+    assert alone.half == pytest.approx(0.1 * alone.value)
+    exact = WANTED.model_copy(update={"torque_tolerance": 0.0})
+    assert torque_of(exact, Fitted(BACK_EMF, 0.1)) == (Fitted(0.45, 0.0), "")
+
+
+def test_a_holding_torque_that_cannot_be_this_motors_is_named_and_nothing_is_claimed_beyond_both() -> None:
+    measured = Fitted(3 * BACK_EMF, 0.2 * BACK_EMF)
+    torque, why = torque_of(WANTED, measured)
+    assert torque is not None
+    assert "0.45 N m was told, and the back-EMF says 1.35 N m" in why
+    assert torque.value - torque.half == pytest.approx(0.405)
+    assert torque.value + torque.half == pytest.approx(1.35 + 0.09)
 
 
 def test_what_cannot_be_told_is_named() -> None:

@@ -22,6 +22,9 @@ class Identified(Part):
     hold_torque_nm: float | None = Field(
         default=None, description="holding torque with the run current, as it was told [N m]"
     )
+    torque_nm: Estimate | None = Field(
+        default=None, description="the same by what was told and by the back-EMF, each with the weight of its interval"
+    )
     resonance_hz: Estimate | None = Field(default=None, description="of small swings around the field, without detent")
     damping_ratio: Estimate | None = Field(default=None, description="viscous friction over the critical one")
     friction_share: Estimate | None = Field(default=None, description="Coulomb friction, motor and load")
@@ -29,7 +32,7 @@ class Identified(Part):
     inertia_per_torque_s2: Estimate | None = Field(
         default=None, description="inertia of rotor and load over holding torque [kg m2 / (N m)]"
     )
-    inertia_kgm2: Estimate | None = Field(default=None, description="of rotor and load; needs hold_torque_nm")
+    inertia_kgm2: Estimate | None = Field(default=None, description="of rotor and load; needs torque_nm")
     viscous_nms: Estimate | None = None
     friction_nm: Estimate | None = None
     detent_torque_nm: Estimate | None = None

@@ -19,7 +19,7 @@ from ..ringing import HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
 from .coil import ENOUGH, MOST, AmplitudeRuns, Amplitudes, CoilFound, coil_of, load_sine_of
 from .found import Identified
-from .measured import Measured, findings, identified
+from .measured import Measured, findings, identified, in_torques, torque_of
 from .plan import AmplitudeGround, Ground, hop_targets, look
 
 TURNS_WITH = 0.02
@@ -62,8 +62,11 @@ class IdentificationStudy(StudyRun):
             told_of.resistance_ohm = estimate(coil.resistance)
         if coil.back_emf is not None:
             told_of.back_emf_v_s_rad = estimate(coil.back_emf)
+        torque, why = torque_of(self.wanted, coil.back_emf)
+        if torque is not None:
+            in_torques(told_of, torque)
         record.identified = told_of
-        record.findings = findings(told_of, [*found.why, *coil.why])
+        record.findings = findings(told_of, [*found.why, *coil.why, *([why] if why else [])])
         told = sum(one.sure == "measured" for one in record.findings)
         record.verdict = f"{told} figures of motor and machine, {len(record.findings) - told} that cannot be told"
         record.next = "a twin with these figures: fastest move tries on it first"

@@ -8932,6 +8932,8 @@ export interface components {
              * @description holding torque with the run current, as it was told [N m]
              */
             hold_torque_nm: number | null;
+            /** @description the same by what was told and by the back-EMF, each with the weight of its interval */
+            torque_nm: components["schemas"]["Estimate"] | null;
             /** @description of small swings around the field, without detent */
             resonance_hz: components["schemas"]["Estimate"] | null;
             /** @description viscous friction over the critical one */
@@ -8942,7 +8944,7 @@ export interface components {
             detent_share: components["schemas"]["Estimate"] | null;
             /** @description inertia of rotor and load over holding torque [kg m2 / (N m)] */
             inertia_per_torque_s2: components["schemas"]["Estimate"] | null;
-            /** @description of rotor and load; needs hold_torque_nm */
+            /** @description of rotor and load; needs torque_nm */
             inertia_kgm2: components["schemas"]["Estimate"] | null;
             viscous_nms: components["schemas"]["Estimate"] | null;
             friction_nm: components["schemas"]["Estimate"] | null;
@@ -11196,6 +11198,12 @@ export interface components {
              * @default 2
              */
             can_send_id?: number;
+            /**
+             * Ripple
+             * @description SpreadCycle bends the coils' currents by its blank time, slow decay and hysteresis, as real ones do
+             * @default false
+             */
+            ripple?: boolean;
             /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /** Encoders */

@@ -83,10 +83,12 @@ describe("a study on the page", () => {
     const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0 };
     expect(known && twinOf(known)).toEqual({ motor: figures });
     expect(known && twinOf({ ...known, on: false })).toBeNull();
-    const found = { inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
+    const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };
+    const found = { ...torque, inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
     const twin = known && asIdentified(known, found as unknown as Identified, "today");
     expect(twin?.motor).toMatchObject({
       ...figures,
+      holding_torque_nm: expect.closeTo(0.59 * 1.2),
       rotor_inertia_kgm2: 3e-5,
       load_friction_nm: 0.02,
       counts_per_turn: 4000,

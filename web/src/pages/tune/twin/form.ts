@@ -54,9 +54,14 @@ export function asIdentified(form: TwinForm, found: Identified, when: string): T
   if (found.inertia_kgm2 === null) return null;
   const friction = found.friction_nm === null ? {} : { load_friction_nm: found.friction_nm.value };
   const lines = found.encoder_lines === null ? {} : { counts_per_turn: 4 * found.encoder_lines };
+  // That of the plate is with the rated current, and that of the study with the run current: as many times as told.
+  const torque =
+    found.torque_nm === null || found.hold_torque_nm === null
+      ? {}
+      : { holding_torque_nm: (form.motor.holding_torque_nm * found.torque_nm.value) / found.hold_torque_nm };
   return {
     ...form,
     identified: when,
-    motor: { ...form.motor, ...friction, ...lines, rotor_inertia_kgm2: found.inertia_kgm2.value, load_inertia_kgm2: 0 },
+    motor: { ...form.motor, ...torque, ...friction, ...lines, rotor_inertia_kgm2: found.inertia_kgm2.value, load_inertia_kgm2: 0 },
   };
 }
