@@ -30,6 +30,7 @@ from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
 from .tmcl.by_hand import BY_HAND as MODULE_BY_HAND
+from .tmcl.chopper import CHOPPER as MODULE_CHOPPER
 from .tmcl.coolstep import COOLSTEP as MODULE_COOLSTEP
 from .tmcl.current import CURRENT as MODULE_CURRENT
 from .tmcl.ramp import HOP as MODULE_HOP
@@ -45,7 +46,7 @@ IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
 }
 CURRENTS: Mapping[str, CurrentPlaces] = {"tmc5xxx": CURRENT, "tmcl": MODULE_CURRENT}
 COOLSTEPS: Mapping[str, CoolPlaces] = {"tmc5xxx": COOLSTEP, "tmcl": MODULE_COOLSTEP}
-CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER}
+CHOPPERS: Mapping[str, ChopperPlaces] = {"tmc5xxx": CHOPPER, "tmcl": MODULE_CHOPPER}
 STEALTHCHOPS: Mapping[str, StealthPlaces] = {"tmc5xxx": STEALTHCHOP}
 LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}

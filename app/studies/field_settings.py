@@ -58,6 +58,8 @@ class FieldSpace:
         self._words = {key: word_before(device, row, held) for key, row in self._rows.items()}
         self.before = self._told(self._words)
 
+        self._range_of = device.configuration.range_of
+
     def __contains__(self, place: Place) -> bool:
         """Whether the chip has it."""
         return place in self._at
@@ -67,6 +69,11 @@ class FieldSpace:
         row, field = self._at[place]
         word = self._words[key_of(row)]
         return row.decode(word) if field is None else field.unpack(word)
+
+    def greatest(self, place: Place) -> int:
+        """The greatest number that it takes. Raises KeyError where the chip has it not."""
+        row, field = self._at[place]
+        return self._range_of(row)[1] if field is None else (1 << field.width) - 1
 
     def registers(self, values: Mapping[Place, int]) -> list[Held]:
         """What to write for these values: fields beside them stay, and what the chip has not is left out."""

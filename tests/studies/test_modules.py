@@ -171,3 +171,50 @@ async def test_a_module_without_an_encoder_is_refused(tmp_path: Path) -> None:
     async with studied(tmp_path, unknown_parameters=[209]) as s:
         plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
         assert any("no encoder" in each for each in plan.missing), plan.missing
+
+
+COIL: dict[str, Any] = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.485, "supply_v": 36.0}
+RIPPLING: dict[str, Any] = {
+    "motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005},
+    "ripple": True,
+    "supply_v": 36.0,
+    "encoders": {"internal_counts": 40_000},
+}
+"""A motor whose chopper bends its currents, and an encoder that shows it: the usual one, of 1,024 counts, does not."""
+
+
+def split_of(hysteresis: int, least: int) -> tuple[int, int]:
+    """Start, which counts from 1 to 8, and end, whose `least` number means -3."""
+    start = min(8, hysteresis + 3)
+    return start, hysteresis - start + 3 + least
+
+
+@pytest.mark.parametrize("model", MODULES)
+async def test_a_calmer_chopper_of_a_module_is_found_and_put_back(tmp_path: Path, model: str) -> None:
+    async with studied(tmp_path, model, **RIPPLING) as s:
+        row = s.device.family.table.find("chopper_hysteresis_end", 0)
+        assert row is not None
+        least = row[0].minimum
+        for name, value in (("chopper_hysteresis_start", 1), ("chopper_hysteresis_end", least)):
+            await s.device.registers.write(name, 0, value)
+        before = await words(s)
+        study = {"kind": "chopper", **COIL, "speeds_rps": [0.5, 1.0]}
+        plan = await KINDS["chopper"].plan(s.device, 0, s.document(study))
+        assert plan.missing == []
+        assert any("how fine its encoder is" in each for each in plan.warnings)
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 4})))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        found = record.chopper
+        assert found is not None
+        assert found.before is not None
+        assert found.calculated is not None
+        assert found.before.hysteresis == -2
+        assert found.calculated.hysteresis >= 4
+        best = record.trial(record.best)
+        assert best is not None
+        assert found.chosen is not None
+        start, end = (
+            each.value for each in best.registers if each.name in ("chopper_hysteresis_start", "chopper_hysteresis_end")
+        )
+        assert {start, end} == {*split_of(found.chosen.hysteresis, least)}
+        assert await words(s) == before

@@ -40,6 +40,9 @@ class TmclOptions(MotorDocument):
     can_send_id: Annotated[int, Field(strict=True, ge=0, le=2047)] = rest_only(
         2, "CAN identifier of its answers at delivery (global parameter 70)"
     )
+    ripple: Flag = rest_only(
+        False, "SpreadCycle bends the coils' currents by its blank time, slow decay and hysteresis, as real ones do"
+    )
     stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
     encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
@@ -68,6 +71,7 @@ class TmclOptions(MotorDocument):
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
             rigid=self.rigid,
+            ripple=self.ripple,
         )
 
 

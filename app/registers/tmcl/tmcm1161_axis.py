@@ -30,6 +30,7 @@ _units = Parameters("units", f"{SOURCE}; TMC429 9.9")
 _ramp = Parameters("ramp", SOURCE)
 _current = Parameters("current", SOURCE)
 _switches = Parameters("switches", SOURCE)
+WITH_RIPPLE = "the emulated chopper acts on it with the option `ripple` of the emulated module alone"
 _chopper = Parameters("chopper", SOURCE)
 _coolstep = Parameters("coolstep", SOURCE)
 _encoder = Parameters("encoder", "FM-TMCM-1161 6.2")
@@ -104,7 +105,7 @@ def _rows() -> Iterator[Register]:
     yield _as_there(140, reset=8, source="FM-TMCM-1161 6.2")
     # --- chopper ----------------------------------------------------------------------------------
     yield _as_there(160)
-    yield _as_there(162, behaviour=NO_RIPPLE)
+    yield _as_there(162, behaviour=WITH_RIPPLE)
     yield _as_there(163)
     yield _chopper(
         164,

@@ -114,7 +114,13 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
     if limits.beyond(state.position + longest):
         say(f"it would turn to {state.position + longest}, and the soft limits end before: begin elsewhere")
     looked.warnings += [*room_told(limits), *chopper.unfit]
-    a_count = microsteps_a_count(device, axis, identification_of(device).encoder, found.held) or full_step / 100
+    a_count = microsteps_a_count(device, axis, identification_of(device).encoder, found.held)
+    if a_count is None:
+        looked.warnings.append(
+            "how fine its encoder is is not known: one of less than some 10,000 counts a turn shows no chopper, and "
+            "then nothing will be shown to be calmer"
+        )
+        a_count = full_step / 100
     least = a_count / math.sqrt(12) / full_step
     looked.ground = Ground(found.space, chopper, allowed, cruises, state.position, full_step, least)
     return looked

@@ -17,7 +17,9 @@ OFF, BLANK, HYSTERESIS = "TOFF", "TBL", "hysteresis"
 UNITS = {OFF: "", BLANK: "", HYSTERESIS: ""}
 OFF_LEAST, OFF_MOST = 2, 15
 """TOFF 0 switches the driver off, and 1 takes a long blank time (DS-TMC5160 8)."""
-HYSTERESIS_LEAST, HYSTERESIS_MOST = -2, 16
+START_MOST, END_MOST = 8, 12
+"""What the greatest numbers of HSTRT and HEND mean; each less is one less, whatever number that is."""
+HYSTERESIS_LEAST, HYSTERESIS_MOST = -2, START_MOST + END_MOST - 4
 BLANK_LEAST_S = 1e-6
 """What is shorter looks into the ringing after a switch (AN-SPREADCYCLE: 1 to 2 us are where to begin)."""
 CHOPPER_MOST_HZ = 60e3
@@ -71,7 +73,7 @@ class Calculator(Protocol):
         ...
 
     def split(self, hysteresis: int) -> tuple[int, int]:
-        """HSTRT and HEND, as in their fields, of an effective hysteresis."""
+        """Start, 1 to 8, and end, -3 to 12, of an effective hysteresis."""
         ...
 
 
@@ -117,8 +119,9 @@ class ChopperSpace:
     def now(self) -> ChopperSetting:
         """As the axis had it before."""
         places, fields = self._places, self._fields
-        hysteresis = fields[places.start] + 1 + fields[places.end] - 3
-        return ChopperSetting(fields[places.off], fields[places.blank], hysteresis)
+        start = max(fields[places.start] + START_MOST - fields.greatest(places.start), 1)
+        end = fields[places.end] + END_MOST - fields.greatest(places.end)
+        return ChopperSetting(fields[places.off], fields[places.blank], start + end)
 
     @property
     def unfit(self) -> list[str]:
@@ -161,15 +164,18 @@ class ChopperSpace:
 
     def registers(self, setting: ChopperSetting) -> list[Held]:
         """What to write for it."""
-        places = self._places
+        places, fields = self._places, self._fields
         # As much as can be in HSTRT, as the calculator has it; what was set before comes back as it was.
         start, end = places.calculator.split(setting.hysteresis)
+        start, end = start + fields.greatest(places.start) - START_MOST, end + fields.greatest(places.end) - END_MOST
         own = {places.off: setting.off, places.blank: setting.blank, places.start: start, places.end: end}
-        return self._fields.registers({**places.fixed, **own})
+        return fields.registers({**places.fixed, **own})
 
     def registers_now(self) -> list[Held]:
         """What to write for the chopper as it was before, where nothing but SpreadCycle turns the motor."""
-        return self._fields.registers(self._places.fixed)
+        places = self._places
+        own = {place: self._fields[place] for place in (places.off, places.blank, places.start, places.end)}
+        return self._fields.registers({**own, **places.fixed})
 
 
 def dimensions(allowed: Sequence[ChopperSetting]) -> tuple[Dimension, ...]:

@@ -9,11 +9,14 @@ from ..field_settings import Place
 
 
 class SheetCalculator:
-    """The calculator of the page Current and chopper."""
+    """The calculator of the page Current and chopper. `driver` is the chip that drives the motor; "": the model."""
+
+    def __init__(self, driver: str = "") -> None:
+        self._driver = driver
 
     def first(self, model: str, coil: Coil) -> ChopperSetting:
         """Blank time of up to 2 us, slow decay for half a cycle, the hysteresis that holds the ripple of both."""
-        found = hints(model, _winding(coil))
+        found = hints(self._driver or model, _winding(coil))
         hysteresis = found.value("hstrt") + 1 + found.value("hend") - 3
         return ChopperSetting(found.value("toff"), found.value("tbl"), hysteresis)
 
@@ -27,7 +30,8 @@ class SheetCalculator:
 
     def split(self, hysteresis: int) -> tuple[int, int]:
         """As much as can be in HSTRT."""
-        return split(hysteresis)
+        start, end = split(hysteresis)
+        return start + 1, end - 3
 
 
 def _winding(coil: Coil) -> Winding:
