@@ -1,15 +1,16 @@
 """A study that ends at any moment: stopped, its server killed (SIGKILL), or its link cut. Is the axis set as before?
 
-The chips, a TMC5160 and a TMC4361, are emulated ones behind TCP, in this process: they outlive every server, and what
-was written to each of their registers last is heard on the wire, also of those that cannot be read. Studies of all
-kinds are begun in turn, and ended after a time that is drawn, by one of the three in turn. Afterwards each register of
-the setting holds what it held before, or `GET /studies/{id}` says that something is left and `.../left` names the
+The devices, a TMC5160, a TMC4361 and a PD42-1241, are emulated ones behind TCP, in a process that outlives every
+server. What was written to each register of a chip last is heard on the wire, also of those that cannot be read; a
+module is asked. Studies of all kinds are begun in turn, and ended after a time that is drawn, by one of the three in
+turn. Afterwards each register of the setting holds what it held before, or `GET /studies/{id}` says that something is left and `.../left` names the
 register; and one click puts it back.
 """
 
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 import os
 import random
 import signal
@@ -18,11 +19,12 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import httpx
 from server_process import ServerProcess
@@ -33,8 +35,13 @@ from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions, Tmc5xxxPatch
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
 from app.emulators.tmc4361.options import Tmc4361Patch
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import FaultsChange, TmclOptions, TmclPatch
+from app.links.tmcl import Reply, Request
 from app.profiles.items import items_by_key
 from app.registers.catalog import find_model
+from app.registers.model import Space
+from app.registers.tmcl.commands import Opcode
 from tests.bench.table import Row
 
 TIME_SCALE = 4.0
@@ -48,6 +55,7 @@ OPTIONS_5160 = Tmc5xxxOptions.model_validate(
     }
 )
 OPTIONS_4361 = Tmc4361Options.model_validate({"motor": {}, "time_scale": TIME_SCALE, "load": LOAD})
+OPTIONS_MODULE = TmclOptions.model_validate({"motor": {}, "time_scale": TIME_SCALE, "load": LOAD})
 START = {"velocity_pps": 102_400, "acceleration_pps2": 400_000, "counts_per_rev": 40_000, "stops": False}
 COIL = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.0, "supply_v": 24.0}
 STUDIES: tuple[dict[str, Any], ...] = (
@@ -63,8 +71,17 @@ STUDIES: tuple[dict[str, Any], ...] = (
     {"kind": "scored_move", "distance": 51_200, "repeats": 10},
 )
 LOOPS: tuple[dict[str, Any], ...] = ({"kind": "closed_loop"}, {"kind": "closed_loop", "keep": True, "hops": 6})
-LOOP_SHARE = 0.1
-"""So many of the aborts are of closed loops, whose chip is another."""
+OF_MODULES: tuple[dict[str, Any], ...] = (
+    {"kind": "fastest_move", "distance": 12_800, "repeats": 1},
+    {"kind": "first_look", "turns": 1.0},
+    {"kind": "least_current", "distance": 12_800},
+    {"kind": "chopper", **COIL},
+    {"kind": "identification", "velocity_rps": 0.25, "hops": 8},
+)
+BEGUN = {"tmc5160": STUDIES, "tmc4361": LOOPS, "pd42-1241": OF_MODULES}
+"""What is begun on each device, in turn."""
+SHARES = {"tmc4361": 0.1, "pd42-1241": 0.1}
+"""So many of the aborts are of closed loops, and of modules: the rest of all other studies of a chip."""
 WAYS = ("stop", "kill", "cut")
 ABORTS = 200
 AFTER_S, LATEST_S, CUT_S = 6.0, 40.0, 3.0
@@ -74,6 +91,61 @@ WITHIN_S = 300.0
 Told = TypeVar("Told")
 Chip = EmulatedTmc5xxx | EmulatedTmc4361
 Patch = type[Tmc5xxxPatch] | type[Tmc4361Patch]
+
+
+class Device(Protocol):
+    """What studies are ended on."""
+
+    @property
+    def model(self) -> str: ...
+
+    @property
+    def clock(self) -> ScaledClock: ...
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes: ...
+
+    def catch_up(self, slice_s: float) -> bool: ...
+
+    def setting(self) -> dict[str, int]:
+        """What each register of the setting holds."""
+        ...
+
+    def power_cycle(self) -> None:
+        """Off and on."""
+        ...
+
+    def cut(self, *, away: bool) -> None:
+        """Cut the link, or mend it."""
+        ...
+
+
+class Module:
+    """A module, which is asked what its parameters are: past the wire, so that nobody's link is disturbed."""
+
+    def __init__(self, module: EmulatedModule) -> None:
+        self._module, self.model, self.clock = module, module.model, module.clock
+        self.exchange, self.catch_up = module.exchange, module.catch_up
+        table = find_model(module.model).table
+        keys = (key for key in items_by_key(module.model) if key[0] is Space.AXIS)
+        rows = (table.at(address, space, write=True, axis=axis) for space, address, axis in keys)
+        self._rows = [row for row in rows if row is not None and row.access.writable and row.access.readable]
+
+    def setting(self) -> dict[str, int]:
+        """Each axis parameter of the setting."""
+        return {row.name: self._value(row.address) for row in self._rows}
+
+    def _value(self, number: int) -> int:
+        reply = self._module.receive(Request(self._module.options.address, Opcode.GAP, number).encode())
+        assert reply is not None
+        return Reply.decode(reply).value
+
+    def power_cycle(self) -> None:
+        """Off and on."""
+        self._module.patch(TmclPatch(power_cycle=True))
+
+    def cut(self, *, away: bool) -> None:
+        """Cut the link, or mend it."""
+        self._module.patch(TmclPatch(faults=FaultsChange(unplugged=away)))
 
 
 class Heard:
@@ -121,7 +193,7 @@ class Heard:
 
 
 @contextmanager
-def _served(chip: Heard) -> Iterator[int]:
+def _served(chip: Device) -> Iterator[int]:
     """The chip behind a TCP port, in a thread of its own."""
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, name="emulated chip")
@@ -160,7 +232,7 @@ def _until(said: str, asked: Callable[[], Told | None]) -> Told:
 class Bench:
     """The chip, and a server that comes and goes. studies : what is begun on it, in turn"""
 
-    chip: Heard
+    chip: Device
     server: ServerProcess
     api: httpx.Client
     studies: Sequence[dict[str, Any]]
@@ -285,20 +357,25 @@ def _abort(bench: Bench, number: int) -> Aborted:
     return told(state, f"{', '.join(untold)} other than before, and nothing tells it" if untold else "")
 
 
-def aborted(loops: bool, numbers: Iterable[int]) -> Iterator[Aborted]:
-    """Aborts of these numbers, one after the other: of closed loops, or of all other kinds of studies."""
-    chip = (
-        Heard(EmulatedTmc4361(WallClock(), OPTIONS_4361), Tmc4361Patch)
-        if loops
-        else Heard(EmulatedTmc5xxx("tmc5160", WallClock(), OPTIONS_5160), Tmc5xxxPatch)
-    )
+def device_of(model: str) -> Device:
+    """An emulated one, just switched on."""
+    if model == "tmc4361":
+        return Heard(EmulatedTmc4361(WallClock(), OPTIONS_4361), Tmc4361Patch)
+    if model == "pd42-1241":
+        return Module(EmulatedModule(model, WallClock(), OPTIONS_MODULE))
+    return Heard(EmulatedTmc5xxx("tmc5160", WallClock(), OPTIONS_5160), Tmc5xxxPatch)
+
+
+def aborted(model: str, numbers: Sequence[int]) -> list[Aborted]:
+    """Aborts of these numbers on one device, one after the other."""
+    chip, found = device_of(model), []
     with (
         tempfile.TemporaryDirectory(prefix="stepscope-") as folder,
         _served(chip) as port,
         ServerProcess(Path(folder), "--no-demo", start_within_s=WITHIN_S) as server,
         httpx.Client(base_url=f"{server.url}/api/v1", timeout=30) as api,
     ):
-        bench = Bench(chip, server, api, LOOPS if loops else STUDIES)
+        bench = Bench(chip, server, api, BEGUN[model])
         link = {"kind": "tcp", "host": "127.0.0.1", "port": port}
         api.post("/devices", json={"name": "Slide", "model": chip.model, "link": link}).raise_for_status()
         bench.connected()
@@ -306,14 +383,21 @@ def aborted(loops: bool, numbers: Iterable[int]) -> Iterator[Aborted]:
         for number in numbers:
             one = _abort(bench, number)
             print(one, file=sys.stderr, flush=True)
-            yield one
+            found.append(one)
+    return found
 
 
 def measure(quick: bool) -> Sequence[Row]:
     """One row; quick: a few aborts."""
     aborts = 15 if quick else ABORTS
-    of_loops = round(LOOP_SHARE * aborts)
-    all_of = [*aborted(False, range(aborts - of_loops)), *aborted(True, range(aborts - of_loops, aborts))]
+    cores, jobs, begin = os.cpu_count() or 1, [], 0
+    for model in BEGUN:
+        count = round(SHARES.get(model, 1 - sum(SHARES.values())) * aborts)
+        jobs += [(model, numbers) for core in range(cores) if (numbers := range(begin + core, begin + count, cores))]
+        begin += count
+    with ProcessPoolExecutor(cores, multiprocessing.get_context("spawn")) as processes:
+        running = [processes.submit(aborted, *job) for job in jobs]
+        all_of = [one for done in running for one in done.result()]
     became = Counter(f"{one.way}: {one.state}" for one in all_of)
     kinds = Counter(one.kind for one in all_of)
     wrong = [str(one) for one in all_of if one.wrong]
