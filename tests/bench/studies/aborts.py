@@ -3,8 +3,8 @@
 The devices, a TMC5160, a TMC4361 and a PD42-1241, are emulated ones behind TCP, in a process that outlives every
 server. What was written to each register of a chip last is heard on the wire, also of those that cannot be read; a
 module is asked. Studies of all kinds are begun in turn, and ended after a time that is drawn, by one of the three in
-turn. Afterwards each register of the setting holds what it held before, or `GET /studies/{id}` says that something is left and `.../left` names the
-register; and one click puts it back.
+turn. Afterwards each register of the setting holds what it held before, or `GET /studies/{id}` says that something is
+left and `.../left` names the register; and one click puts it back.
 """
 
 from __future__ import annotations
