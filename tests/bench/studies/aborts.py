@@ -14,6 +14,7 @@ import multiprocessing
 import os
 import random
 import signal
+import socket
 import sys
 import tempfile
 import threading
@@ -21,7 +22,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -31,6 +32,9 @@ from server_process import ServerProcess
 
 from app.clock import ScaledClock, WallClock
 from app.emulators.drive.documents import ChipFaultsChange
+from app.emulators.line.line import Line
+from app.emulators.line.server import LineServer
+from app.emulators.line.tcp import TcpEnd
 from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions, Tmc5xxxPatch
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
@@ -99,12 +103,9 @@ class Device(Protocol):
     @property
     def model(self) -> str: ...
 
-    @property
-    def clock(self) -> ScaledClock: ...
-
-    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes: ...
-
-    def catch_up(self, slice_s: float) -> bool: ...
+    def served(self) -> AbstractContextManager[int]:
+        """Behind a TCP port, in a thread of its own."""
+        ...
 
     def setting(self) -> dict[str, int]:
         """What each register of the setting holds."""
@@ -123,12 +124,25 @@ class Module:
     """A module, which is asked what its parameters are: past the wire, so that nobody's link is disturbed."""
 
     def __init__(self, module: EmulatedModule) -> None:
-        self._module, self.model, self.clock = module, module.model, module.clock
-        self.exchange, self.catch_up = module.exchange, module.catch_up
+        self._module, self.model = module, module.model
         table = find_model(module.model).table
         keys = (key for key in items_by_key(module.model) if key[0] is Space.AXIS)
         rows = (table.at(address, space, write=True, axis=axis) for space, address, axis in keys)
         self._rows = [row for row in rows if row is not None and row.access.writable and row.access.readable]
+
+    @contextmanager
+    def served(self) -> Iterator[int]:
+        """Behind a TCP port, in a thread of its own."""
+        listener = socket.create_server(("127.0.0.1", 0))
+        port: int = listener.getsockname()[1]
+        with LineServer(Line([self._module], WallClock()), [TcpEnd(listener)]) as self._server:
+            thread = threading.Thread(target=self._server.run, name="emulated module")
+            thread.start()
+            try:
+                yield port
+            finally:
+                self._server.stop()
+                thread.join()
 
     def setting(self) -> dict[str, int]:
         """Each axis parameter of the setting."""
@@ -141,11 +155,14 @@ class Module:
 
     def power_cycle(self) -> None:
         """Off and on."""
-        self._module.patch(TmclPatch(power_cycle=True))
+        self._changed(TmclPatch(power_cycle=True))
 
     def cut(self, *, away: bool) -> None:
         """Cut the link, or mend it."""
-        self._module.patch(TmclPatch(faults=FaultsChange(unplugged=away)))
+        self._changed(TmclPatch(faults=FaultsChange(unplugged=away)))
+
+    def _changed(self, change: TmclPatch) -> None:
+        self._server.call(lambda: self._module.patch(change))
 
 
 class Heard:
@@ -175,6 +192,20 @@ class Heard:
     def catch_up(self, slice_s: float) -> bool:
         return self.chip.catch_up(slice_s)
 
+    @contextmanager
+    def served(self) -> Iterator[int]:
+        """Behind a TCP port, in a thread of its own."""
+        loop = asyncio.new_event_loop()
+        thread = threading.Thread(target=loop.run_forever, name="emulated chip")
+        thread.start()
+        server = asyncio.run_coroutine_threadsafe(serve_tcp(self, "127.0.0.1", 0), loop).result()
+        try:
+            yield server.sockets[0].getsockname()[1]
+        finally:
+            asyncio.run_coroutine_threadsafe(_closed(server), loop).result()
+            loop.call_soon_threadsafe(loop.stop)
+            thread.join()
+
     def setting(self) -> dict[str, int]:
         """What each register of the setting holds; its reset value where nothing was written."""
         return {row.name: self.words.get(address, row.reset or 0) for address, row in self._rows.items()}
@@ -190,21 +221,6 @@ class Heard:
 
     def _changed(self, change: Any) -> None:
         self.chip.patch(change)
-
-
-@contextmanager
-def _served(chip: Device) -> Iterator[int]:
-    """The chip behind a TCP port, in a thread of its own."""
-    loop = asyncio.new_event_loop()
-    thread = threading.Thread(target=loop.run_forever, name="emulated chip")
-    thread.start()
-    server = asyncio.run_coroutine_threadsafe(serve_tcp(chip, "127.0.0.1", 0), loop).result()
-    try:
-        yield server.sockets[0].getsockname()[1]
-    finally:
-        asyncio.run_coroutine_threadsafe(_closed(server), loop).result()
-        loop.call_soon_threadsafe(loop.stop)
-        thread.join()
 
 
 async def _closed(server: asyncio.Server) -> None:
@@ -371,7 +387,7 @@ def aborted(model: str, numbers: Sequence[int]) -> list[Aborted]:
     chip, found = device_of(model), []
     with (
         tempfile.TemporaryDirectory(prefix="stepscope-") as folder,
-        _served(chip) as port,
+        chip.served() as port,
         ServerProcess(Path(folder), "--no-demo", start_within_s=WITHIN_S) as server,
         httpx.Client(base_url=f"{server.url}/api/v1", timeout=30) as api,
     ):
