@@ -19,6 +19,7 @@ MODULES = ("pd42-1241", "tmcm-1161")
 HEAVY = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
 LIGHT = {"inertia_kgm2": 2e-5, "friction_nm": 0.02}
 MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
+COIL: dict[str, Any] = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.485, "supply_v": 36.0}
 DRIVER_UNITS = 0
 """Unit mode (AP 255)."""
 
@@ -147,16 +148,7 @@ async def test_a_stop_leaves_a_module_as_before(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("study", "why"),
     [
-        (
-            {
-                "kind": "chopper",
-                "resistance_ohm": 2.3,
-                "inductance_h": 4.4e-3,
-                "run_current_a": 1.0,
-                "supply_v": 24.0,
-            },
-            "no study sets the chopper of a PD42-1241 yet",
-        ),
+        ({"kind": "stealthchop", **COIL}, "no study sets the StealthChop of a PD42-1241 yet"),
         ({"kind": "microstep_calibration"}, "a PD42-1241 has no table of differences"),
         ({"kind": "closed_loop"}, "no study sets a position loop of a PD42-1241"),
     ],
@@ -173,7 +165,6 @@ async def test_a_module_without_an_encoder_is_refused(tmp_path: Path) -> None:
         assert any("no encoder" in each for each in plan.missing), plan.missing
 
 
-COIL: dict[str, Any] = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.485, "supply_v": 36.0}
 RIPPLING: dict[str, Any] = {
     "motor": {"rotor_teeth": 50, "detent_torque_nm": 0.005},
     "ripple": True,
