@@ -83,7 +83,7 @@ def torque_of(wanted: Identification, back_emf: Fitted | None) -> tuple[Fitted |
     low = min(told.value - told.half, measured.value - measured.half)
     high = max(told.value + told.half, measured.value + measured.half)
     said = f"{plain(told.value, 3)} N m was told, and the back-EMF says {plain(measured.value, 3)} N m"
-    why = f"holding torque: {said}: another motor, another current, or another supply than was told"
+    why = f"holding torque as told: {said}: another motor, another current, or another supply than was told"
     return Fitted((low + high) / 2, (high - low) / 2), why
 
 
@@ -136,7 +136,7 @@ FIGURES: Sequence[tuple[str, str, str, str]] = (
     (
         "torque_nm",
         "holding torque",
-        "with the run current: what was told and what the back-EMF says, each with the weight of its interval",
+        "with the run current, by what was told and by what the back-EMF says",
         "N m",
     ),
     ("inertia_kgm2", "inertia", "of rotor and load, by the holding torque", "kg m2"),
