@@ -62,6 +62,13 @@ export function asIdentified(form: TwinForm, found: Identified, when: string): T
   return {
     ...form,
     identified: when,
-    motor: { ...form.motor, ...torque, ...friction, ...lines, rotor_inertia_kgm2: found.inertia_kgm2.value, load_inertia_kgm2: 0 },
+    motor: {
+      ...form.motor,
+      ...torque,
+      ...friction,
+      ...lines,
+      rotor_inertia_kgm2: found.inertia_kgm2.value,
+      load_inertia_kgm2: 0,
+    },
   };
 }
