@@ -414,6 +414,7 @@ def measure(quick: bool) -> Sequence[Row]:
     with ProcessPoolExecutor(cores, multiprocessing.get_context("spawn")) as processes:
         running = [processes.submit(aborted, *job) for job in jobs]
         all_of = [one for done in running for one in done.result()]
+    aborts = len(all_of)
     became = Counter(f"{one.way}: {one.state}" for one in all_of)
     kinds = Counter(one.kind for one in all_of)
     wrong = [str(one) for one in all_of if one.wrong]
