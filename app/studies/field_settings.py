@@ -57,7 +57,6 @@ class FieldSpace:
         self._rows = {key_of(row): row for row, _ in self._at.values()}
         self._words = {key: word_before(device, row, held) for key, row in self._rows.items()}
         self.before = self._told(self._words)
-
         self._range_of = device.configuration.range_of
 
     def __contains__(self, place: Place) -> bool:

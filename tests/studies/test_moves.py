@@ -32,14 +32,14 @@ UNDER_WAY_S = 0.3
 
 def show_one_rest(b: Bench) -> None:
     """Let the module look at rest once under way: as where the last step is done behind the answer of the position."""
-    latest, shown = -1, False
+    looks_at_axis = shown = False
 
     def spoil(request: Request, reply: bytes) -> bytes:
-        nonlocal latest, shown
+        nonlocal looks_at_axis, shown
         if request.opcode != Opcode.GAP or b.clock.now() < UNDER_WAY_S or shown:
             return reply
-        shown = request.type == REACHED and latest == TARGET_POSITION
-        latest = request.type if request.type == TARGET_POSITION or latest != TARGET_POSITION else latest
+        shown = looks_at_axis and request.type == REACHED
+        looks_at_axis = looks_at_axis or request.type == TARGET_POSITION
         at_rest = {SPEED: 0, REACHED: 1}.get(request.type)
         return reply if at_rest is None else Reply(2, request.address, Status.OK, Opcode.GAP, at_rest).encode()
 

@@ -25,12 +25,13 @@ STORED = frozenset({4, 5, 6, 7, 12, 13, 130, 140, 149, 153, 154, 193, 194, 195, 
 """What STEPROCKER's table calls storable, which STAP copies to EEPROM; not the ramp mode, which would move the motor as
 it is restored."""
 
+WITH_RIPPLE = "the emulated chopper acts on it with the option `ripple` of the emulated module alone"
+
 _motion = Parameters("motion", SOURCE)
 _units = Parameters("units", f"{SOURCE}; TMC429 9.9")
 _ramp = Parameters("ramp", SOURCE)
 _current = Parameters("current", SOURCE)
 _switches = Parameters("switches", SOURCE)
-WITH_RIPPLE = "the emulated chopper acts on it with the option `ripple` of the emulated module alone"
 _chopper = Parameters("chopper", SOURCE)
 _coolstep = Parameters("coolstep", SOURCE)
 _encoder = Parameters("encoder", "FM-TMCM-1161 6.2")

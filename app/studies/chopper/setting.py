@@ -93,6 +93,11 @@ class ChopperPlaces:
     fixed: Mapping[Place, int]
     calculator: Calculator
 
+    @property
+    def own(self) -> tuple[Place, ...]:
+        """What a setting is made of."""
+        return self.off, self.blank, self.start, self.end
+
 
 def setting_of(values: Mapping[str, float]) -> ChopperSetting:
     """The setting nearest to what was asked for."""
@@ -108,20 +113,20 @@ class ChopperSpace:
         """Raises WrongState for a chip without SpreadCycle, and for what could
         not be put back."""
         self._places, self._coil = places, coil
-        own = (places.off, places.blank, places.start, places.end)
-        self._fields = FieldSpace(device, axis, (*own, *places.fixed), held)
-        if any(place not in self._fields for place in own):
+        self._fields = FieldSpace(device, axis, (*places.own, *places.fixed), held)
+        if any(place not in self._fields for place in places.own):
             raise WrongState(f"a {device.family.title} has no SpreadCycle that a study sets", "")
         self._model = device.model
+        self._start_by = START_MOST - self._fields.greatest(places.start)
+        self._end_by = END_MOST - self._fields.greatest(places.end)
         self.before = self._fields.before
 
     @property
     def now(self) -> ChopperSetting:
         """As the axis had it before."""
         places, fields = self._places, self._fields
-        start = max(fields[places.start] + START_MOST - fields.greatest(places.start), 1)
-        end = fields[places.end] + END_MOST - fields.greatest(places.end)
-        return ChopperSetting(fields[places.off], fields[places.blank], start + end)
+        start = max(fields[places.start] + self._start_by, 1)
+        return ChopperSetting(fields[places.off], fields[places.blank], start + fields[places.end] + self._end_by)
 
     @property
     def unfit(self) -> list[str]:
@@ -164,18 +169,16 @@ class ChopperSpace:
 
     def registers(self, setting: ChopperSetting) -> list[Held]:
         """What to write for it."""
-        places, fields = self._places, self._fields
+        places = self._places
         # As much as can be in HSTRT, as the calculator has it; what was set before comes back as it was.
         start, end = places.calculator.split(setting.hysteresis)
-        start, end = start + fields.greatest(places.start) - START_MOST, end + fields.greatest(places.end) - END_MOST
-        own = {places.off: setting.off, places.blank: setting.blank, places.start: start, places.end: end}
-        return fields.registers({**places.fixed, **own})
+        numbers = (setting.off, setting.blank, start - self._start_by, end - self._end_by)
+        return self._fields.registers({**places.fixed, **dict(zip(places.own, numbers, strict=True))})
 
     def registers_now(self) -> list[Held]:
         """What to write for the chopper as it was before, where nothing but SpreadCycle turns the motor."""
-        places = self._places
-        own = {place: self._fields[place] for place in (places.off, places.blank, places.start, places.end)}
-        return self._fields.registers({**own, **places.fixed})
+        own = {place: self._fields[place] for place in self._places.own}
+        return self._fields.registers({**own, **self._places.fixed})
 
 
 def dimensions(allowed: Sequence[ChopperSetting]) -> tuple[Dimension, ...]:
