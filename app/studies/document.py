@@ -168,13 +168,10 @@ class Identification(Part):
         default=0.1, description="by so much may that torque be off: 0.1 is 10 %"
     )
     supply_v: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] | None = Field(
-        default=None, description="of the motor; null: resistance and back-EMF are not told"
+        default=None, description="of the motor; null: resistance, inductance and back-EMF are not told"
     )
     run_current_a: Annotated[float, Field(strict=True, gt=0, le=50, allow_inf_nan=False)] | None = Field(
         default=None, description="RMS of one coil, as it is set now [A]; null: the same"
-    )
-    inductance_h: Annotated[float, Field(strict=True, gt=0, le=0.5, allow_inf_nan=False)] | None = Field(
-        default=None, description="of one coil, by the motor's data sheet; null: the back-EMF is not told"
     )
 
 

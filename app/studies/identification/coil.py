@@ -1,12 +1,12 @@
-"""Resistance and back-EMF by StealthChop's automatic tuning: its amplitude for a known current."""
+"""Resistance, inductance and back-EMF by StealthChop's automatic tuning: its amplitude for a known current."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ...calc.motors.pwm_amplitude import PwmScale, Turning, back_emf_of, resistance_of
+from ...calc.motors.pwm_amplitude import PwmScale, Turning, coil_constants, resistance_of
 from ...calc.motors.ring_down import Fitted
 from ...clock import Clock
 from ...devices.core.device import Device
@@ -20,10 +20,13 @@ TUNES_WITHIN_S = 4.0
 SAME = 4
 """So many looks alike, and it is tuned."""
 SPEEDS_RPS = (1.0, 1.5, 2.2, 3.3)
-ENOUGH, MOST = 2.2, 240.0
-"""An amplitude at speed tells the back-EMF from so many times that at rest on; near its end there is no regulation."""
+ENOUGH, ENOUGH_AT_LAST, MOST = 2.2, 1.5, 240.0
+"""An amplitude at speed tells the back-EMF well from so many times that at rest on, at the last speed less has to do;
+near its end there is no regulation."""
 SPEED_UP_S = 0.15
 POLL_S = 0.01
+LESS_MOST, LESS_SURE = 0.8, 1.1
+"""The smaller current: at most so much of the run current, and so many times what is just regulated."""
 MIDDLE = 0.25
 """Of the way: what counts is nearer than that to its middle, where the speed is constant."""
 
@@ -35,6 +38,7 @@ class AmplitudePlaces:
     before, tuned : what switches its regulation off with the fields that it begins with, and on
     at_rest, now : names of what is read
     full_scale_v : peak voltage of an amplitude of 1, over the supply
+    least_duty : of the shortest pulse whose current is measured
     """
 
     before: Mapping[Place, int]
@@ -42,6 +46,12 @@ class AmplitudePlaces:
     at_rest: str
     now: str
     full_scale_v: float
+    least_duty: float
+
+    @property
+    def least_counts(self) -> float:
+        """Amplitude at rest of the least current that is regulated."""
+        return self.least_duty / self.full_scale_v
 
     @property
     def every(self) -> tuple[Place, ...]:
@@ -50,30 +60,31 @@ class AmplitudePlaces:
 
 
 @dataclass(frozen=True, slots=True)
-class Amplitudes:
-    """PWM amplitudes of the run current [counts]. rps, at_speed : None where no speed told enough."""
+class AtSpeed:
+    """PWM amplitudes of a motor that turns [counts]. less : the smaller current over the run current"""
 
-    at_rest: float
-    rps: float | None
-    at_speed: float | None
+    rps: float
+    counts: float
+    less: float
+    less_counts: float
 
 
 @dataclass(frozen=True, slots=True)
 class CoilTold:
-    """What was told of the motor and its supply, SI units. current_a : RMS; inductance_h : None unknown."""
+    """What was told of the motor and its supply. current_a : RMS [A]"""
 
     current_a: float
     supply_v: float
-    inductance_h: float | None
 
 
 @dataclass(frozen=True, slots=True)
 class CoilFound:
     """None where it could not be told, `why` then."""
 
-    resistance: Fitted | None
-    back_emf: Fitted | None
-    why: list[str]
+    resistance: Fitted | None = None
+    inductance: Fitted | None = None
+    back_emf: Fitted | None = None
+    why: list[str] = field(default_factory=list)
 
 
 def load_sine_of(told: Identified, rps: float, teeth: float) -> Fitted:
@@ -86,25 +97,24 @@ def load_sine_of(told: Identified, rps: float, teeth: float) -> Fitted:
 
 
 def coil_of(
-    amplitudes: Amplitudes, told: CoilTold, places: AmplitudePlaces, teeth: float, load_sine: Fitted
+    at_rest: float, at_speed: AtSpeed | str, told: CoilTold, places: AmplitudePlaces, teeth: float, load_sine: Fitted
 ) -> CoilFound:
-    """What amplitudes say of the coil. load_sine : of the load angle at that speed."""
+    """What amplitudes say of the coil. at_rest : of the run current [counts]; at_speed : or why there is nothing;
+    load_sine : of the load angle at that speed."""
     scale = PwmScale(told.supply_v * places.full_scale_v, told.current_a * math.sqrt(2))
     try:
-        resistance = resistance_of(amplitudes.at_rest, scale)
+        resistance = resistance_of(at_rest, scale)
     except ValueError as error:
-        return CoilFound(None, None, [f"resistance: {error}"])
-    if told.inductance_h is None:
-        why = "back-EMF: without the coil's inductance what it takes at speed cannot be told from the back-EMF"
-        return CoilFound(resistance, None, [why])
-    if amplitudes.rps is None or amplitudes.at_speed is None:
-        return CoilFound(resistance, None, ["back-EMF: no speed within the limits takes enough more voltage than rest"])
-    omega = amplitudes.rps * 2 * math.pi
-    turning = Turning(amplitudes.at_speed, omega, teeth, told.inductance_h, load_sine)
+        return CoilFound(why=[f"resistance: {error}"])
+    if isinstance(at_speed, str):
+        return CoilFound(resistance, why=[f"inductance, back-EMF: {at_speed}"])
+    omega = at_speed.rps * 2 * math.pi
+    turning = Turning(at_speed.counts, at_speed.less_counts, at_speed.less, omega, teeth, load_sine)
     try:
-        return CoilFound(resistance, back_emf_of(turning, resistance, scale), [])
+        both = coil_constants(turning, resistance, scale)
     except ValueError as error:
-        return CoilFound(resistance, None, [f"back-EMF: {error}"])
+        return CoilFound(resistance, why=[f"inductance, back-EMF: {error}"])
+    return CoilFound(resistance, both.inductance_h, both.back_emf)
 
 
 class AmplitudeRuns:

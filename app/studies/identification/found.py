@@ -37,9 +37,10 @@ class Identified(Part):
     friction_nm: Estimate | None = None
     detent_torque_nm: Estimate | None = None
     resistance_ohm: Estimate | None = Field(default=None, description="of one coil; needs supply and current as told")
-    back_emf_v_s_rad: Estimate | None = Field(
-        default=None, description="peak of one coil, of the shaft's speed; needs the inductance too"
+    inductance_h: Estimate | None = Field(
+        default=None, description="of one coil, as it is at speed with the run current"
     )
+    back_emf_v_s_rad: Estimate | None = Field(default=None, description="peak of one coil, of the shaft's speed")
     backlash_microsteps: Estimate | None = Field(default=None, description="before the encoder")
     encoder_lines: int | None = Field(default=None, description="of a turn, four counts each")
     encoder_counts_per_turn: Estimate | None = Field(default=None, description="as they were measured")

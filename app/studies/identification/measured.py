@@ -152,9 +152,15 @@ FIGURES: Sequence[tuple[str, str, str, str]] = (
         "ohm",
     ),
     (
+        "inductance_h",
+        "inductance",
+        "of one coil, by what more current takes more of the amplitude at one speed",
+        "H",
+    ),
+    (
         "back_emf_v_s_rad",
         "back-EMF constant",
-        "peak of one coil, by the amplitude at speed, for the inductance that was told; the torque an ampere, too",
+        "peak of one coil, by what of the amplitude at speed less current leaves; the torque an ampere, too",
         "V s/rad",
     ),
     (

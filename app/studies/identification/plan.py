@@ -130,7 +130,7 @@ def _amplitude(device: Device, axis: int, found: AxisNow, wanted: Identification
         for rps in SPEEDS_RPS
         if rps <= fastest
     )
-    told = CoilTold(wanted.run_current_a, wanted.supply_v, wanted.inductance_h)
+    told = CoilTold(wanted.run_current_a, wanted.supply_v)
     return AmplitudeGround(places, fields, found.space, speeds, told), ""
 
 
@@ -187,14 +187,17 @@ def _amplitude_told(told: StudyPlan, ground: Ground, axis: int) -> list[str]:
     told.registers += [f"{each.name} of axis {axis}" for each in amplitude.fields.before]
     told.time_s += TUNES_WITHIN_S
     steps = ["at rest StealthChop tunes itself: the amplitude of its PWM tells the resistance"]
-    if amplitude.told.inductance_h is None or not amplitude.speeds:
+    if not amplitude.speeds:
         return steps
     fastest = amplitude.speeds[-1]
-    told.moves_max += 2 * len(amplitude.speeds)
-    told.way_fullsteps += 2 * len(amplitude.speeds) * ground.way / ground.full_step
-    told.time_s += sum(2 * (ground.way / ramp[SPEED] + TURN_S) for _, ramp in amplitude.speeds)
+    turns = [ramp[SPEED] for _, ramp in (*amplitude.speeds, fastest)]  # the last with less current, too
+    told.moves_max += 2 * len(turns)
+    told.way_fullsteps += 2 * len(turns) * ground.way / ground.full_step
+    told.time_s += sum(2 * (ground.way / speed + TURN_S) for speed in turns)
     told.velocity_max_pps = max(ground.hop_pps, fastest[1][SPEED])
-    return [
-        *steps,
-        f"turns there and back with StealthChop, at {plain(fastest[0])} turns a second at most: the back-EMF",
-    ]
+    share = f"{100 * ground.current.share(ground.low_scale):.0f} %"
+    steps.append(
+        f"turns there and back with StealthChop, at {plain(fastest[0])} turns a second at most, the last with {share} "
+        "of the current, or with more where so little is not measured: inductance and back-EMF"
+    )
+    return steps

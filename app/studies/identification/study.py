@@ -17,7 +17,18 @@ from ..moves import PERIOD_FULLSTEPS, MeasuredMoves
 from ..ramp_settings import ACCELERATION, SPEED
 from ..ringing import HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
-from .coil import ENOUGH, MOST, AmplitudeRuns, Amplitudes, CoilFound, coil_of, load_sine_of
+from .coil import (
+    ENOUGH,
+    ENOUGH_AT_LAST,
+    LESS_MOST,
+    LESS_SURE,
+    MOST,
+    AmplitudeRuns,
+    AtSpeed,
+    CoilFound,
+    coil_of,
+    load_sine_of,
+)
 from .found import Identified
 from .measured import Measured, findings, identified, in_torques, torque_of
 from .plan import AmplitudeGround, Ground, hop_targets, look
@@ -60,6 +71,8 @@ class IdentificationStudy(StudyRun):
         coil = await self._coil(told_of)
         if coil.resistance is not None:
             told_of.resistance_ohm = estimate(coil.resistance)
+        if coil.inductance is not None:
+            told_of.inductance_h = estimate(coil.inductance)
         if coil.back_emf is not None:
             told_of.back_emf_v_s_rad = estimate(coil.back_emf)
         torque, why = torque_of(self.wanted, coil.back_emf)
@@ -158,10 +171,10 @@ class IdentificationStudy(StudyRun):
     # --- the coil -----------------------------------------------------------------------------------
 
     async def _coil(self, told: Identified) -> CoilFound:
-        """Resistance and back-EMF, with StealthChop tuning itself; the setting goes back then."""
+        """Resistance, inductance and back-EMF, with StealthChop tuning itself; the setting goes back then."""
         ground, amplitude = self._ground, self._ground.amplitude
         if amplitude is None:
-            return CoilFound(None, None, [f"resistance, back-EMF: {ground.no_amplitude}"])
+            return CoilFound(why=[f"resistance, back-EMF: {ground.no_amplitude}"])
         self.tell("look", TURNS_TAKE, "StealthChop tunes itself at rest")
         self.keeper.mark("StealthChop tunes itself")
         runs = AmplitudeRuns(self.device, self.axis, self.clock, amplitude.places)
@@ -173,33 +186,48 @@ class IdentificationStudy(StudyRun):
                     "StealthChop that tunes itself",
                 )
             at_rest = await runs.at_rest(scale, ground.current.steps)
-            rps, at_speed = await self._at_speed(runs, amplitude, at_rest)
+            at_speed = await self._at_speed(runs, amplitude, at_rest)
         except Failed as error:
-            return CoilFound(None, None, [f"resistance, back-EMF: {error}"])
+            return CoilFound(why=[f"resistance, back-EMF: {error}"])
         finally:
             await self._rest()
             await self.back()
-        found = Amplitudes(at_rest, rps, at_speed)
         teeth = ground.turn / ground.full_step / 4
-        return coil_of(found, amplitude.told, amplitude.places, teeth, load_sine_of(told, rps or 0.0, teeth))
+        load = load_sine_of(told, 0.0 if isinstance(at_speed, str) else at_speed.rps, teeth)
+        return coil_of(at_rest, at_speed, amplitude.told, amplitude.places, teeth, load)
 
-    async def _at_speed(
-        self, runs: AmplitudeRuns, amplitude: AmplitudeGround, at_rest: float
-    ) -> tuple[float | None, float | None]:
-        """The first speed that takes enough more voltage than rest, and the amplitude there [counts]."""
-        ground = self._ground
-        if amplitude.told.inductance_h is None:
-            return None, None
+    async def _at_speed(self, runs: AmplitudeRuns, amplitude: AmplitudeGround, at_rest: float) -> AtSpeed | str:
+        """Amplitudes of both currents at the first speed that takes enough more voltage than rest; or why not."""
+        current = self._ground.current
+        least = LESS_SURE * amplitude.places.least_counts / at_rest
+        low = max(self._ground.low_scale, math.ceil(least * (current.run_scale + 1)) - 1)
+        less = current.share(low)
+        if less > LESS_MOST:
+            return "StealthChop does not measure less than this current at this supply: its pulses are too short"
         for rps, ramp in amplitude.speeds:
-            self.tell("look", TURNS_TAKE, f"a turn there and back at {plain(rps)} turns a second, with StealthChop")
-            await self.apply(amplitude.ramps.registers(ramp), f"turns at {plain(rps)} turns a second")
-            longest_s = 2 * (ground.way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
-            found = await runs.there_and_back(ground.start, ground.way, longest_s)
-            self._moves.way_fullsteps += 2 * ground.way / ground.full_step
-            self._count_run()
-            if found is not None and ENOUGH * at_rest <= found <= MOST:
-                return rps, found
-        return None, None
+            await self.apply(
+                [*current.registers(current.run_scale), *amplitude.ramps.registers(ramp)],
+                f"turns at {plain(rps)} turns a second",
+            )
+            found = await self._turned(runs, rps, ramp)
+            enough = ENOUGH_AT_LAST if rps == amplitude.speeds[-1][0] else ENOUGH
+            if found is None or not enough * at_rest <= found <= MOST:
+                continue
+            await self.apply(current.registers(low), f"the same with {100 * less:.0f} % of the current")
+            with_less = await self._turned(runs, rps, ramp)
+            if with_less is not None:
+                return AtSpeed(rps, found, less, with_less)
+        return "no speed within the limits takes enough more voltage than rest"
+
+    async def _turned(self, runs: AmplitudeRuns, rps: float, ramp: dict[str, float]) -> float | None:
+        """Mean amplitude of a turn there and back [counts]."""
+        ground = self._ground
+        self.tell("look", TURNS_TAKE, f"a turn there and back at {plain(rps)} turns a second, with StealthChop")
+        longest_s = 2 * (ground.way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
+        found = await runs.there_and_back(ground.start, ground.way, longest_s)
+        self._moves.way_fullsteps += 2 * ground.way / ground.full_step
+        self._count_run()
+        return found
 
     # --- fits ---------------------------------------------------------------------------------------
 

@@ -25,6 +25,7 @@ _BEGIN = {
     Place("PWMCONF", "PWM_REG"): 8,
     Place("PWMCONF", "PWM_LIM"): 12,
     Place("PWMCONF", "pwm_freq"): 0,
+    Place("CHOPCONF", "tbl"): 1,
 }
 AMPLITUDE = AmplitudePlaces(
     before=_BEGIN,
@@ -33,4 +34,6 @@ AMPLITUDE = AmplitudePlaces(
     now="PWM_SCALE_SUM",
     # 374 = 256 sqrt(2) 256 / 248, of an RMS voltage (7.4).
     full_scale_v=248 / 256 / 256,
+    # 24 clocks (tbl 1) of 1024 / 2 (pwm_freq 0): what is shorter is not measured (7.3.1).
+    least_duty=24 * 2 / 1024,
 )

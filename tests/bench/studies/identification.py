@@ -11,7 +11,6 @@ from app.studies.fitted import Estimate
 from app.studies.record import StudyRecord
 from tests.bench.collected import collected
 from tests.bench.table import Row
-from tests.plants.axes import nominal_of
 from tests.plants.machines import Machine, drawn
 from tests.studies.harness import START, studied
 
@@ -19,7 +18,7 @@ NAMES = ("VMAX", "VSTART", "VSTOP", "AMAX", "DMAX", "V1", "IHOLD_IRUN")
 LONGEST_S = 1000.0
 WITHIN = {"inertia": 0.10, "resonance": 0.02, "damping": 0.15}
 BACKLASH = 1.0
-COIL = ("resistance", "back-EMF")
+COIL = ("resistance", "inductance", "back-EMF")
 SHARE, COVERED = 0.95, 0.90
 FIRST = 1000
 """Seed of the first plant: those below were looked at while the study was made."""
@@ -45,6 +44,7 @@ class Judged:
             "damping": (told.damping_ratio, true.damping),
             "backlash": (told.backlash_microsteps, true.backlash_microsteps),
             "resistance": (told.resistance_ohm, motor["resistance_ohm"]),
+            "inductance": (told.inductance_h, motor["inductance_h"]),
             "back-EMF": (
                 told.back_emf_v_s_rad,
                 motor["holding_torque_nm"] / (math.sqrt(2) * motor["rated_current_a"]),
@@ -77,7 +77,6 @@ async def judged(seed: int, folder: Path) -> Judged:
             "hold_torque_nm": machine.torque_nm,
             "supply_v": machine.options["supply_v"],
             "run_current_a": motor["rated_current_a"],
-            "inductance_h": nominal_of(motor)[1],
         }
         record = await s.finish(s.begin(s.document(study)), LONGEST_S)
         return Judged(machine, record, await s.settings(*NAMES) == before)

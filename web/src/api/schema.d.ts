@@ -8842,7 +8842,7 @@ export interface components {
             torque_tolerance?: number;
             /**
              * Supply V
-             * @description of the motor; null: resistance and back-EMF are not told
+             * @description of the motor; null: resistance, inductance and back-EMF are not told
              */
             supply_v?: number | null;
             /**
@@ -8850,11 +8850,6 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a?: number | null;
-            /**
-             * Inductance H
-             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
-             */
-            inductance_h?: number | null;
         };
         /**
          * Identification
@@ -8899,7 +8894,7 @@ export interface components {
             torque_tolerance: number;
             /**
              * Supply V
-             * @description of the motor; null: resistance and back-EMF are not told
+             * @description of the motor; null: resistance, inductance and back-EMF are not told
              */
             supply_v: number | null;
             /**
@@ -8907,11 +8902,6 @@ export interface components {
              * @description RMS of one coil, as it is set now [A]; null: the same
              */
             run_current_a: number | null;
-            /**
-             * Inductance H
-             * @description of one coil, by the motor's data sheet; null: the back-EMF is not told
-             */
-            inductance_h: number | null;
         };
         /**
          * Identified
@@ -8951,7 +8941,9 @@ export interface components {
             detent_torque_nm: components["schemas"]["Estimate"] | null;
             /** @description of one coil; needs supply and current as told */
             resistance_ohm: components["schemas"]["Estimate"] | null;
-            /** @description peak of one coil, of the shaft's speed; needs the inductance too */
+            /** @description of one coil, as it is at speed with the run current */
+            inductance_h: components["schemas"]["Estimate"] | null;
+            /** @description peak of one coil, of the shaft's speed */
             back_emf_v_s_rad: components["schemas"]["Estimate"] | null;
             /** @description before the encoder */
             backlash_microsteps: components["schemas"]["Estimate"] | null;

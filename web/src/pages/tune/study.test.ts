@@ -84,11 +84,14 @@ describe("a study on the page", () => {
     expect(known && twinOf(known)).toEqual({ motor: figures });
     expect(known && twinOf({ ...known, on: false })).toBeNull();
     const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };
-    const found = { ...torque, inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
+    const coil = { resistance_ohm: null, inductance_h: { value: 2e-3 } };
+    const machine = { inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
+    const found = { ...torque, ...coil, ...machine };
     const twin = known && asIdentified(known, found as unknown as Identified, "today");
     expect(twin?.motor).toMatchObject({
       ...figures,
       holding_torque_nm: expect.closeTo(0.59 * 1.2),
+      inductance_h: 2e-3,
       rotor_inertia_kgm2: 3e-5,
       load_friction_nm: 0.02,
       counts_per_turn: 4000,

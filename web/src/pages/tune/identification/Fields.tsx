@@ -17,7 +17,7 @@ const NUMBERS: readonly Asked<IdentificationForm>[] = [
   {
     key: "supplyV",
     label: "Supply of the motor",
-    description: "with the run current: the coil's resistance",
+    description: "with the run current: resistance, inductance and back-EMF",
     min: 1,
     max: 100,
     unit: "V",
@@ -29,15 +29,6 @@ const NUMBERS: readonly Asked<IdentificationForm>[] = [
     min: 0.01,
     max: 50,
     unit: "A",
-    optional: true,
-  },
-  {
-    key: "inductanceMh",
-    label: "Inductance of one coil",
-    description: "with both: the back-EMF",
-    min: 0.01,
-    max: 500,
-    unit: "mH",
     optional: true,
   },
 ];

@@ -6,12 +6,10 @@ export interface IdentificationForm {
   hops: number;
   /** with the run current [N m]; null: unknown */
   holdTorqueNm: number | null;
-  /** of the motor [V]; null: neither resistance nor back-EMF is told */
+  /** of the motor [V]; null: neither resistance, inductance nor back-EMF is told */
   supplyV: number | null;
   /** RMS of one coil as it is set now [A] */
   runCurrentA: number | null;
-  /** of one coil [mH]; null: the back-EMF is not told */
-  inductanceMh: number | null;
 }
 
 export const IDENTIFICATION: KindForm<IdentificationForm> = {
@@ -24,7 +22,6 @@ export const IDENTIFICATION: KindForm<IdentificationForm> = {
     holdTorqueNm: null,
     supplyV: null,
     runCurrentA: null,
-    inductanceMh: null,
   }),
   wish: (form) => ({
     study: {
@@ -34,7 +31,6 @@ export const IDENTIFICATION: KindForm<IdentificationForm> = {
       hold_torque_nm: form.holdTorqueNm,
       supply_v: form.supplyV,
       run_current_a: form.runCurrentA,
-      inductance_h: form.inductanceMh === null ? null : form.inductanceMh / 1e3,
     },
   }),
 };

@@ -47,13 +47,17 @@ export function named(form: TwinForm, motor: NamedMotor): TwinForm | null {
 }
 
 /**
- * With inertia, friction and encoder as a study of motor and machine found them, `when`; null where it could not tell
+ * With inertia, friction, coil and encoder as a study of motor and machine found them, `when`; null where it could not tell
  * the inertia. That is of rotor and load together: the twin's rotor has all of it.
  */
 export function asIdentified(form: TwinForm, found: Identified, when: string): TwinForm | null {
   if (found.inertia_kgm2 === null) return null;
   const friction = found.friction_nm === null ? {} : { load_friction_nm: found.friction_nm.value };
   const lines = found.encoder_lines === null ? {} : { counts_per_turn: 4 * found.encoder_lines };
+  const coil = {
+    ...(found.resistance_ohm && { resistance_ohm: found.resistance_ohm.value }),
+    ...(found.inductance_h && { inductance_h: found.inductance_h.value }),
+  };
   // That of the plate is with the rated current, and that of the study with the run current: as many times as told.
   const torque =
     found.torque_nm === null || found.hold_torque_nm === null
@@ -65,6 +69,7 @@ export function asIdentified(form: TwinForm, found: Identified, when: string): T
     motor: {
       ...form.motor,
       ...torque,
+      ...coil,
       ...friction,
       ...lines,
       rotor_inertia_kgm2: found.inertia_kgm2.value,
