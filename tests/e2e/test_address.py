@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable
 
 import httpx
-from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
+from tests.e2e.held import Held
 from tests.e2e.views import SHOWN, shown
 
 
@@ -40,13 +41,12 @@ def test_a_view_comes_again_by_reload_by_back_and_by_its_link(
 
 
 def test_a_page_is_busy_until_the_last_part_of_its_view_is_there(page: Page) -> None:
-    held: list[Route] = []
-    page.route(re.compile("/ReferenceSection-"), lambda route: held.append(route))
+    held = Held(page, re.compile("/ReferenceSection-"))
     page.goto("/?d=bench&a=1&tab=reference")
     expect(page.get_by_role("tab", name="Zero")).to_have_attribute("aria-selected", "true")
     expect(page.locator("#main i[aria-busy=true]")).to_have_count(1)
     assert page.evaluate(SHOWN) is None
-    held.pop().continue_()
+    held.let_go()
     assert "reference" in shown(page)["choices"]
 
 

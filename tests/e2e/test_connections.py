@@ -11,10 +11,11 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 from server_process import ServerProcess, free_port
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
+from tests.e2e.held import Held
 
 NAME = "second"
 
@@ -158,8 +159,7 @@ def test_nobody_asks_for_the_wire_of_a_device_that_is_being_removed(page: Page, 
     expect(entry).to_contain_text("connected")
     with page.expect_request(f"**/devices/{NAME}/link"):
         page.clock.run_for(1500)
-    held: list[Route] = []
-    page.route(f"**/devices/{NAME}", lambda route: held.append(route))
+    held = Held(page, f"**/devices/{NAME}")
     entry.get_by_role("button", name="Remove").click()
     with page.expect_request(f"**/devices/{NAME}"):
         page.get_by_role("dialog").get_by_role("button", name="Remove").click()
@@ -167,7 +167,7 @@ def test_nobody_asks_for_the_wire_of_a_device_that_is_being_removed(page: Page, 
     page.on("request", lambda request: asked.append(request.url) if f"/devices/{NAME}/" in request.url else None)
     page.clock.run_for(5000)
     assert asked == []
-    held[0].continue_()
+    held.let_one_go()
     page.clock.resume()
     expect(entry).to_have_count(0)
 

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
+from tests.e2e.held import Held
 from tests.e2e.modules import a_module, select
 
 
@@ -51,16 +52,14 @@ def test_a_command_is_completed_sent_and_taken_apart(page: Page, drive: str) -> 
 
 
 def test_a_completion_asked_before_the_commands_are_there_is_made_when_they_come(page: Page, drive: str) -> None:
-    held: list[Route] = []
-    page.route("**/api/v1/catalog/*", lambda route: held.append(route))
+    held = Held(page, "**/api/v1/catalog/*")
     page.goto("/console")
     line = page.get_by_label("TMCL command")
     line.press_sequentially("gap actual p")
     page.keyboard.press("Tab")
     expect(line).to_be_focused()
     expect(line).to_have_value("gap actual p")
-    for route in held:
-        route.continue_()
+    held.let_go()
     expect(line).to_have_value("gap 1, ")
 
 
@@ -85,22 +84,13 @@ def test_what_was_sent_comes_back_with_the_arrow_key_even_after_a_reload(page: P
 
 def test_what_is_entered_while_a_command_is_under_way_is_not_lost(page: Page, drive: str) -> None:
     page.goto("/console")
-    held: list[Route] = []
-    page.route("**/tmcl", lambda route: held.append(route))
-
-    def let_pass() -> None:
-        for _ in range(500):
-            if held:
-                break
-            page.wait_for_timeout(10)  # routes come while the browser is waited for
-        held.pop().continue_()
-
+    held = Held(page, "**/tmcl")
     send(page, "GAP 4, 0")
     send(page, "GAP 5, 0")
     line = page.get_by_label("TMCL command")
     line.fill("GAP 6")
-    let_pass()
-    let_pass()
+    held.let_one_go()
+    held.let_one_go()
     sent = page.get_by_label("Commands sent, newest first").get_by_role("listitem")
     expect(sent).to_have_count(2)
     expect(sent.first).to_contain_text("GAP 5, 0")
@@ -174,18 +164,13 @@ def test_a_chip_has_its_datagrams_and_its_frames_here(page: Page) -> None:
 def test_a_datagram_entered_while_another_is_under_way_is_not_lost(page: Page) -> None:
     select(page, "bench")
     page.goto("/console")
-    held: list[Route] = []
-    page.route("**/exchange", lambda route: held.append(route))
+    held = Held(page, "**/exchange")
     line = page.get_by_label("Datagram in hex, 4 bytes")
     for frame in ("03 00 00 00", "05 00 00 00"):
         line.fill(frame)
         line.press("Enter")
-    for _ in range(2):
-        for _ in range(500):
-            if held:
-                break
-            page.wait_for_timeout(10)  # routes come while the browser is waited for
-        held.pop().continue_()
+    held.let_one_go()
+    held.let_one_go()
     sent = page.get_by_label("Datagrams sent, newest first").get_by_role("listitem")
     expect(sent).to_have_count(2)
     expect(sent.first).to_contain_text("05 00 00 00")

@@ -10,6 +10,8 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.e2e.held import Held
+
 REGISTERS = "/devices/bench/registers"
 V_MAX, PAIR = f"{REGISTERS}/V_MAX", f"{REGISTERS}/PMUL_PDIV"
 TABLE = "/devices/bench/microstep-table"
@@ -107,8 +109,11 @@ def test_a_microstep_table_goes_to_a_running_motor(page: Page, api: httpx.Client
 def test_current_scales_are_drawn_over_the_ramp_and_staged(page: Page, api: httpx.Client) -> None:
     register = f"{REGISTERS}/is_agtat_is_aleat_is_v0_a_threshold"
     before = value(api, register)
+    reads = Held(page, re.compile(r"/devices/bench/registers\?"))
     page.goto("/ramps")
     rest = page.get_by_test_id("field-is_v0")
+    expect(rest).to_be_disabled()  # what is typed before the chip was read would be lost
+    reads.let_go()
     expect(rest).to_have_value(re.compile(r"^[1-8]$"))
     wanted = 2 if rest.input_value() != "2" else 3
     rest.fill(str(wanted))

@@ -12,13 +12,14 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, Route, ViewportSize, expect
+from playwright.sync_api import BrowserContext, Locator, Page, ViewportSize, expect
 from server_process import free_port
 
 from app.registers import catalog
 from app.registers.listed.modules import role_of
 from app.registers.model import Register, Space
 from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.held import Held
 from tests.e2e.modules import select
 from tests.e2e.motor import wait_for
 
@@ -112,14 +113,13 @@ def test_a_profile_is_captured_compared_and_brought_back(page: Page, api: httpx.
 
 
 def test_nothing_is_captured_while_it_is_found_out_what_can_be_set(page: Page, drive: str) -> None:
-    held: list[Route] = []
-    page.route("**/profile/try", lambda route: held.append(route))
+    held = Held(page, "**/profile/try")
     page.goto("/profiles")
     capture = page.get_by_role("button", name="Capture drive")
     expect(capture).to_be_enabled()
     page.get_by_role("button", name="Find out what can be set").click()
     expect(capture).to_be_disabled()
-    held[0].continue_()
+    held.let_one_go()
     expect(page.get_by_role("status").filter(has_text="parameters can be set")).to_be_visible(timeout=30_000)
     expect(capture).to_be_enabled()
 

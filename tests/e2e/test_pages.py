@@ -8,9 +8,10 @@ from typing import Literal
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Page, Route, ViewportSize, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.held import Held
 
 PAGES = {
     "/": "Bench",
@@ -67,14 +68,10 @@ def test_an_unknown_address_leads_to_the_bench(page: Page) -> None:
 
 
 def test_a_page_that_is_still_loading_says_so(page: Page, check_axe: Callable[[Page], None]) -> None:
-    held: list[Route] = []
-    chunk = re.compile(r"/assets/MicrostepsPage-.*\.js")
-    page.route(chunk, lambda route: held.append(route))
+    held = Held(page, re.compile(r"/assets/MicrostepsPage-.*\.js"))
     page.goto("/microsteps", wait_until="commit")  # it loads until the page is there
     expect(page.get_by_role("progressbar", name="Loading the page")).to_be_visible()
     check_axe(page)
-    page.unroute(chunk)  # first: what is asked for between this and the next line is held by nobody
-    for route in held:
-        route.continue_()
+    held.let_go()
     expect(page.get_by_role("heading", level=1)).to_be_attached()
     expect(page.get_by_label("Loading the page")).to_have_count(0)

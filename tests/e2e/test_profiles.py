@@ -8,9 +8,10 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
+from tests.e2e.held import Held
 from tests.e2e.modules import a_module, select
 
 TRIED_WITHIN_MS = 60_000
@@ -157,16 +158,13 @@ def test_a_device_that_falls_silent_is_told(page: Page, api: httpx.Client, drive
     page.goto(f"/profiles?profile={number}")
     button = page.get_by_role("button", name="Apply 1 change")
     expect(button).to_be_enabled()
-    devices: list[Route] = []  # the page hears that the device has failed only after it has compared anew
-    page.route("**/api/v1/devices", lambda route: devices.append(route))
+    devices = Held(page, "**/api/v1/devices")  # it hears that the device has failed only after it compared anew
     api.patch(f"/devices/{drive}/emulator", json={"faults": {"silence": True}}).raise_for_status()
     button.click()
     expect(page.get_by_role("alert").filter(has_text="Comparing with drive")).to_be_visible()
     told = page.get_by_role("alert").filter(has_text="Applying the profile")
     expect(told).to_be_visible()
-    page.route("**/api/v1/devices", lambda route: route.continue_())
-    for each in devices:
-        each.continue_()
+    devices.let_go()
     expect(page.get_by_text("drive is failed: connect it")).to_be_visible()
     expect(told).to_be_visible()
     api.patch(f"/devices/{drive}/emulator", json={"faults": {"silence": False}}).raise_for_status()

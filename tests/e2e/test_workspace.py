@@ -8,9 +8,10 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from tests.e2e.conftest import PHONE, Errors
+from tests.e2e.held import Held
 
 KEPT = "() => JSON.parse(localStorage.getItem('stepscope.layouts') ?? '{}')"
 
@@ -339,14 +340,11 @@ def test_f6_goes_round_the_panels(page: Page) -> None:
 
 @pytest.mark.parametrize("address", ["/", "/?layout=registers"])
 def test_f6_is_heard_before_the_parts_that_come_later(page: Page, address: str) -> None:
-    held: list[Route] = []
-    page.route("**/assets/layouts-*.js", lambda route: held.append(route))
+    held = Held(page, "**/assets/layouts-*.js")
     page.goto(address)
     expect(page.get_by_test_id("layout-menu")).to_be_visible()
     page.keyboard.press("F6")
-    for route in held:
-        route.continue_()
-    page.unroute("**/assets/layouts-*.js")
+    held.let_go()
     expect(page.locator("[data-panel]:focus")).to_have_count(1)
 
 

@@ -42,6 +42,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
   const scheme = useScheme();
   const [own, setOwn] = useState<Codes>(AFTER_POWER_ON);
   const known = chip.spot(REGISTER) !== null;
+  const unread = device !== undefined && (known ? chip.origin(REGISTER) === "unknown" : !chip.known);
   const read = (field: keyof Codes) => (known ? (chip.planned(REGISTER, field) ?? 0) : own[field]);
   const codes: Codes = {
     is_agtat: read("is_agtat"),
@@ -56,7 +57,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
 
   const found = useCalc<Schemas["CurrentScaling"], Schemas["CurrentScalingResult"]>(
     "current-scales",
-    ramp === null ? null : { ...ramp, ...codes, continuous_update: updates === null ? null : updates === 1 },
+    ramp === null || unread ? null : { ...ramp, ...codes, continuous_update: updates === null ? null : updates === 1 },
     (body, signal) => api.POST("/api/v1/calc/current-scales", { body, signal }),
   );
   const { result, stale } = found;
@@ -85,7 +86,7 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
             field={field}
             title={title}
             note={note}
-            code={codes[field]}
+            code={unread ? null : codes[field]}
             staged={known && chip.isStaged(REGISTER, field)}
             fullScaleA={fullScaleA}
             usrs={usrs}
@@ -98,7 +99,8 @@ export function CurrentScales({ device, axis, ramp, usrs }: Props) {
           min={0}
           max={2047}
           step={10}
-          value={codes.a_threshold}
+          value={unread ? null : codes.a_threshold}
+          disabled={unread}
           description={known && chip.isStaged(REGISTER, "a_threshold") ? "not applied" : "unit of a_max"}
           inputWrapperOrder={["label", "input", "description", "error"]}
           onChange={(value) => put("a_threshold", value)}
@@ -143,7 +145,8 @@ interface ScaleProps {
   field: ScaleField;
   title: string;
   note: string;
-  code: number;
+  /** null while the chip has not been read: what is typed then would be lost */
+  code: number | null;
   staged: boolean;
   fullScaleA: number | null;
   usrs: number;
@@ -152,8 +155,8 @@ interface ScaleProps {
 
 /** One scale, in eighths: an arrow key is one of them. */
 function Scale({ field, title, note, code, staged, fullScaleA, usrs, onChange }: ScaleProps) {
-  const eighths = eighthsOf(code);
-  const current = fullScaleA === null ? "" : `${fixed((fullScaleA * eighths) / 8, 3, "A")}, `;
+  const eighths = code === null ? null : eighthsOf(code);
+  const ampere = (share: number) => (fullScaleA === null ? "" : `${fixed((fullScaleA * share) / 8, 3, "A")}, `);
   return (
     <NumberField
       label={`${title} · ${field}`}
@@ -163,10 +166,13 @@ function Scale({ field, title, note, code, staged, fullScaleA, usrs, onChange }:
       min={1}
       max={8}
       value={eighths}
+      disabled={eighths === null}
       description={
-        staged
-          ? "not applied"
-          : `${fixed(eighths * 12.5, 1, "%")}, ${current}${fixed(effectiveMicrosteps(usrs, code), 1)} µsteps`
+        eighths === null
+          ? "not read yet"
+          : staged
+            ? "not applied"
+            : `${fixed(eighths * 12.5, 1, "%")}, ${ampere(eighths)}${fixed(effectiveMicrosteps(usrs, eighths), 1)} µsteps`
       }
       inputWrapperOrder={["label", "input", "description", "error"]}
       onChange={(value) => onChange(codeOf(value))}
