@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.e2e.conftest import PHONE, Errors
+from tests.e2e.held import Held
 from tests.e2e.motor import wait_for
 
 
@@ -27,10 +28,18 @@ def recording(api: httpx.Client) -> Iterator[str]:
 def test_a_notebook_is_written_ordered_and_kept(
     page: Page, api: httpx.Client, recording: str, check_axe: Callable[[Page], None]
 ) -> None:
+    pieces = Held(page, re.compile(rf"/recordings/{recording}/plot"))
     page.goto(f"/recordings/{recording}?t=0.2~0.6")
     notebook = page.get_by_role("region", name="Notebook")
     add = notebook.get_by_role("button", name="Add")
     add.click()
+    stood = add.bounding_box()
+    assert stood
+    pieces.let_go()
+    expect(page.get_by_test_id("recording-plots")).to_be_visible()
+    stands = add.bounding_box()
+    assert stands
+    assert abs(stands["y"] - stood["y"]) < 1, "it moved away from a hand that reaches for it"
     page.get_by_role("menuitem", name="Text").click()
     words = notebook.get_by_label("Text of the cell")
     words.fill("It rings at the end.")

@@ -16,6 +16,8 @@ import { Overview, type OverviewHandle } from "./Overview";
 import { type Piece, type Window, ZoomData } from "./ZoomData";
 
 const OVERVIEW_POINTS = 3000;
+/** Range and overview above the plots; between two of them [px] */
+const [TOP, GAP] = [87, 4];
 
 interface Props {
   detail: RecordingDetail;
@@ -137,11 +139,13 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
     return true;
   };
 
+  const heightOf = (lane: Lane) => (lane.logic ? 84 : phone ? 210 : Math.max(150, Math.round(560 / lanes.length)));
   if (problem !== null && loaded === null)
     return <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />;
   if (loaded === null)
     return (
-      <Center mih={260}>
+      // as high as what comes: what stands below does not move away from a hand that reaches for it
+      <Center mih={lanes.reduce((height, lane) => height + heightOf(lane) + GAP, TOP)}>
         <Loading label="Reading the recording" />
       </Center>
     );
@@ -178,7 +182,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
             series={lane.series}
             x={{ label: "time", unit: "s", axis: bottom }}
             scales={{ y: { unit: lane.unit, ...(lane.logic ? { range: [-0.1, 1.1] as const } : {}) } }}
-            height={lane.logic ? 84 : phone ? 210 : Math.max(150, Math.round(560 / Math.max(1, lanes.length)))}
+            height={heightOf(lane)}
             group={`recording-${id}`}
             legend
             limit={limit}

@@ -7,10 +7,10 @@ import { Card } from "../../lib/Card";
 import { optionsOf } from "../../lib/choices";
 import { duration, fixed, sizeText } from "../../lib/format";
 import { Loading } from "../../lib/Loading";
-import { later } from "../../lib/later";
 import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useScheme } from "../../lib/useScheme";
+import { RecordingTwin } from "../twin/RecordingTwin";
 import { AddedFiles } from "./AddedFiles";
 import { isRunning, type RecordingDetail, titleOf, useChanges, useFigures, useRecording } from "./api";
 import { Configuration } from "./Configuration";
@@ -28,8 +28,6 @@ import { useReplay } from "./useReplay";
 import { useView } from "./useView";
 import { stateText, whenText } from "./words";
 import type { Window } from "./ZoomData";
-
-const RecordingTwin = later(() => import("../twin/RecordingTwin").then((part) => part.default));
 
 /** One recording: its plots, what happened, its figures, and how the device was set. */
 export function RecordingView({ id }: { id: string }) {

@@ -18,7 +18,7 @@ import { TWIN_KEY, useTwin } from "./useTwin";
 import { hasWebGl } from "./webgl";
 
 /** A recording's axis in 3D, where the plot's cursor stands. Off until it is switched on. */
-export default function RecordingTwin({ recording }: { recording: string }) {
+export function RecordingTwin({ recording }: { recording: string }) {
   const [open, setOpen] = useState(false);
   return (
     <Card
