@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import multiprocessing
-import os
 from collections import OrderedDict
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
-from ..clock import Clock, WallClock
+from ..aside import NotWorkedOut, worked_out
+from ..clock import Clock
 from ..devices.core.actor import actor
 from ..devices.core.device import Device
 from ..errors import BenchError, OutOfRange, StoreUnavailable, UnknownThing, WrongState
@@ -34,8 +30,6 @@ TRIAL_WITHIN_S = 120.0
 TRIALS_KEPT = 500
 TRIALS_WAITING_MAX = 4
 ENTRIES_MAX = 2000
-NICENESS = 5
-"""The server and its motors come first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,9 +123,10 @@ class MacroService:
             kept.document.model_dump(mode="json"),
             documents,
         )
-        if not isinstance(self._clock, WallClock):  # where the clock waits for us, there is nobody to hold up
-            return await asyncio.to_thread(run_trial, job)
-        return await _in_process(job)
+        try:
+            return await worked_out(self._clock, run_trial, job, within_s=TRIAL_WITHIN_S)
+        except NotWorkedOut as error:
+            return TrialResult(why_not=str(error))
 
     # --- run --------------------------------------------------------------------------------------
 
@@ -188,26 +183,6 @@ class MacroService:
 
 def _key(device: Device, kept: Kept) -> tuple[str, str, str, int]:
     return device.id, device.model, kept.id, kept.revision
-
-
-async def _in_process(job: TrialJob) -> TrialResult:
-    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _nice)
-    try:
-        async with asyncio.timeout(TRIAL_WITHIN_S):
-            return await asyncio.get_running_loop().run_in_executor(pool, run_trial, job)
-    except TimeoutError:
-        return TrialResult(why_not=f"it was not through within {TRIAL_WITHIN_S:g} s")
-    except BrokenProcessPool:
-        return TrialResult(why_not="the process that tried it is gone")
-    finally:
-        for process in (pool._processes or {}).values():  # noqa: SLF001  # there is no other way to end it now
-            process.kill()
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _nice() -> None:
-    with contextlib.suppress(AttributeError):  # there is none on Windows
-        os.nice(NICENESS)
 
 
 class _Aside:

@@ -8,8 +8,9 @@ import time
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
+from ..aside import NotWorkedOut, worked_out
 from ..clock import Clock
 from ..devices.core.actor import actor
 from ..devices.core.device import Device
@@ -22,11 +23,14 @@ from .record import Held, Phase, StudyRecord
 from .twins.executor import Executor, no_executor
 
 MAY_TURN = "the motor may still turn: stop it as soon as the device is there again"
+T = TypeVar("T")
 log = logging.getLogger("stepscope.studies")
 
 REST_WITHIN_S = 10.0
 """How long a motor may take to come to rest before its settings go back [s]."""
 POLL_S = 0.02
+WORKS_WITHIN_S = 300.0
+"""The longest fits take 10 s of an idle processor [s]."""
 
 
 class Keeper(Protocol):
@@ -100,6 +104,16 @@ class StudyRun(Procedure):
             if not task.cancelled():
                 task.exception()  # heard: what it has left goes back next
             raise
+
+    async def aside(self, work: Callable[..., T], *arguments: object) -> T:
+        """What takes a processor for long, beside the server's loop: stops get through meanwhile.
+
+        work, arguments : can be pickled. Raises Failed where it does not come to an end, and what `work` raises.
+        """
+        try:
+            return await worked_out(self.clock, work, *arguments, within_s=WORKS_WITHIN_S)
+        except NotWorkedOut as error:
+            raise Failed(f"what was measured could not be worked out: {error}") from error
 
     async def back(self) -> None:
         """Set the axis as it was before the study. Raises BenchError."""

@@ -48,6 +48,11 @@ WATCHES_MAX = 8
 Which = Literal["best", "baseline"]
 
 
+def _import_scipy() -> None:
+    """What studies calculate with: it takes a second, for which the first calculation would hold up everything."""
+    from scipy import linalg, optimize, special, stats  # noqa: F401
+
+
 @dataclass(slots=True)
 class _Kept:
     """Where one study leaves what came of it."""
@@ -161,6 +166,7 @@ class StudyService:
         return await self._begin(record)
 
     async def _begin(self, record: StudyRecord) -> StudyRecord:
+        await asyncio.to_thread(_import_scipy)
         device, axis = self._of(record.document)
         record.device_name, record.model = device.name, device.model
         kind = KINDS[record.document.study.kind]

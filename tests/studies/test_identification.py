@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from app.calc.motors.ring_down import Fitted
 from app.studies.document import Identification
 from app.studies.fitted import Estimate
+from app.studies.identification.fits import fitted
 from app.studies.identification.found import Identified
 from app.studies.identification.measured import findings, torque_of
 from app.studies.kinds import KINDS
@@ -48,7 +50,16 @@ def near(told: Estimate | None, true: float, within: float) -> bool:
     return abs(told.value - true) <= within
 
 
-async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path: Path) -> None:
+async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fits_in: list[threading.Thread] = []
+
+    def noted(*what: Any) -> Any:
+        fits_in.append(threading.current_thread())
+        return fitted(*what)
+
+    monkeypatch.setattr("app.studies.identification.study.fitted", noted)
     async with studied(tmp_path, FULL, **PLANT) as s:
         before = await s.settings(*NAMES)
         plan = await KINDS["identification"].plan(s.device, 0, s.document({**STUDY, **COIL}))
@@ -73,6 +84,8 @@ async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(tmp_path
         assert record.runs <= plan.moves_max
         assert record.way_fullsteps == pytest.approx(plan.way_fullsteps, rel=0.2)
         assert "A ring after a hop" in html_of(record)
+        assert len(fits_in) == 1
+        assert fits_in[0] is not threading.current_thread(), "the loop has stops to see to"
 
 
 async def test_the_back_emf_tells_the_holding_torque_of_a_motor_whose_sheet_nobody_has(tmp_path: Path) -> None:

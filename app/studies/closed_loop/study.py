@@ -89,7 +89,7 @@ class ClosedLoopStudy(StudyRun):
             record.baseline, record.switched = [*ground.moving, *ground.loop.before], ground.loop.switched
         await self.keeper.save(record)
         rings = await self._rings()
-        gains, found = self._worked_out(rings)
+        gains, found = await self._worked_out(rings)
         record.loop = found
         registers = ground.loop.registers(gains, ground.most_pps, wanted.tolerance_microsteps)
         setting = {PROPORTIONAL: gains.proportional, INTEGRAL: gains.integral}
@@ -149,11 +149,11 @@ class ClosedLoopStudy(StudyRun):
         if abs(lost) > PERIOD_FULLSTEPS / 2:
             raise Failed(f"the hops lost {plain(abs(lost), 3)} full steps: too heavy a load, or too little current")
         try:
-            return fit_ring_downs(rings)
+            return await self.aside(fit_ring_downs, rings)
         except ValueError as error:
             raise Failed(f"the rotor's resonance cannot be told: {error}") from error
 
-    def _worked_out(self, rings: RingDown) -> tuple[Gains, LoopFound]:
+    async def _worked_out(self, rings: RingDown) -> tuple[Gains, LoopFound]:
         """Gains as the chip holds them, and the loop that they make."""
         w, half = rings.resonance_hz.value * 2 * math.pi, rings.resonance_hz.half * 2 * math.pi
         plants = [
@@ -161,7 +161,8 @@ class ClosedLoopStudy(StudyRun):
             for at in (-1, 0, 1)
             for by in (-1, 0, 1)
         ]
-        gains = self._ground.loop.rounded(gains_for(plants, self.wanted.gain_margin, self.wanted.phase_margin_deg))
+        best = await self.aside(gains_for, plants, self.wanted.gain_margin, self.wanted.phase_margin_deg)
+        gains = self._ground.loop.rounded(best)
         if gains.proportional <= 0 or gains.integral <= 0:
             raise Failed("no gains keep these margins: ask for smaller ones")
         margins: Margins = worst(gains, plants)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from ...calc.motors.friction_backlash import Torn, Turn, friction_and_backlash
-from ...calc.motors.ring_down import Ring, RingDown, fit_ring_downs
+from ...calc.motors.friction_backlash import Turn
+from ...calc.motors.ring_down import Ring
 from ...calc.motors.slow_turns import SlowTurn, fit_slow_turn
 from ...number_text import plain
 from ...procedures.procedure import Failed
@@ -29,6 +29,7 @@ from .coil import (
     coil_of,
     load_sine_of,
 )
+from .fits import fitted
 from .found import Identified
 from .measured import Measured, findings, identified, in_torques, torque_of
 from .plan import AmplitudeGround, Ground, hop_targets, look
@@ -37,8 +38,6 @@ TURNS_WITH = 0.02
 """How much less or more than the motor is told may an encoder show, on the whole way."""
 TURNS_TAKE = 0.85
 """Share of the time."""
-ROUNDS = 2
-"""So often are rings fitted, with what the fit before told."""
 
 
 class IdentificationStudy(StudyRun):
@@ -66,7 +65,7 @@ class IdentificationStudy(StudyRun):
         rings = await self._rings()
         await self._moves.go(ground.start)
         await self.back()
-        found = self._fitted(turns, rings)
+        found = await self._fitted(turns, rings)
         told_of = identified(found, ground, self.wanted)
         coil = await self._coil(told_of)
         if coil.resistance is not None:
@@ -231,32 +230,16 @@ class IdentificationStudy(StudyRun):
 
     # --- fits ---------------------------------------------------------------------------------------
 
-    def _fitted(self, turns: list[SlowTurn], rings: list[Ring]) -> Measured:
-        """Friction and backlash help to fit the rings, which help to tell both apart."""
-        why: list[str] = []
-        torn = found = None
-        try:
-            torn = self._torn(turns, None)
-        except ValueError as error:
-            why.append(f"friction and backlash: {error}")
-        try:
-            for _ in range(ROUNDS):
-                play, friction = (0.0, None) if torn is None else (max(torn.backlash.value, 0.0), torn.friction)
-                found = fit_ring_downs(rings, play, friction)
-                torn = torn and self._torn(turns, found)
-        except ValueError as error:
-            why.append(f"resonance, damping, inertia: {error}")
-        return Measured(turns[0], torn, found, why)
-
-    def _torn(self, turns: list[SlowTurn], rings: RingDown | None) -> Torn:
-        """Friction and backlash at no speed. Raises ValueError where they cannot be told apart."""
+    async def _fitted(self, turns: list[SlowTurn], rings: list[Ring]) -> Measured:
+        """Raises Failed."""
         ground = self._ground
         rad = 2 * math.pi / (4 * ground.full_step)
         made = [
             Turn(turn.apart.scaled(rad), ground.current.share(scale), rad * times * ground.slow_pps)
             for turn, (scale, times) in zip(turns, ground.turns, strict=True)
         ]
-        return friction_and_backlash(made, rings)
+        self.tell("look", TURNS_TAKE, "what was measured is fitted")
+        return await self.aside(fitted, turns[0], made, rings)
 
     # --- what is told -------------------------------------------------------------------------------
 
