@@ -50,13 +50,21 @@ function Findings({ study }: { study: Study }) {
       <ul className="list">
         {study.findings.map((finding) => {
           const remedy = remedyOf(study.document.device, finding);
+          const { figure, sure } = figureOf(finding);
           return (
-            <li key={finding.name} style={{ padding: "4px 0" }}>
-              <Text size="sm">
-                <b>{finding.name}</b> <span className="dim">({finding.sure})</span> {figureOf(finding)}
-              </Text>
-              <Text size="sm">{finding.text}</Text>
-              {remedy && <Remedies remedies={[remedy]} />}
+            <li key={finding.name} className="row gap-16" style={{ padding: "6px 0", alignItems: "start" }}>
+              <div className="grow shrink">
+                <b>{finding.name}</b>
+                {finding.sure !== "measured" && <span className="dim"> ({finding.sure})</span>}
+                <Text size="sm" className="dim">
+                  {finding.text}
+                </Text>
+                {remedy && <Remedies remedies={[remedy]} />}
+              </div>
+              <div className="right num">
+                <b>{figure}</b>
+                <div className="hint">{sure}</div>
+              </div>
             </li>
           );
         })}

@@ -10,7 +10,7 @@ import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalib
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
 import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
-import { remedyOf, type Study, sentencesOf } from "./study";
+import { type Finding, figureOf, remedyOf, type Study, sentencesOf } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 import { asIdentified, FIRST_TWIN, type Identified, named, twinOf } from "./twin/form";
 
@@ -105,6 +105,15 @@ describe("a study on the page", () => {
     const wish = documentOf("least_current", { ...forms, least_current: { ...forms.least_current, twin } }, "slide", 0);
     expect(wish.study).toMatchObject({ kind: "least_current", twin: { motor: FIRST_TWIN.motor } });
     expect(documentOf("least_current", forms, "slide", 0).study).toMatchObject({ twin: null });
+  });
+
+  it("tells a figure in a unit of its size, and how sure it is", () => {
+    const found = { name: "", text: "", sure: "measured", remedy: null } as const;
+    const of = (value: number | null, unit: string, low = 0, high = 0) =>
+      figureOf({ ...found, value, unit, interval: high ? { low, high } : null } as Finding);
+    expect(of(4.4e-3, "H", 4.1e-3, 4.7e-3)).toEqual({ figure: "4.400 mH", sure: "95 %: 4.100 to 4.700" });
+    expect(of(5.8e-6, "kg m2").figure).toBe("58.00 g cm²");
+    expect(of(null, "Hz")).toEqual({ figure: "", sure: "" });
   });
 
   it("parts a long verdict into what came of it and its grounds", () => {

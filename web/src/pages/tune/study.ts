@@ -10,11 +10,18 @@ export type Kind = StudyInfo["kind"];
 export type Trial = Study["trials"][number];
 export type Finding = Study["findings"][number];
 
-/** What of a finding stands beside its name: 0.25 deg, 0.2 to 0.3. */
-export function figureOf({ value, unit, interval }: Finding): string {
-  if (value === null) return "";
-  const between = interval === null ? "" : ` (95 %: ${compact(interval.low)} to ${compact(interval.high)})`;
-  return `${compact(value)} ${unit}`.trim() + between;
+/** Units of which a motor has thousandths, and one of which it has far less. */
+const LARGE = new Set(["H", "N m", "N m s", "V s/rad"]);
+
+/** What of a finding stands beside its name, and how sure that is: 4.40 mH, 95 %: 4.10 to 4.70. */
+export function figureOf({ value, unit, interval }: Finding): { figure: string; sure: string } {
+  if (value === null) return { figure: "", sure: "" };
+  const small = LARGE.has(unit) && value !== 0 && Math.abs(value) < 0.1;
+  const per = unit.startsWith("kg m2") ? 1e7 : small ? 1e3 : 1;
+  const symbol = `${small ? "m" : ""}${unit.replace("kg m2", "g cm²").replace("ohm", "Ω").replace("^2", "²")}`;
+  const text = (at: number) => compact(per === 1 ? at : at * per);
+  const sure = interval === null ? "" : `95 %: ${text(interval.low)} to ${text(interval.high)}`;
+  return { figure: `${text(value)} ${symbol}`.trim(), sure };
 }
 
 /** A cure as the page makes it: its address stands behind the device's own. */
