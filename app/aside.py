@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import multiprocessing
 import os
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -24,7 +25,7 @@ class NotWorkedOut(Exception):
 
 async def in_process(work: Callable[..., T], *arguments: object, within_s: float) -> T:
     """What `work` returns; it and its arguments can be pickled. What it raises is raised. Raises NotWorkedOut."""
-    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _nice)
+    pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
     try:
         async with asyncio.timeout(within_s):
             return await asyncio.get_running_loop().run_in_executor(pool, work, *arguments)
@@ -46,6 +47,15 @@ async def worked_out(clock: Clock, work: Callable[..., T], *arguments: object, w
         return thread.submit(work, *arguments).result()
 
 
-def _nice() -> None:
+def _begin() -> None:
+    """In the new process: come last, and end with the server, however that ends."""
     with contextlib.suppress(AttributeError):  # there is none on Windows
         os.nice(NICENESS)
+    threading.Thread(target=_end_with_the_server, daemon=True).start()
+
+
+def _end_with_the_server() -> None:
+    server = multiprocessing.parent_process()
+    assert server is not None
+    server.join()
+    os._exit(1)

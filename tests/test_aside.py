@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import os
+import subprocess
+import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,6 +16,7 @@ import pytest
 from app.aside import NotWorkedOut, in_process, worked_out
 from app.clock import VirtualClock, WallClock
 
+ROOT = Path(__file__).parent.parent
 LONG_S = 60.0
 
 
@@ -59,6 +63,41 @@ async def test_a_process_that_is_gone_and_one_that_takes_too_long_are_told(tmp_p
         await in_process(is_killed, within_s=LONG_S)
     with pytest.raises(NotWorkedOut, match="not through within"):
         await in_process(until_there_is, str(tmp_path / "never"), within_s=0.01)
+
+
+def says_who_it_is(path: str) -> None:
+    Path(path).write_text(str(os.getpid()))
+    time.sleep(LONG_S)
+
+
+SERVER = """
+import asyncio, sys
+from app.aside import in_process
+from tests.test_aside import says_who_it_is
+if __name__ == "__main__":
+    asyncio.run(in_process(says_who_it_is, sys.argv[1], within_s=60))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
+def test_a_server_that_is_killed_leaves_no_process(tmp_path: Path) -> None:
+    script, said = tmp_path / "server.py", tmp_path / "pid"
+    script.write_text(SERVER)
+    server = subprocess.Popen([sys.executable, script, said], env={**os.environ, "PYTHONPATH": str(ROOT)})
+    try:
+        wait_for(lambda: said.exists() and said.read_text() != "", "it works")
+    finally:
+        server.kill()
+        server.wait()
+    worker = Path("/proc") / said.read_text()
+    wait_for(lambda: not worker.exists() or "(zombie)" in (worker / "status").read_text(), "it is gone")
+
+
+def wait_for(is_so: Callable[[], bool], what: str) -> None:
+    until_s = time.monotonic() + LONG_S / 2
+    while not is_so():
+        assert time.monotonic() < until_s, what
+        time.sleep(0.02)
 
 
 async def test_who_gives_up_waits_no_longer(tmp_path: Path) -> None:
