@@ -16,8 +16,9 @@ from tests.e2e.motor import wait_for
 
 @pytest.fixture(scope="module")
 def recording(api: httpx.Client) -> Iterator[str]:
-    """A second of the demo's axis X."""
+    """A second of the demo's axis X, from a move on: without that a busy machine may be through before it moves."""
     body = {"device": "bench", "channels": ["position.0", "velocity.0"], "rate_hz": 100.0, "duration_s": 1.0}
+    body["trigger"] = {"kind": "move", "axis": 0}
     made = api.post("/recordings", json={**body, "name": "for notes"}).raise_for_status().json()["id"]
     api.post("/devices/bench/axes/0/move", json={"target": 900, "relative": True}).raise_for_status()
     wait_for(lambda: api.get(f"/recordings/{made}/info").json()["state"] == "done", "the recording is over")
