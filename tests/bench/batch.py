@@ -3,8 +3,8 @@
 Threads, one a core, as compiled code lets go of Python's lock. Each axis has a load of its own. In the first row no
 motor ever rests; in the second each rests as long as it has moved, as in a study that waits until the shaft is still.
 A machine with other work too shows what it has left; what a second of a core's time brings stands below. So does what
-the same cores make of the motors' equations alone (`bare_motor.py`): where that is no more than twice what was asked,
-what was asked is out of this machine's reach, and half of the limit is required instead.
+the same cores make of the motors' equations alone (`bare_motor.py`): where a fair share of that limit is less than what
+was asked, what was asked is out of this machine's reach, and that share is required instead.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from tests.bench.motor import CLOCK_HZ, SETTINGS
 from tests.bench.table import Row
 
 REQUIRED = 1000.0
-OF_LIMIT = 0.5
-"""Of the motors alone: no more than as much again for ramp, driver, StallGuard, switches, encoders and load."""
+OF_LIMIT = 0.45
+"""Of the motors alone: little more than as much again for ramp, driver, StallGuard, switches, encoders and load."""
 AXES = 64
 LOOK_CLOCKS = CLOCK_HZ // 20
 TARGET = 300_000
