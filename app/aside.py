@@ -47,10 +47,15 @@ async def worked_out(clock: Clock, work: Callable[..., T], *arguments: object, w
         return thread.submit(work, *arguments).result()
 
 
-def _begin() -> None:
-    """In the new process: come last, and end with the server, however that ends."""
+def come_last() -> None:
+    """Let this process have what the server and its motors leave."""
     with contextlib.suppress(AttributeError):  # there is none on Windows
         os.nice(NICENESS)
+
+
+def _begin() -> None:
+    """In the new process: come last, and end with the server, however that ends."""
+    come_last()
     threading.Thread(target=_end_with_the_server, daemon=True).start()
 
 

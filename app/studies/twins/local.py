@@ -10,12 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from typing import Any
 
+from ...aside import come_last
 from .executor import JOB_S, JobLost, TwinJob
 from .twin import run_job
 
 PROCESSES_MAX = 16
-NICENESS = 5
-"""The server and its motors come first."""
 
 
 class Here:
@@ -115,8 +114,7 @@ class _Worker:
 
 
 def _serve(pipe: Connection) -> None:
-    with contextlib.suppress(AttributeError):  # there is none on Windows
-        os.nice(NICENESS)
+    come_last()
     with contextlib.suppress(EOFError):
         while True:
             pipe.send(run_job(pipe.recv()))

@@ -19,7 +19,7 @@ export function figureOf({ value, unit, interval }: Finding): { figure: string; 
   const small = LARGE.has(unit) && value !== 0 && Math.abs(value) < 0.1;
   const per = unit.startsWith("kg m2") ? 1e7 : small ? 1e3 : 1;
   const symbol = `${small ? "m" : ""}${unit.replace("kg m2", "g cm²").replace("ohm", "Ω").replace("^2", "²")}`;
-  const text = (at: number) => compact(per === 1 ? at : at * per);
+  const text = (at: number) => compact(at * per);
   const sure = interval === null ? "" : `95 %: ${text(interval.low)} to ${text(interval.high)}`;
   return { figure: `${text(value)} ${symbol}`.trim(), sure };
 }
