@@ -17,6 +17,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.telemetry.frames import Frame, decode
+from app.telemetry.history import HISTORY_RATE_HZ, REST_RATE_HZ
 from tests.api.live import live_server
 
 BENCH = "devices/bench/telemetry"
@@ -60,6 +61,16 @@ class Stream:
             else:
                 self.frames.append(decode(received))
                 found += len(self.frames[-1].time_s)
+        return self._rows(first)
+
+    async def read_until(self, time_s: float) -> tuple[Any, Any]:
+        """The same, up to a row of that time [s] at the least."""
+        first = len(self.frames)
+        while len(self.frames) == first or self.frames[-1].time_s[-1] < time_s:
+            await self.read(1)
+        return self._rows(first)
+
+    def _rows(self, first: int) -> tuple[Any, Any]:
         frames = self.frames[first:]
         return np.concatenate([f.time_s for f in frames]), np.hstack([f.columns for f in frames])
 
@@ -90,7 +101,7 @@ async def test_a_move_is_announced_and_seen(server: str, api: httpx.AsyncClient)
         stream = Stream(connection)
         await stream.message()
         started = (await api.post("devices/bench/axes/0/move", json={"target": 2000})).json()
-        time_s, columns = await stream.read(round(1000 * (started["predicted_duration_s"] + 0.3)))
+        time_s, columns = await stream.read_until(started["started_at_s"] + started["predicted_duration_s"] + 0.1)
         moves = [message for message in stream.messages if message["type"] == "move"]
         assert moves == [{"type": "move", "axis": 0, "started_at_s": started["started_at_s"]}]
         position, residual = columns
@@ -102,13 +113,19 @@ async def test_a_move_is_announced_and_seen(server: str, api: httpx.AsyncClient)
 
 
 async def test_a_reloaded_page_has_its_past_before_the_present(server: str) -> None:
-    await asyncio.sleep(0.5)
+    async with socket(server, f"{BENCH}?channels=position.0&rate_hz=1000") as connection:
+        reader = Stream(connection)
+        await reader.message()
+        before_s, _ = await reader.read(500)
     async with socket(server, f"{BENCH}?channels=position.0&rate_hz=1000&history_s=60") as connection:
         stream = Stream(connection)
         start = await stream.message()
-        assert 10 <= start["history_rows"] <= 120
         past_s, _ = await stream.read(start["history_rows"])
         assert len(past_s) == start["history_rows"]
+        # A machine with more to do than it can lets the history rest.
+        assert past_s[0] <= before_s[0] + 1 / REST_RATE_HZ
+        assert past_s[-1] >= before_s[-1] - 1 / REST_RATE_HZ
+        assert len(past_s) <= (past_s[-1] - past_s[0]) * HISTORY_RATE_HZ + 2
         live_s, _ = await stream.read(50)
         assert live_s[0] >= past_s[-1]
 
