@@ -143,6 +143,35 @@ def fill(page: Page, fields: dict[str, str]) -> None:
         field.press("Tab")
 
 
+def test_a_stop_gets_through_while_what_was_measured_is_fitted(page: Page, api: httpx.Client) -> None:
+    options: dict[str, Any] = {
+        "motor": {"rotor_teeth": 50, "viscous_nms": 0.002, "holding_torque_nm": 0.45},
+        "load": {"inertia_kgm2": 2e-5, "friction_nm": 0.01},
+        "encoder": {"lines": 10_000},
+    }
+    with a_chip(api, "machine", **options) as chip:
+        start = {"velocity_pps": 51_200, "acceleration_pps2": 256_000, "counts_per_rev": 40_000, "stops": False}
+        api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
+        chip.write("IHOLD_IRUN", IHOLD=16, IRUN=31, IHOLDDELAY=1)
+        chip.emulator(time_scale=10.0)
+        before = {name: chip.register(name)["value"] for name in ("VMAX", "AMAX", "IHOLD_IRUN")}
+        select(page, chip)
+        page.goto("/tune")
+        page.get_by_role("radio", name="Know motor and machine").check()
+        page.get_by_test_id("begin").click()
+        verdict = page.get_by_test_id("verdict")
+        expect(verdict).to_contain_text("what was measured is fitted", timeout=LONG_MS)
+        page.get_by_test_id("stop-all").click()
+        expect(verdict).to_contain_text("ended by another command to this axis: stop")
+        expect(page.get_by_role("button", name="Stop, and set back")).to_have_count(0)
+        all_of_them = api.get("/studies").raise_for_status().json()["studies"]
+        (study,) = (each["id"] for each in all_of_them if each["device"] == chip.device)
+        ended = api.get(f"/studies/{study}").raise_for_status().json()
+        assert (ended["state"], ended["identified"], ended["left"]) == ("aborted", None, [])
+        assert {name: chip.register(name)["value"] for name in before} == before
+        page.goto("/connections")  # before the chip is gone
+
+
 def test_stealthchop_is_found_told_taken_and_undone(
     page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
 ) -> None:
