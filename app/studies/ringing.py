@@ -21,7 +21,9 @@ RING_S = 0.5
 """How long a ring is looked at [s]."""
 RATE_HZ = 1000.0
 BEFORE_S = 0.02
-"""Sampled before a hop [s]."""
+"""Sampled before a hop [s], and up to twice as long."""
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Multiples of it, less whole numbers, spread evenly."""
 LEAST = 5
 """Samples that follow its last step belong to a ring."""
 
@@ -33,10 +35,15 @@ async def ring_after(
     clock: Clock,
     target: int,
     full_step: int,
+    number: int,
 ) -> Ring:
-    """Hop to `target`, and what the encoder shows from there on. Raises Failed where it does not get there."""
+    """Hop to `target`, and what the encoder shows from there on. Raises Failed where it does not get there.
+
+    number : of the hop: each begins at another place between two samples, by which a swing that is sampled too rarely
+    is told from a slower one
+    """
     with sampling(device, [f"position.{axis}", f"encoder_position.{axis}"], RATE_HZ, clock) as samples:
-        await clock.sleep(BEFORE_S)
+        await clock.sleep(BEFORE_S * (1 + number * GOLDEN % 1))
         await hop(target)
         await clock.sleep(RING_S)
         samples.take()
@@ -50,4 +57,5 @@ async def ring_after(
         raise Failed(f"the motor stands at {position[-1]:g}, not {target}: by a switch, or its ramp is 0")
     rad = 2 * math.pi / (4 * full_step)
     forward = not len(away) or bool(position[away[0]] < target)
-    return Ring(times_s[begin:] - times_s[begin], encoder[begin:] * rad, target * rad, forward)
+    gap_s = float(times_s[begin] - times_s[max(begin - 1, 0)])
+    return Ring(times_s[begin:] - times_s[begin], encoder[begin:] * rad, target * rad, forward, gap_s)

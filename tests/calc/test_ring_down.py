@@ -15,8 +15,15 @@ COUNT = 2 * math.pi / 400
 
 
 def rings(
-    hz: float, damping: float, friction: float, count: int = 8, start: float = 1.2, zero: float = 0.03
+    hz: float,
+    damping: float,
+    friction: float,
+    count: int = 8,
+    start: float = 1.2,
+    zero: float = 0.03,
+    every_s: float = 1e-3,
 ) -> list[Ring]:
+    """A hop ends anywhere between two samples, `every_s` apart."""
     w = 2 * math.pi * hz
     p = np.array([w * w, 2 * damping * w, friction, 0.04, 0.0, 0.0])
     rng = np.random.default_rng(5)
@@ -25,11 +32,11 @@ def rings(
         seen = np.empty(40_000)
         field = 1.1 * index
         swing(p, field, 0.0, field - start, 0.0, 0.0, 1e-5, seen)
-        samples = seen[::100] + zero
+        apart = round(every_s / 1e-5)
+        samples = seen[round(index * 0.618 % 1 * apart) :: apart] + zero
         noisy = COUNT * np.round(samples / COUNT + rng.uniform(-0.5, 0.5))
-        made.append(
-            Ring(np.arange(len(noisy), dtype=np.float64) * 1e-3, np.asarray(noisy, dtype=np.float64), field, True)
-        )
+        time_s = np.arange(len(noisy), dtype=np.float64) * every_s
+        made.append(Ring(time_s, np.asarray(noisy, dtype=np.float64), field, True, every_s))
     return made
 
 
@@ -57,3 +64,15 @@ def test_what_does_not_ring_is_no_pendulum() -> None:
         fit_ring_downs(rings(170.0, 3.0, 0.2, start=0.3))
     with pytest.raises(ValueError, match="three rings"):
         fit_ring_downs(rings(90.0, 0.1, 0.0, count=2))
+
+
+@pytest.mark.parametrize(("hz", "rate_hz"), [(180.0, 100.0), (180.0, 120.0), (180.0, 220.0), (300.0, 370.0)])
+def test_a_swing_that_is_sampled_too_rarely_is_taken_for_no_slower_one(hz: float, rate_hz: float) -> None:
+    with pytest.raises(ValueError, match=r"samples every \d+(\.\d+)? ms"):
+        fit_ring_downs(rings(hz, 0.05, 0.01, count=12, every_s=1 / rate_hz))
+
+
+@pytest.mark.parametrize(("hz", "rate_hz"), [(60.0, 250.0), (20.0, 100.0)])
+def test_a_slow_swing_is_told_by_few_samples_too(hz: float, rate_hz: float) -> None:
+    found = fit_ring_downs(rings(hz, 0.03, 0.01, count=12, every_s=1 / rate_hz))
+    assert found.resonance_hz.value == pytest.approx(hz, rel=0.01)

@@ -153,11 +153,11 @@ def test_a_stop_gets_through_while_what_was_measured_is_fitted(page: Page, api: 
         start = {"velocity_pps": 51_200, "acceleration_pps2": 256_000, "counts_per_rev": 40_000, "stops": False}
         api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
         chip.write("IHOLD_IRUN", IHOLD=16, IRUN=31, IHOLDDELAY=1)
-        chip.emulator(time_scale=10.0)
         before = {name: chip.register(name)["value"] for name in ("VMAX", "AMAX", "IHOLD_IRUN")}
         select(page, chip)
         page.goto("/tune")
         page.get_by_role("radio", name="Know motor and machine").check()
+        fill(page, {"Speed of the slow turns": "0.5", "Hops": "8"})
         page.get_by_test_id("begin").click()
         verdict = page.get_by_test_id("verdict")
         expect(verdict).to_contain_text("what was measured is fitted", timeout=LONG_MS)

@@ -37,6 +37,12 @@ SHARED = 6
 UNSURE = 0.1
 """A share by which nobody knows the frequency."""
 TINY = 1e-9
+SAMPLES_A_SWING = 3.0
+"""With fewer it may be a faster one: sampled, both look the same."""
+FASTEST_HZ = 500.0
+"""No rotor swings faster: 0.02 N m on 1.6 g cm^2, among the smallest there are, swing at 400 Hz."""
+EARLY, LATE, RELEASED = 1 / 8, 1 / 5, 0.75
+"""A ring began at rest in its gap, by so many of its periods earlier or later; such a share of the rings has to."""
 LEFT_OUT = 0.003
 """Share of the resonance by which the pendulum is no motor: currents follow late, which pulls it down by some 0.2 %."""
 LOWEST = (-math.inf, 1e-4, 0.0, -0.5, -0.5, -math.inf)
@@ -46,12 +52,13 @@ HIGHEST = (math.inf, 2.0, 0.8, 0.5, 0.5, math.inf)
 @dataclass(frozen=True, slots=True)
 class Ring:
     """A ring after a move, from its end on. time_s : from 0; seen : by the encoder; field : where it shall rest [rad
-    electrical]; forward : which way it came."""
+    electrical]; forward : which way it came; gap_s : the move ended within so much before the first sample [s]."""
 
     time_s: FloatArray
     seen: FloatArray
     field: float
     forward: bool
+    gap_s: float
 
     def until(self, longest_s: float) -> Ring:
         """Its beginning."""
@@ -183,11 +190,25 @@ class _Fit:
             halves[FRICTION] = known.half
         return halves
 
+    def released(self, x: FloatArray) -> float:
+        """The share of rings that began at rest, a hop away, within their gaps."""
+        w, damping = math.exp(x[LOG_W]), min(float(x[DAMPING]), 0.9)
+        slower = math.sqrt(1 - damping**2)
+        period_s = 2 * math.pi / (w * slower)
+        inside = 0
+        for at, ring in enumerate(self._rings):
+            sign = -1.0 if ring.forward else 1.0
+            away, speed = sign * (x[SHARED + 2 * at] - ring.field), sign * x[SHARED + 2 * at + 1]
+            since_s = math.atan2(-slower * speed, away + damping * speed) / (w * slower)
+            since_s = (since_s + EARLY * period_s) % period_s - EARLY * period_s
+            inside += since_s <= ring.gap_s + LATE * period_s
+        return inside / len(self._rings)
+
 
 def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | None = None) -> RingDown:
     """Fit rings of one axis; `play` between shaft and encoder is known [rad electrical], `friction` where it is given.
 
-    Raises ValueError for fewer than three rings, or rings too short to see anything swing.
+    Raises ValueError for fewer than three rings, and for rings that are too short, or sampled too rarely, to tell.
     """
     if len(rings) < 3 or min(len(ring.seen) for ring in rings) < LEAST_SAMPLES:
         raise ValueError(f"a fit needs three rings of {LEAST_SAMPLES} samples, got {[len(r.seen) for r in rings]}")
@@ -200,10 +221,17 @@ def fit_ring_downs(rings: Sequence[Ring], play: float = 0.0, friction: Fitted | 
     whole = _Fit(rings, play, ALL_PERIODS / seen_hz)
     whole.friction = friction
     x, _ = whole.solve(best, 60)
+    hz = math.exp(x[LOG_W]) / (2 * math.pi)
+    every_s = float(np.median(np.concatenate([np.diff(ring.time_s) for ring in rings])))
+    few = hz * every_s > 1 / SAMPLES_A_SWING
+    if few or (1 / every_s < FASTEST_HZ + hz and whole.released(x) < RELEASED):
+        raise ValueError(
+            f"samples every {1e3 * every_s:.3g} ms are too few for how it swings: a link that gives "
+            f"{SAMPLES_A_SWING:g} samples of a swing or more tells it"
+        )
     halves = whole.halves(x)
     if halves[LOG_W] > UNSURE or halves[DAMPING] > max(float(x[DAMPING]), UNSURE):
         raise ValueError("no pendulum rings like that: too much damping, or too few samples of a swing")
-    hz = math.exp(x[LOG_W]) / (2 * math.pi)
     ring = max(range(len(rings)), key=lambda at: float(np.ptp(rings[at].seen)))
     shown = rings[ring].time_s <= ALL_PERIODS / seen_hz
     left = whole.residual(x)

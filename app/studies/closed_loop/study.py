@@ -143,7 +143,7 @@ class ClosedLoopStudy(StudyRun):
             self.tell("baseline", 0.5 * index / self.wanted.hops, f"hop {index + 1} of {self.wanted.hops}")
             by = round(HOPS[index % (self.wanted.hops // 2) % len(HOPS)] * ground.full_step)
             place += by if index < self.wanted.hops // 2 else -by
-            rings.append(await ring_after(hop, self.device, self.axis, self.clock, place, ground.full_step))
+            rings.append(await ring_after(hop, self.device, self.axis, self.clock, place, ground.full_step, index))
             self._count(by)
         lost = (deviation_of(await self._moves.state()) - before) / ground.full_step
         if abs(lost) > PERIOD_FULLSTEPS / 2:

@@ -145,7 +145,7 @@ class IdentificationStudy(StudyRun):
             self.tell(
                 "look", TURNS_TAKE + (1 - TURNS_TAKE) * index / len(targets), f"hop {index + 1} of {len(targets)}"
             )
-            rings.append(await self._ring(target))
+            rings.append(await self._ring(target, index))
         apart = (await self._moves.deviation() - before) / ground.full_step
         await self.apply(ground.ramp.registers({SPEED: ground.slow_pps, ACCELERATION: ground.most}), "slow moves")
         if abs(apart) > PERIOD_FULLSTEPS / 2:
@@ -154,7 +154,7 @@ class IdentificationStudy(StudyRun):
             )
         return rings
 
-    async def _ring(self, target: int) -> Ring:
+    async def _ring(self, target: int, number: int) -> Ring:
         """Hop to `target`, and what the encoder shows from there on."""
         ground = self._ground
 
@@ -163,7 +163,7 @@ class IdentificationStudy(StudyRun):
 
         start = (await self._moves.state()).position
         self._moves.way_fullsteps += abs(target - start) / ground.full_step
-        ring = await ring_after(hop, self.device, self.axis, self.clock, target, ground.full_step)
+        ring = await ring_after(hop, self.device, self.axis, self.clock, target, ground.full_step, number)
         self._count_run()
         return ring
 
