@@ -20,7 +20,7 @@ ORDERS = (4, 2, 1, 8, 3, 6, 5, 7)
 DRIVEN = (4, 2, 1)
 """Orders whose ripple may tell the resonance: others are what a large swing of these makes beside them."""
 FORCED = 4.0
-"""So many times its noise is the least forcing that tells a resonance."""
+"""So many times its noise is the least forcing that tells a resonance, and the least peak that has a name."""
 EXPLAINED = 0.5
 """A share of the ripple that a fit leaves, from which on it tells nothing."""
 SAME = 0.08
@@ -30,6 +30,8 @@ BESIDE = ((0.5, 0.8), (1.25, 2.0))
 """What is near to where an order meets the resonance, and beside it, as shares of that speed."""
 TIMES, LEAST_RAD = 1.8, math.radians(0.5)
 """So many times of what is beside, and so much, is the peak of an order that has a name."""
+LEAST_SHARE = 0.03
+"""Of the strongest peak: less is left of a start, or mixed from others, where it is amplified."""
 LEVEL = 0.05
 
 
@@ -97,9 +99,9 @@ def resonance(speeds: Sequence[AtSpeed]) -> tuple[Fitted | None, Fitted | None, 
     return pooled([one.resonance_hz for one in near.values()]), surest.damping, sorted(near)
 
 
-def _amplitudes(runs: Sequence[OrderRun], order: int, hz: float, low: float, high: float) -> list[float]:
-    """Of those whose order has a frequency between two shares of the resonance [rad electrical]."""
-    return [abs(run.amplitude) for run in runs if low * hz <= order * run.electrical_hz <= high * hz]
+def _between(runs: Sequence[OrderRun], order: int, hz: float, low: float, high: float) -> list[OrderRun]:
+    """Those whose order has a frequency between two shares of the resonance."""
+    return [run for run in runs if low * hz <= order * run.electrical_hz <= high * hz]
 
 
 def crossings(speeds: Sequence[AtSpeed], hz: Fitted, told_by: Sequence[int], periods: float) -> list[Crossing]:
@@ -110,14 +112,15 @@ def crossings(speeds: Sequence[AtSpeed], hz: Fitted, told_by: Sequence[int], per
     found = []
     for order in ORDERS:
         runs = order_runs(speeds, order)
-        near = _amplitudes(runs, order, hz.value, 1 - NEAR, 1 + NEAR)
-        beside = [one for low, high in BESIDE for one in _amplitudes(runs, order, hz.value, low, high)]
+        near = _between(runs, order, hz.value, 1 - NEAR, 1 + NEAR)
+        beside = [abs(run.amplitude) for each in BESIDE for run in _between(runs, order, hz.value, *each)]
         if order in told_by:  # it is known by its flanks, even where no speed was near
-            near.append(abs(min(runs, key=lambda run: abs(order * run.electrical_hz - hz.value)).amplitude))
+            near.append(min(runs, key=lambda run: abs(order * run.electrical_hz - hz.value)))
         if not near or not beside:
             continue
-        peak, usual = max(near), float(np.median(beside))
-        if order not in told_by and (peak < TIMES * usual or peak < LEAST_RAD):
+        strongest = max(near, key=lambda run: abs(run.amplitude))
+        peak, usual = abs(strongest.amplitude), float(np.median(beside))
+        if order not in told_by and peak < max(TIMES * usual, FORCED * strongest.noise, LEAST_RAD):
             continue
         found.append(
             Crossing(
@@ -127,7 +130,9 @@ def crossings(speeds: Sequence[AtSpeed], hz: Fitted, told_by: Sequence[int], per
                 times=peak / usual,
             )
         )
-    return sorted(found, key=lambda one: (one.order not in told_by, -one.peak_deg))
+    least = LEAST_SHARE * max((one.peak_deg for one in found), default=0.0)
+    named = [one for one in found if one.order in told_by or one.peak_deg >= least]
+    return sorted(named, key=lambda one: (one.order not in told_by, -one.peak_deg))
 
 
 def mapped(speeds: Sequence[AtSpeed], orders: Sequence[int]) -> list[MapPoint]:
