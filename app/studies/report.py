@@ -13,7 +13,7 @@ from .fastest_move import report as fastest_move
 from .identification import report as identification
 from .least_current import report as least_current
 from .microstep_calibration import report as microstep_calibration
-from .record import StudyRecord
+from .record import Finding, StudyRecord
 from .resonance_map import report as resonance_map
 from .scored_move import report as scored_move
 from .stallguard import report as stallguard
@@ -35,6 +35,8 @@ SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "torque_curve": torque_curve.sections,
 }
 """What each kind has to tell beside its verdict and findings."""
+LARGE = {"H", "N m", "N m s", "V s/rad"}
+"""Units of which a motor has thousandths."""
 
 
 def html_of(record: StudyRecord) -> str:
@@ -64,10 +66,22 @@ def _list(lines: Sequence[str]) -> str:
     return "<ul>" + "".join(f"<li>{text(line)}</li>" for line in lines) + "</ul>"
 
 
+def _unit_for(finding: Finding) -> tuple[float, str]:
+    """By what a figure is multiplied, and its unit then: a motor has g cm2 and mH."""
+    value, unit = finding.value or 0.0, finding.unit
+    if unit.startswith("kg m2"):
+        return 1e7, unit.replace("kg m2", "g cm2", 1)
+    if unit in LARGE and 0 < abs(value) < 0.1:
+        return 1e3, f"m{unit}"
+    return 1.0, unit
+
+
 def _findings(record: StudyRecord) -> str:
     rows = []
     for one in record.findings:
-        between = "" if one.interval is None else f"{number(one.interval.low)} to {number(one.interval.high)}"
-        value = f"{number(one.value)} {one.unit}".strip()
+        times, unit = _unit_for(one)
+        low_high = () if one.interval is None else (one.interval.low, one.interval.high)
+        between = " to ".join(number(times * end) for end in low_high)
+        value = "" if one.value is None else f"{number(times * one.value)} {unit}".strip()
         rows.append((one.name, one.text, value, between, one.sure, "" if one.remedy is None else one.remedy.label))
     return table(("what", "", "value", "95 %", "how sure", "cure"), rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 
 from app.calc.motors.ring_down import Fitted
+from app.number_text import plain
 from app.studies.document import Identification
 from app.studies.fitted import Estimate
 from app.studies.identification.fits import fitted
@@ -83,7 +85,11 @@ async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(
         assert (await s.b.state()).position == 0
         assert record.runs <= plan.moves_max
         assert record.way_fullsteps == pytest.approx(plan.way_fullsteps, rel=0.2)
-        assert "A ring after a hop" in html_of(record)
+        report = html_of(record)
+        assert "A ring after a hop" in report
+        assert re.search(r"4\.\d+ mH", report)
+        assert told.inertia_kgm2 is not None
+        assert f"{plain(1e7 * told.inertia_kgm2.value, 4)} g cm2" in report
         assert len(fits_in) == 1
         assert fits_in[0] is not threading.current_thread(), "the loop has stops to see to"
 
