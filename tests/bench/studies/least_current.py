@@ -36,7 +36,9 @@ SHARE, FIRST = 0.95, 0
 
 @dataclass(frozen=True)
 class Judged:
-    """A study on a plant; lost : of the held-out cycles of the same plant, warm, at the chosen current."""
+    """A study on a plant; lost : of the held-out cycles of the same plant, warm, at the chosen current. Of one that
+    says that the present current loses steps: of cycles at that, cold.
+    """
 
     record: StudyRecord
     as_before: bool
@@ -86,6 +88,9 @@ async def judged(seed: int, folder: Path, cycles: int, irun: int = IRUN) -> Judg
         before = await s.settings(*NAMES)
         record = await s.finish(s.begin(s.document(STUDY, budget=BUDGET, seed=seed)), 4000)
         as_before = await s.settings(*NAMES) == before
+    if record.state == "failed" and cycles:
+        async with studied(folder / "cold", replace(FULL, irun=irun), **options) as s:
+            return Judged(record, as_before, await _held_out(s, cycles, random.Random(seed)))
     found = record.least_current
     if not record.improved or found is None or found.chosen is None or not cycles:
         return Judged(record, as_before, 0)
@@ -112,11 +117,13 @@ def measure(quick: bool) -> Sequence[Row]:
     limited = [one for one in found if one.record.least_current and one.record.least_current.limited_by_supply]
     good = [one for one in better if not one.lost]
     shares = [one.record.least_current.heat_share or 1.0 for one in better if one.record.least_current is not None]
-    odd = [one for one in found if one.record.state != "done" or not one.as_before]
+    refused = [one for one in found if one.record.state == "failed" and one.lost]
+    odd = [one for one in found if (one.record.state != "done" and one not in refused) or not one.as_before]
     return [
         Row(
             what=f"least current on {len(found)} blind plants, {len(better)} with less than before, {len(limited)} "
-            f"limited by their supply; {cycles} more cycles, warm and with 10 % less supply",
+            f"limited by their supply, {len(refused)} that do lose steps as they are; {cycles} more cycles, warm and "
+            "with 10 % less supply",
             measured=f"{at_least(len(good), len(better))} lose no step; "
             f"heat {100 * np.median(shares):.0f} % of before, median",
             peer=f"{len(better)}",
