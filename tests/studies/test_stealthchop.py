@@ -18,6 +18,7 @@ from app.studies.stealthchop.decision import Reach, decide
 from app.studies.stealthchop.found import StealthPair
 from app.studies.stealthchop.plan import LEAST_RPS, PARTS, TIMES, between_of
 from tests.devices.tmc5xxx.harness import bench
+from tests.plants.choppers import drawn
 from tests.studies.harness import START, Studied, studied
 
 FULL = replace(START, vmax=51_200, amax=256_000, irun=25, ihold=25)
@@ -254,6 +255,41 @@ def test_the_same_switch_over_speeds_are_tried_wherever_a_study_begins() -> None
     while (between := between_of(held, above)) is not None:
         held = between
     assert held == pytest.approx(grid[3])
+
+
+def test_a_reach_may_shrink_where_nothing_regulated_a_wrong_current() -> None:
+    pairs = [
+        StealthPair(
+            baseline_jolt_fullsteps=0.4,
+            winner_jolt_fullsteps=0.4,
+            baseline_added_share=1.5 + 0.001 * index,
+            winner_added_share=0.01,
+            order=pair_order(index),
+        )
+        for index in range(10)
+    ]
+    slower = Reach(before=0.6, now=0.4)
+    assert decide(pairs, slower, 0.5, 0.05, 1, regulated=False).improved
+    assert not decide(pairs, slower, 0.5, 0.05, 1, regulated=True).improved
+
+
+async def test_a_switch_over_is_tried_all_over_a_full_step(tmp_path: Path) -> None:
+    """Of this plant it jolts by 0.41 to 0.51 full steps, by where in a full step it falls."""
+    plant = drawn(25)
+    motor, lines = plant.options["motor"], plant.options["encoder"]["lines"]
+    start = replace(FULL, irun=plant.irun, ihold=plant.irun, counts_per_rev=4 * lines)
+    sheet = {"holding_torque_nm": motor["holding_torque_nm"], "rated_current_a": motor["rated_current_a"]}
+    async with studied(tmp_path, start, **plant.options) as s:
+        await with_stealthchop(s, pwmconf=3 | TUNES | 1 << 16 | 4 << 24 | 12 << 28, switch_rps=0.3215)
+        study = {"kind": "stealthchop", "velocity_max_rps": 2.5, "jolt_max_fullsteps": 0.5, **plant.told, **sheet}
+        record = await s.finish(s.begin(s.document(study, seed=25)), 900)
+        found = record.stealthchop
+        assert record.improved, record.verdict
+        assert found is not None
+        assert found.chosen is not None
+        jolts = [each.winner_jolt_fullsteps for each in found.pairs]
+        assert max(jolts) > 1.1 * min(jolts)
+        assert max(jolts) <= found.chosen.jolt_fullsteps + 0.02 < 0.5
 
 
 async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ ENOUGH = 7
 FASTER = 1.1
 """A switch-over counts as faster from so many times the one before on."""
 AS_FAST = 0.99
+WRONG = 0.25
+"""An amplitude that is off by more of what is needed, and that nothing regulates, heats the motor or loses steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +40,19 @@ class Decision:
     effects: tuple[StealthEffect, ...]
 
 
-def decide(pairs: Sequence[StealthPair], reach: Reach, jolt_max: float, smallest_gain: float, seed: int) -> Decision:
+def decide(
+    pairs: Sequence[StealthPair],
+    reach: Reach,
+    jolt_max: float,
+    smallest_gain: float,
+    seed: int,
+    *,
+    regulated: bool = True,
+) -> Decision:
     """Better is what is shown to jolt by no more than asked, and goes farther, or jolts less, or needs less regulation.
 
-    A reach that shrinks counts against it, unless the old one jolted by more than asked.
+    A reach that shrinks counts against it, unless the old one jolted by more than asked, or had a wrong current.
+    regulated : whether the amplitude before is
     """
     old, new = [each.baseline_jolt_fullsteps for each in pairs], [each.winner_jolt_fullsteps for each in pairs]
     added = [
@@ -58,7 +69,8 @@ def decide(pairs: Sequence[StealthPair], reach: Reach, jolt_max: float, smallest
         effects.append(_effect("added", "of the amplitude", before, after, ADDED_LEAST, count, seed))
     calm = effects[0].winner_interval.high <= jolt_max
     farther = reach.now >= FASTER * reach.before
-    shrinks = reach.now < AS_FAST * reach.before and effects[0].baseline <= jolt_max
+    wrong = effects[0].baseline > jolt_max or (told and not regulated and effects[1].baseline > WRONG)
+    shrinks = reach.now < AS_FAST * reach.before and not wrong
     better = farther or any(each.significant for each in effects)
     return Decision(calm and better and not shrinks, calm, farther, tuple(effects))
 

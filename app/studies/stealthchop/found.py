@@ -19,7 +19,7 @@ class StealthTried(Part):
     jolt_fullsteps: float = Field(description="worst swing of encoder less position as one takes over from the other")
     added_share: float | None = Field(
         description="what the regulation had to add to the amplitude or take from it, over the amplitude, root mean "
-        "square: how far the current would be off; null: not told by the chip"
+        "square: how far the current would be off; without regulation, by what it had to in other turns; null: not told"
     )
     amplitude_share: float | None = Field(description="greatest amplitude seen, over the greatest there is")
     lost_fullsteps: float = 0.0

@@ -28,7 +28,9 @@ PARTS = 4
 has jolted once is not come upon again a little beside."""
 TOP = 1.15
 """So many times the switch-over speed is the greatest speed at least."""
-BASELINE_ROUNDS, TRIAL_ROUNDS = 2, 2
+PLACES = 4
+"""Runs of a setting begin at so many places of a full step, evenly: where in it the choppers change makes the jolt a
+quarter larger or smaller."""
 TUNING_RPS = (0.5, 0.75, 1.0, 1.5, 2.2, 3.3)
 NEEDED_RPS = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Where it is seen what amplitude a turn needs [turns a second]."""
@@ -187,10 +189,10 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) -> None:
     needed = ground.needed_rps if ground.turns else []
     tunings = len(ground.turns) + TUNING_RUNS if ground.turns else 0
-    rounds = BASELINE_ROUNDS + TRIAL_ROUNDS * (len(ground.switches_rps) + 6) + 2 * wanted.pairs
-    told.position_from, told.position_to = ground.start, ground.start + _longest(ground)
+    rounds = PLACES * (1 + len(ground.switches_rps) + 6) + 2 * wanted.pairs
+    told.position_from, told.position_to = ground.start, ground.start + _longest(ground) + ground.full_step
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.through[SPEED], ground.through[ACCELERATION]
-    told.moves_max = 2 * (rounds + tunings + len(needed))
+    told.moves_max = 3 * rounds + 2 * (tunings + len(needed))
     tuning_way = tunings * ground.tuning_way + len(needed) * ground.needed_way
     told.way_fullsteps = 2 * (rounds * ground.length + tuning_way) / ground.full_step
     turning_s = 2 * (TUNING_TURNS / ground.turns[0][0] + SPEED_UP_S) if ground.turns else 0.0
@@ -203,12 +205,16 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) 
         "in the same turns: the amplitude that its regulation needs at each speed",
         "each run begins afresh with the amplitudes as they are set: what its regulation adds is read under way",
     ]
+    first = (
+        f"runs there and back at up to {top} turns a second, set as now, from {PLACES} places of a full step: how the "
+        "shaft jolts as the choppers change"
+    )
     rising = (
         f"switch-over speeds from {plain(LEAST_RPS)} turns a second on, each {100 * (TIMES - 1):.0f} % over the one "
         f"before, until the jolt exceeds {plain(wanted.jolt_max_fullsteps)} full steps or the voltage ends"
     )
     told.steps = [
-        f"runs there and back at up to {top} turns a second, set as now: how the shaft jolts as the choppers change",
+        first,
         *(tuned if ground.turns else []),
         rising,
         *(

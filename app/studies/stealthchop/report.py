@@ -80,7 +80,7 @@ def _table(shown: Sequence[StealthTried]) -> str:
             "PWM_GRAD",
             "switch-over [turns/s]",
             "jolt [full steps]",
-            "added by the regulation",
+            "amplitude off by",
             "greatest amplitude",
             "lost [full steps]",
             "",

@@ -55,3 +55,12 @@ def added_of(amplitudes: Sequence[Amplitude]) -> float | None:
         return None
     share, added = np.array(told).T
     return float(np.sqrt(np.mean(added**2)) / np.mean(share))
+
+
+def beside(amplitudes: Sequence[Amplitude], pps: Sequence[float], needed: Sequence[float]) -> float | None:
+    """By how much amplitudes are off what was needed at some speeds, root mean square over its mean; None: not told."""
+    if not amplitudes:
+        return None
+    wanted = np.interp([each.pps for each in amplitudes], pps, needed)
+    off = np.array([each.share for each in amplitudes]) - wanted
+    return float(np.sqrt(np.mean(off**2)) / np.mean(wanted))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import statistics
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,8 +23,8 @@ from ..record import Figures, Trial
 from ..run import StudyRun
 from .decision import FASTER, Reach, decide
 from .found import StealthEffect, StealthFound, StealthPair, StealthTried
-from .plan import BASELINE_ROUNDS, TOP, TRIAL_ROUNDS, TUNING_RUNS, Ground, between_of, look
-from .seen import Amplitude, added_of, jolts_of, with_speeds
+from .plan import PLACES, TOP, TUNING_RUNS, Ground, between_of, look
+from .seen import Amplitude, added_of, beside, jolts_of, with_speeds
 from .setting import UNITS, StealthSetting
 
 RATE_HZ = 1000.0
@@ -111,17 +111,20 @@ class StealthChopStudy(StudyRun):
 
     # --- runs ---------------------------------------------------------------------------------------
 
-    async def _through(self, setting: StealthSetting, rounds: int = 1) -> Through:
-        """Runs there and back through all speeds, each from amplitudes as they are set. Lost steps are mended."""
+    async def _through(self, setting: StealthSetting, places: Sequence[int] = range(PLACES)) -> Through:
+        """Runs there and back through all speeds, each from amplitudes as they are set. Lost steps are mended.
+
+        places : of a full step, where they begin, in parts of `PLACES`
+        """
         ground, stealth = self._ground, self._ground.stealth
         found: list[Through] = []
-        for _ in range(rounds):
+        for place in places:
             # With less current at rest the chip tunes nothing before the motor moves: so the first move of a day is.
             current = ground.current.registers(ground.current.run_scale, ground.hold_scale)
             ramp = ground.ramp.registers(ground.through)
             await self.apply([*current, *ramp, *stealth.fresh(setting)], "amplitudes as they are set")
             await self.apply(stealth.registers(setting), stealth.words(setting))
-            found.append(await self._there_and_back(setting))
+            found.append(await self._there_and_back(setting, ground.start + place * ground.full_step // PLACES))
         added = [each.added for each in found if each.added is not None]
         return Through(
             max(each.jolt for each in found),
@@ -130,13 +133,14 @@ class StealthChopStudy(StudyRun):
             max(each.lost for each in found),
         )
 
-    async def _there_and_back(self, setting: StealthSetting) -> Through:
+    async def _there_and_back(self, setting: StealthSetting, start: int) -> Through:
         ground = self._ground
         rps = ground.stealth.switch_rps(setting) if setting.on else None
+        await self._moves.go(start)
         before = await self._moves.deviation()
         amplitudes: list[Amplitude] = []
         jolts: list[float] = []
-        for target in (ground.start + ground.length, ground.start):
+        for target in (start + ground.length, start):
             run, seen = await self._watched(target)
             amplitudes += with_speeds(seen, run)
             if rps is not None and rps < ground.top_rps:
@@ -149,10 +153,19 @@ class StealthChopStudy(StudyRun):
             await self._mend()
         return Through(
             max([*jolts, lost], default=0.0),
-            added_of(amplitudes) if ground.stealth.regulates(setting.frequency) else None,
+            self._added(setting, amplitudes),
             max((each.share for each in amplitudes), default=None),
             lost,
         )
+
+    def _added(self, setting: StealthSetting, amplitudes: Sequence[Amplitude]) -> float | None:
+        """What regulation does to the amplitude; where there is none, what it would have to do, as far as is known."""
+        if self._ground.stealth.regulates(setting.frequency):
+            return added_of(amplitudes)
+        if self.found.offset_auto is None or not self._needed:
+            return None
+        rps, needed = self._needed_by_speed(self.found.offset_auto)
+        return beside(amplitudes, [self._ground.turn * each for each in rps], needed)
 
     async def _watched(self, target: int) -> tuple[Sampled, list[Amplitude]]:
         """A move, and the amplitudes on its way."""
@@ -210,7 +223,7 @@ class StealthChopStudy(StudyRun):
         await self._moves.go(ground.start + 4 * ground.full_step)
         await self._moves.go(ground.start)
         now = ground.stealth.now
-        found.before = self._tried(now, await self._through(now, BASELINE_ROUNDS), "as it was")
+        found.before = self._tried(now, await self._through(now), "as it was")
         await self.keeper.save(self.record)
 
     async def _tune(self) -> tuple[int | None, int | None]:
@@ -297,12 +310,17 @@ class StealthChopStudy(StudyRun):
         if not self._needed or offset is None:
             return None
         rest, stealth = self._at_rest(offset), self._ground.stealth
-        at, seen = [0.0, *sorted(self._needed)], [rest, *(self._needed[rps] for rps in sorted(self._needed))]
+        at, seen = self._needed_by_speed(offset)
         speeds = up_to_rps * (np.arange(NEEDED_PARTS) + 1) / NEEDED_PARTS
         needed = np.interp(speeds, at, seen)
         worth = np.array([stealth.places.calculator.of_velocity(rps, stealth.motor) for rps in speeds]) / FULL / needed
         gradient = float(np.sum(worth * (1 - rest / needed)) / np.sum(worth**2))
         return min(max(round(gradient), 0), FULL)
+
+    def _needed_by_speed(self, offset: int) -> tuple[list[float], list[float]]:
+        """Amplitudes that were regulated over turns a second, of the greatest, from rest on."""
+        speeds = sorted(self._needed)
+        return [0.0, *speeds], [self._at_rest(offset), *(self._needed[rps] for rps in speeds)]
 
     def _with_needs(self, setting: StealthSetting) -> StealthSetting:
         """With the gradient that it needs up to its switch-over speed, where that was seen."""
@@ -417,16 +435,14 @@ class StealthChopStudy(StudyRun):
             return self._trials[setting]
         number = len(record.trials) + 1
         self.keeper.mark(f"trial {number}: {stealth.words(setting)}")
-        tried = self._tried(setting, await self._through(setting, TRIAL_ROUNDS), why)
+        tried = self._tried(setting, await self._through(setting), why)
         self.found.tried.append(tried)
         trial = Trial(
             number=number,
             setting=stealth.told(setting),
             registers=stealth.registers(setting),
             state="feasible" if self._holds(tried) else "infeasible",
-            figures=Figures(
-                deviation_fullsteps=tried.jolt_fullsteps, lost_fullsteps=tried.lost_fullsteps, runs=TRIAL_ROUNDS
-            ),
+            figures=Figures(deviation_fullsteps=tried.jolt_fullsteps, lost_fullsteps=tried.lost_fullsteps, runs=PLACES),
             why=why,
             at_s=self.since_s,
         )
@@ -456,7 +472,7 @@ class StealthChopStudy(StudyRun):
                 2 * (wanted.pairs - index) * self._ground.round_s,
             )
             order = pair_order(index)
-            seen = {which: await self._through(settings[which]) for which in order}
+            seen = {which: await self._through(settings[which], [index % PLACES]) for which in order}
             found.pairs.append(
                 StealthPair(
                     baseline_jolt_fullsteps=seen["A"].jolt,
@@ -477,7 +493,9 @@ class StealthChopStudy(StudyRun):
             record.next = "more time"
             return
         reach = Reach(self._reach(stealth.now), self._reach(setting))
-        shown = decide(found.pairs, reach, wanted.jolt_max_fullsteps, wanted.smallest_gain, record.document.seed)
+        regulated = stealth.regulates(stealth.now.frequency)
+        seed = record.document.seed
+        shown = decide(found.pairs, reach, wanted.jolt_max_fullsteps, wanted.smallest_gain, seed, regulated=regulated)
         found.effects, record.improved = list(shown.effects), shown.improved
         jolt, old, new = shown.effects[0], stealth.words(stealth.now), stealth.words(setting)
         if not shown.improved:
@@ -496,7 +514,7 @@ def _added(tried: StealthTried) -> float:
 
 def _told(effect: StealthEffect) -> str:
     """A figure before and after, for people."""
-    times, unit, name = (1, "full steps", "jolt") if effect.name == "jolt" else (100, "%", "added by its regulation")
+    times, unit, name = (1, "full steps", "jolt") if effect.name == "jolt" else (100, "%", "amplitude off by")
     before, after, low, high = (
         plain(times * each, 3) for each in (effect.baseline, effect.winner, effect.interval.low, effect.interval.high)
     )

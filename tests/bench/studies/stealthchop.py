@@ -33,6 +33,8 @@ NAMES = ("CHOPCONF", "GCONF", "PWMCONF", "TPWMTHRS", "IHOLD_IRUN", "VMAX", "AMAX
 TUNES = 0b11 << 18
 LEAST_RPS, TIMES = 0.1, 1.05
 CALM_WITHIN, FAR, CURRENT_WITHIN = 1.1, 0.8, 0.03
+BEGINS = range(0, 256, 64)
+"""Places of a full step from which the drive speeds up [microsteps]."""
 PLANTS, NULLS, NULL = 100, 100, 1000
 """So many of each kind, and the first seed of those where nothing is to be gained."""
 SHARE, CLAIMED_MAX = 0.95, 0.05
@@ -81,8 +83,8 @@ class Truth:
             None,
         )
 
-    def run(self, what: Set, *, tunes: bool) -> Run:
-        """To the greatest speed, with these settings."""
+    def run(self, what: Set, *, tunes: bool, begin: int = 0) -> Run:
+        """To the greatest speed, with these settings, from a place on [microsteps]."""
         drive = Drive(self._options.drive(1.0, has_encoder=True))
         for name, value in self._registers.items():
             drive.write(name, value)
@@ -91,6 +93,9 @@ class Truth:
             drive.write("PWMCONF", what.pwmconf(tunes=begins))
         drive.write("TPWMTHRS", what.threshold)
         drive.advance(round(0.1 * CLOCK_HZ))
+        for name, value in (("AMAX", 6000), ("DMAX", 6000), ("VMAX", round(0.05 * UNITS_A_TURN)), ("XTARGET", begin)):
+            drive.write(name, value)
+        drive.advance(round(0.3 * CLOCK_HZ))
         drive.write("AMAX", round(TOP_RPS * MICROSTEPS_A_TURN / SPEED_UP_S / (CLOCK_HZ**2 / 2**41)))
         drive.write("VMAX", round(TOP_RPS * UNITS_A_TURN))
         drive.write("RAMPMODE", 1)
@@ -105,10 +110,13 @@ class Truth:
         return Run(np.array(load), np.array(rps), np.array(current))
 
     def jolt(self, what: Set) -> float:
-        """Of the load angle as SpreadCycle takes over [full steps]; 0 where it does not."""
+        """Of the load angle as SpreadCycle takes over, wherever in a full step it does [full steps]; 0: it does not."""
+        return max(self._jolt(what, begin) for begin in BEGINS)
+
+    def _jolt(self, what: Set, begin: int) -> float:
         if what.switch_rps is None:
             return 0.0
-        run = self.run(what, tunes=True)
+        run = self.run(what, tunes=True, begin=begin)
         above = np.flatnonzero(run.rps >= what.switch_rps)
         if not len(above):
             return 0.0
@@ -118,7 +126,9 @@ class Truth:
     def fastest(self, amplitudes: Set) -> float:
         """The fastest switch-over before the first that jolts by more than asked [turns a second]."""
         held, rps = LEAST_RPS, LEAST_RPS
-        while rps < TOP_RPS / 1.15 and self.jolt(replace(amplitudes, switch_rps=rps)) <= JOLT_MAX:
+        while rps < TOP_RPS / 1.15 and all(
+            self._jolt(replace(amplitudes, switch_rps=rps), begin) <= JOLT_MAX for begin in BEGINS
+        ):
             held, rps = rps, rps * TIMES
         return held
 

@@ -17199,7 +17199,7 @@ export interface components {
             jolt_fullsteps: number;
             /**
              * Added Share
-             * @description what the regulation had to add to the amplitude or take from it, over the amplitude, root mean square: how far the current would be off; null: not told by the chip
+             * @description what the regulation had to add to the amplitude or take from it, over the amplitude, root mean square: how far the current would be off; without regulation, by what it had to in other turns; null: not told
              */
             added_share: number | null;
             /**

@@ -39,7 +39,7 @@ function Found({ found }: { found: StealthFound }) {
               <Table.Th scope="col">PWM_GRAD</Table.Th>
               <Table.Th scope="col">Up to</Table.Th>
               <Table.Th scope="col">Jolt [full steps]</Table.Th>
-              <Table.Th scope="col">Added</Table.Th>
+              <Table.Th scope="col">Off by</Table.Th>
             </Table.Tr>
           </Table.Thead>
           <Table.Tbody>
@@ -66,7 +66,7 @@ function Found({ found }: { found: StealthFound }) {
         const times = effect.name === "added" ? 100 : 1;
         return (
           <Text size="sm" key={effect.name}>
-            {effect.name === "added" ? "Added by its regulation" : "Jolt"}, new less old, {effect.pairs} pairs:{" "}
+            {effect.name === "added" ? "Amplitude off by" : "Jolt"}, new less old, {effect.pairs} pairs:{" "}
             {compact(times * effect.difference, 3)} {effect.name === "added" ? "%" : "full steps"} (95 %:{" "}
             {compact(times * effect.interval.low, 3)} to {compact(times * effect.interval.high, 3)}), p{" "}
             {compact(effect.p, 2)}.
