@@ -292,6 +292,19 @@ async def test_a_switch_over_is_tried_all_over_a_full_step(tmp_path: Path) -> No
         assert max(jolts) <= found.chosen.jolt_fullsteps + 0.02 < 0.5
 
 
+async def test_a_jolt_that_too_few_samples_show_is_not_taken_for_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.studies.stealthchop.study.RATE_HZ", 100.0)
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        before = await s.settings(*NAMES)
+        record = await s.finish(s.begin(s.document(STUDY)), 900)
+        assert (record.state, record.improved) == ("failed", None)
+        assert "samples came around each moment" in record.message
+        assert await s.settings(*NAMES) == before
+
+
 async def test_the_plan_tells_of_runs_and_registers(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
         plan = await KINDS["stealthchop"].plan(s.device, 0, s.document(STUDY))

@@ -24,7 +24,7 @@ from ..run import StudyRun
 from .decision import FASTER, Reach, decide
 from .found import StealthEffect, StealthFound, StealthPair, StealthTried
 from .plan import PLACES, TOP, TUNING_RUNS, Ground, between_of, look
-from .seen import Amplitude, added_of, beside, jolts_of, with_speeds
+from .seen import LEAST_SAMPLES, Amplitude, added_of, beside, jolts_of, with_speeds
 from .setting import UNITS, StealthSetting
 
 RATE_HZ = 1000.0
@@ -136,6 +136,7 @@ class StealthChopStudy(StudyRun):
     async def _there_and_back(self, setting: StealthSetting, start: int) -> Through:
         ground = self._ground
         rps = ground.stealth.switch_rps(setting) if setting.on else None
+        switches = rps is not None and rps < ground.top_rps
         await self._moves.go(start)
         before = await self._moves.deviation()
         amplitudes: list[Amplitude] = []
@@ -143,9 +144,14 @@ class StealthChopStudy(StudyRun):
         for target in (start + ground.length, start):
             run, seen = await self._watched(target)
             amplitudes += with_speeds(seen, run)
-            if rps is not None and rps < ground.top_rps:
+            if rps is not None and switches:
                 jolts += jolts_of(run, rps * ground.turn, ground.full_step)
             self.record.runs += 1
+        if switches and not jolts:
+            raise Failed(
+                f"fewer than {LEAST_SAMPLES} samples came around each moment at which the choppers change: the link is "
+                "too slow, or something else holds it"
+            )
         self.record.way_fullsteps = self._moves.way_fullsteps
         off = (await self._moves.deviation() - before) / ground.full_step
         lost = PERIOD_FULLSTEPS * abs(round(off / PERIOD_FULLSTEPS))
