@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ def runs(order: int, low_hz: float, high_hz: float) -> list[OrderRun]:
         r = order * hz / HZ
         for forward, forcing in ((True, FORCING * np.exp(0.4j)), (False, FORCING * np.exp(-0.7j))):
             answer = forcing / (1 - r * r + 2j * DAMPING * r)
-            made.append(OrderRun(hz, answer + NOISE * complex(*rng.standard_normal(2)), forward, 0.0, NOISE))
+            made.append(OrderRun(hz, answer + NOISE * complex(*rng.standard_normal(2)), forward, 0.0, NOISE, NOISE))
     return made
 
 
@@ -61,6 +62,17 @@ def test_a_resonance_is_told_with_its_damping(order: int) -> None:
     assert found.damping.value == pytest.approx(DAMPING, rel=0.1)
     assert found.forcing == pytest.approx(FORCING, rel=0.05)
     assert found.left < 0.1
+
+
+def test_a_speed_that_shows_something_else_does_not_count() -> None:
+    """An encoder's counts look like an order at some speeds; at others the rotor swings by itself."""
+    order = 2
+    made = runs(order, 0.3 * HZ / order, 2.5 * HZ / order)
+    for at in (28, 29, 33):
+        made[at] = replace(made[at], amplitude=0.14j)
+    found = fit_forced_swing(order, made)
+    assert found.resonance_hz.value == pytest.approx(HZ, rel=0.005)
+    assert found.damping.value == pytest.approx(DAMPING, rel=0.1)
 
 
 def test_no_resonance_is_told_outside_of_the_speeds_nor_by_few_runs() -> None:

@@ -20,7 +20,7 @@ ORDERS = (4, 2, 1, 8, 3, 6, 5, 7)
 DRIVEN = (4, 2, 1)
 """Orders whose ripple may tell the resonance: others are what a large swing of these makes beside them."""
 FORCED = 4.0
-"""So many times its noise is the least forcing that tells a resonance, and the least peak that has a name."""
+"""So many times its noise is the least forcing that tells a resonance."""
 EXPLAINED = 0.5
 """A share of the ripple that a fit leaves, from which on it tells nothing."""
 SAME = 0.08
@@ -30,6 +30,8 @@ BESIDE = ((0.5, 0.8), (1.25, 2.0))
 """What is near to where an order meets the resonance, and beside it, as shares of that speed."""
 TIMES, LEAST_RAD = 1.8, math.radians(0.5)
 """So many times of what is beside, and so much, is the peak of an order that has a name."""
+COARSE = 0.4
+"""Of what no order explains: the counts of a coarse encoder look like so much of any order."""
 LEAST_SHARE = 0.03
 """Of the strongest peak: less is left of a start, or mixed from others, where it is amplified."""
 LEVEL = 0.05
@@ -69,7 +71,12 @@ def order_runs(speeds: Sequence[AtSpeed], order: int) -> list[OrderRun]:
     """What they show of one order."""
     return [
         OrderRun(
-            way.electrical_hz, way.spectrum.amplitudes[order], way.forward, (there.mean + back.mean) / 2, way.noise
+            way.electrical_hz,
+            way.spectrum.amplitudes[order],
+            way.forward,
+            (there.mean + back.mean) / 2,
+            way.noise,
+            way.spectrum.rest,
         )
         for at in speeds
         for there, back in at.pairs
@@ -120,7 +127,7 @@ def crossings(speeds: Sequence[AtSpeed], hz: Fitted, told_by: Sequence[int], per
             continue
         strongest = max(near, key=lambda run: abs(run.amplitude))
         peak, usual = abs(strongest.amplitude), float(np.median(beside))
-        if order not in told_by and peak < max(TIMES * usual, FORCED * strongest.noise, LEAST_RAD):
+        if order not in told_by and peak < max(TIMES * usual, COARSE * strongest.rest, LEAST_RAD):
             continue
         found.append(
             Crossing(
