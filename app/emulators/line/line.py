@@ -76,6 +76,8 @@ class Line:
         self._wire_free_s = 0.0
         self._said_s = 0.0
         """When the latest byte of a client was on the wire [s]."""
+        self._answered_s: dict[int, float] = {}
+        """When the latest answer of each module is on the wire [s]."""
         self._listeners: dict[int, _Listener] = {}
         self._polled_s = 0.0
 
@@ -154,7 +156,7 @@ class Line:
                 continue
             if message.data[0] == Opcode.REQUEST_EVENT and said.data[1] == Status.OK:
                 self._listen(index, _Listener(client, message.data[1] != 0, by_can=True), at_s)
-            due_s = at_s + module.faults.late_reply_s + self.faults.late_reply_s
+            due_s = self._in_order([index], at_s + module.faults.late_reply_s + self.faults.late_reply_s)
             heapq.heappush(self._waiting, (due_s, next(self._order), client, said.packed()))
 
     def collect(self, at_s: float) -> list[Delivery]:
@@ -194,6 +196,7 @@ class Line:
         self._waiting.clear()
         self._wire_free_s = 0.0
         self._said_s = 0.0
+        self._answered_s.clear()
         for assembly in (self._common, *self._clients.values()):
             assembly.held, assembly.deaf = b"", False
 
@@ -220,6 +223,7 @@ class Line:
         """Let every module hear `frame` at `heard_s` [s], and put what they say on the wire."""
         answer: bytes | None = None
         due_s = late_s = 0.0
+        speakers: list[int] = []
         for index, module in enumerate(self.modules):
             faults = module.faults
             if faults.unplugged:
@@ -231,6 +235,7 @@ class Line:
                 self._listen(index, _Listener(client, frame[2] != 0), heard_s)
             due_s = max(due_s, heard_s + module.reply_pause_s + len(said) * byte_s)
             late_s = max(late_s, faults.late_reply_s)
+            speakers.append(index)
             said = cut(flip(said, faults.bit_error_rate, self._noise), faults.half_frame_rate, self._noise)
             # Two modules of one address talk at once: where they differ, the wire shows neither.
             answer = said if answer is None else bytes(a & b for a, b in zip(answer, said, strict=False))
@@ -238,12 +243,17 @@ class Line:
             return
         # A late answer leaves the wire free meanwhile: that is how it comes to meet the next question.
         self._wire_free_s = max(self._wire_free_s, due_s)
-        self._send(client, answer, due_s + late_s)
+        self._send(client, answer, self._in_order(speakers, due_s + late_s + self.faults.late_reply_s))
+
+    def _in_order(self, speakers: Sequence[int], due_s: float) -> float:
+        """When an answer that is due by then comes [s]: also who is late no more answers one question after the other."""
+        due_s = max(due_s, *(self._answered_s.get(each, 0.0) for each in speakers))
+        self._answered_s.update(dict.fromkeys(speakers, due_s))
+        return due_s
 
     def _send(self, client: Hashable, data: bytes, due_s: float) -> None:
         faults = self.faults
         data = cut(flip(data, faults.bit_error_rate, self._noise), faults.half_frame_rate, self._noise)
-        due_s += faults.late_reply_s
         for hearer in self._clients if self._shared_bus else (client,):
             heapq.heappush(self._waiting, (due_s, next(self._order), hearer, data))
 
@@ -286,7 +296,7 @@ class Line:
                     continue
                 due_s = max(at_s - ago_s, self._wire_free_s) + len(frame) * byte_s
                 self._wire_free_s = max(self._wire_free_s, due_s)
-                self._send(listener.client, frame, due_s)
+                self._send(listener.client, frame, due_s + self.faults.late_reply_s)
 
 
 class _Listener(NamedTuple):

@@ -43,6 +43,19 @@ def test_a_late_answer_comes_so_much_later_and_meets_the_next_one(baud: int | No
     assert second.due_s - bench.start_s == pytest.approx(0.1 + wire_s, abs=1e-9)
 
 
+def test_a_module_that_is_late_no_more_still_answers_in_order() -> None:
+    bench = LineBench((1, 2))
+    bench.module.faults.late_reply_s = 0.25
+    bench.say(gap(4))
+    bench.wait(0.1)
+    bench.module.faults.late_reply_s = 0.0
+    bench.say(gap(5))
+    bench.say(gap(6, 2))
+    other, first, second = bench.wait(1.0)
+    assert [tmcl.Reply.decode(each.data).module for each in (other, first, second)] == [2, 1, 1]
+    assert first.due_s == second.due_s == pytest.approx(bench.start_s + 0.25)
+
+
 def test_a_late_cable_adds_to_a_late_module() -> None:
     bench = LineBench(faults=LineFaults(late_reply_s=0.5))
     bench.module.faults.late_reply_s = 0.25
