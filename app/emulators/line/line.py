@@ -246,7 +246,7 @@ class Line:
         self._send(client, answer, self._in_order(speakers, due_s + late_s + self.faults.late_reply_s))
 
     def _in_order(self, speakers: Sequence[int], due_s: float) -> float:
-        """When an answer that is due by then comes [s]: also who is late no more answers one question after the other."""
+        """When an answer that is due by then comes [s]: who is late no more still answers in order."""
         due_s = max(due_s, *(self._answered_s.get(each, 0.0) for each in speakers))
         self._answered_s.update(dict.fromkeys(speakers, due_s))
         return due_s
