@@ -78,10 +78,18 @@ def test_what_one_browser_writes_another_shows(
 
 def test_a_designed_ramp_is_sent_with_its_pair(page: Page, api: httpx.Client) -> None:
     pair = value(api, PAIR)
+    reads = Held(page, re.compile(r"/devices/bench/registers\?"))
     page.goto("/ramps")
     field = page.get_by_label(re.compile("^a_max in chip units", re.IGNORECASE))
-    wanted = value(api, f"{REGISTERS}/A_MAX") * 2
-    expect(field).not_to_have_value("")
+    present = value(api, f"{REGISTERS}/A_MAX")
+    wanted = present * 2
+    expect(field).not_to_have_value(str(present))
+    field.focus()
+    expect(
+        field
+    ).not_to_be_focused()  # what is typed before the chip is read would go with another ramp than the chip's
+    reads.let_go()
+    expect(field).to_have_value(str(present))
     field.fill(str(wanted))
     field.press("Enter")
     send = page.get_by_role("button", name="Send", exact=True)

@@ -185,6 +185,10 @@ def test_a_save_over_somebody_elses_is_told(page: Page, api: httpx.Client, error
 def test_a_layout_is_kept_under_a_name_and_its_link_shows_it_elsewhere(
     page: Page, new_context: Callable[..., BrowserContext]
 ) -> None:
+    # Whoever saves has not waited until the typing has settled.
+    page.add_init_script(
+        "const set = setTimeout; window.setTimeout = (f, ms, ...a) => (ms === 400 ? 0 : set(f, ms, ...a))"
+    )
     opened(page)
     arrange(page)
     page.get_by_role("button", name="Add a panel").click()

@@ -2,10 +2,9 @@ import { Textarea } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { Card } from "../../lib/Card";
 import type { LooseProps } from "../panel";
-import type { NotesConfig } from "./notes";
-import { NOTES_MAX } from "./notes";
+import { NOTES_MAX, type NotesConfig } from "./notes";
 
-/** Typing is put into the layout when it has stood still so long. */
+/** Typing is put into the layout when it has stood still so long, or is left: who saves then has all of it. */
 const SETTLED_MS = 400;
 
 /** What people write beside what they do; it is saved with the layout. */
@@ -31,6 +30,7 @@ export function NotesPanel({ id, config, change }: LooseProps<NotesConfig>) {
         value={text}
         placeholder="What was tried, and what came of it"
         onChange={(event) => setText(event.currentTarget.value)}
+        onBlur={() => text !== config.text && change({ text })}
       />
     </Card>
   );

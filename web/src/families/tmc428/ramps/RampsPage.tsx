@@ -185,7 +185,7 @@ function Designer({ device, axis }: Props) {
       {readings.isError && connected && (
         <ProblemAlert error={readings.error} doing={`Reading ${device?.name}`} retry={() => void readings.refetch()} />
       )}
-      <div className="columns design until-75">
+      <div className="columns design until-75" inert={connected && kept === null && readings.isPending}>
         <div className="column">
           <Parameters
             model={model}
