@@ -213,7 +213,8 @@ class StealthChopStudy(StudyRun):
             switch_rps=self._ground.stealth.switch_rps(setting),
             on=setting.on,
             jolt_fullsteps=seen.jolt,
-            added_share=seen.added,
+            # Without regulation it tells a wrong current, not which amplitudes are the right ones.
+            added_share=seen.added if self._ground.stealth.regulates(setting.frequency) else None,
             amplitude_share=seen.amplitude,
             lost_fullsteps=seen.lost,
             why=why,
