@@ -85,9 +85,8 @@ def test_a_designed_ramp_is_sent_with_its_pair(page: Page, api: httpx.Client) ->
     wanted = present * 2
     expect(field).not_to_have_value(str(present))
     field.focus()
-    expect(
-        field
-    ).not_to_be_focused()  # what is typed before the chip is read would go with another ramp than the chip's
+    # What is typed before the chip is read would go with another ramp than the chip's.
+    expect(field).not_to_be_focused()
     reads.let_go()
     expect(field).to_have_value(str(present))
     field.fill(str(wanted))

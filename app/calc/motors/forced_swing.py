@@ -88,7 +88,10 @@ def fit_forced_swing(order: int, runs: Sequence[OrderRun], seed: int = 0) -> For
     table.begin(rows)
     for _ in range(SIFTED):
         off = table.off(rows)
-        rows = rows[off <= OUTSIDE * np.median(off)]
+        near = off <= OUTSIDE * np.median(off)
+        if near.all():
+            break
+        rows = rows[near]
         table.begin(rows)
     hz, damping, forcing, left = table.solved(rows, ROUNDS)
     lowest, highest = (order * of(run.electrical_hz for run in runs) for of in (min, max))
