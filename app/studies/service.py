@@ -174,8 +174,8 @@ class StudyService:
         keeper = _Kept(self._store, record.id, self._note, record.recording)
         run = kind.make(device, axis, self._clock, record, keeper)
         run.over, run.executor = lambda: self._ended(record), self._executor
-        await keeper.save(record)
         try:
+            await keeper.save(record)
             self._procedures.start(run)
         except BenchError:
             record.state, record.message = "failed", "it could not begin"

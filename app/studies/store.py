@@ -30,6 +30,8 @@ class StudyStore:
         """`aside`: writes go to a thread, for the disk may be slow."""
         self._root, self._aside = data_dir / FOLDER, aside
         self._records: dict[str, StudyRecord] = {}
+        self._new: set[str] = set()
+        """Those that were begun and are not on disk yet: nobody is shown a record that a disk may still refuse."""
         self._read = False
 
     def folder(self, study: str) -> Path:
@@ -73,17 +75,17 @@ class StudyStore:
         return found
 
     def begin(self, document: StudyDocument) -> StudyRecord:
-        """A new record; nothing is on disk yet. Raises WrongState where there are too many."""
+        """A new record; it is listed when it is on disk. Raises WrongState where there are too many."""
         if len(self._records) >= KEPT_MAX:
             raise WrongState(f"{KEPT_MAX} studies are kept already", "delete some of them")
         now_s = time.time()
         stem = time.strftime("%Y%m%d-%H%M%S", time.gmtime(now_s))
         name, count = stem, 1
-        while name in self._records or self.folder(name).exists():
+        while name in self._records or name in self._new or self.folder(name).exists():
             count += 1
             name = f"{stem}-{count}"
         record = StudyRecord(id=name, document=document, started_unix_s=now_s)
-        self._records[name] = record
+        self._new.add(name)
         return record
 
     async def save(self, record: StudyRecord) -> None:
@@ -99,6 +101,11 @@ class StudyStore:
             await asyncio.to_thread(write) if self._aside else write()
         except OSError as error:
             raise StoreUnavailable(f"the study cannot be kept: {error}", "see to the disk") from error
+        finally:
+            new = record.id in self._new
+            self._new.discard(record.id)
+        if new:
+            self._records[record.id] = record
 
     def delete(self, study: str) -> None:
         """Gone for good. Blocks. Raises UnknownThing, WrongState while it runs, StoreUnavailable."""

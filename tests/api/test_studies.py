@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import httpx
@@ -237,9 +238,16 @@ async def test_moves_of_anybody_are_noticed_recorded_and_scored(
         for _ in range(int(after_s / STEP_S)):
             await clock.advance(STEP_S)
 
-    async def noticed() -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        found = (await client.get("studies")).json()
-        return [one for one in found["studies"] if one["noticed"]], found["watches"]
+    async def noticed(count: int = 0) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+        """Those that are kept and the watches, when that many are: a thread writes them."""
+        for _ in range(200):
+            found = (await client.get("studies")).json()
+            kept = [one for one in found["studies"] if one["noticed"]]
+            assert all(one["scored"] for one in kept)
+            if len(kept) >= count:
+                return kept, found["watches"]
+            await clock.advance(STEP_S)
+        raise AssertionError(found)
 
     watch = f"devices/{slide}/axes/0/noticed-moves"
     await move(3_200)
@@ -256,7 +264,7 @@ async def test_moves_of_anybody_are_noticed_recorded_and_scored(
     slower = await client.put(f"devices/{slide}/registers/AMAX", params={"axis": 0}, json={"value": amax // 4})
     assert slower.status_code == 200, slower.text
     await move(3_200)
-    (second, first), (state,) = await noticed()
+    (second, first), (state,) = await noticed(2)
     assert (state["noticed"], state["missed"], state["message"]) == (2, 0, "")
     assert [first["scored"]["distance"], second["scored"]["distance"]] == [12_800, -12_800]
     assert first["scored"]["time_s"] < second["scored"]["time_s"]
@@ -272,9 +280,11 @@ async def test_moves_of_anybody_are_noticed_recorded_and_scored(
     # one that is stopped on its way is told, and not scored
     await move(100_000, 0.5)
     await client.post(f"devices/{slide}/axes/0/stop")
-    for _ in range(20):
+    for _ in range(200):
         await clock.advance(STEP_S)
-    found, (state,) = await noticed()
+        found, (state,) = await noticed()
+        if state["missed"]:
+            break
     assert (len(found), state["noticed"], state["missed"]) == (2, 2, 1)
     # moves of a procedure are its own
     document = {"device": slide, "study": {"kind": "scored_move", "distance": 3_200, "repeats": 1}}
@@ -286,3 +296,35 @@ async def test_moves_of_anybody_are_noticed_recorded_and_scored(
     await move(0)
     found, watches = await noticed()
     assert (len(found), watches) == (2, [])
+
+
+async def test_a_noticed_move_is_listed_when_its_recording_is_on_disk(
+    app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, slide: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watch = f"devices/{slide}/axes/0/noticed-moves"
+    recordings = bench_of(app).recordings
+    keep, writes, held_back = recordings.keep, threading.Event(), threading.Event()
+
+    def slow(*args: Any, **more: Any) -> str:
+        writes.set()
+        assert held_back.wait(60)
+        return keep(*args, **more)
+
+    monkeypatch.setattr(recordings, "keep", slow)
+    assert (await client.put(watch)).status_code == 200
+    await clock.advance(STEP_S)
+    assert (await client.post(f"devices/{slide}/axes/0/move", json={"target": 16_000})).status_code == 200
+    for _ in range(200):
+        await clock.advance(STEP_S)
+        if writes.is_set():
+            break
+    assert writes.is_set()
+    found = (await client.get("studies")).json()
+    assert ([one for one in found["studies"] if one["noticed"]], found["watches"][0]["noticed"]) == ([], 0)
+    held_back.set()
+    for _ in range(200):
+        await clock.advance(STEP_S)
+        found = (await client.get("studies")).json()
+        if found["studies"]:
+            break
+    assert ([one["noticed"] for one in found["studies"]], found["watches"][0]["noticed"]) == ([True], 1)
