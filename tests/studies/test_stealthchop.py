@@ -182,6 +182,19 @@ async def test_the_plan_says_what_cannot_be(tmp_path: Path, limits: AxisLimits, 
         assert any(words in line for line in plan.missing)
 
 
+async def test_an_amplitude_whose_error_the_chip_tunes_away_is_not_kept(tmp_path: Path) -> None:
+    """A slow switch-over: velocity adds next to nothing up to there, and PWM_OFS is tuned as the motor comes to rest."""
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(3 * OFFSET, 0), switch_rps=1.0)
+        study = {**STUDY, "jolt_max_fullsteps": 0.3}
+        found = (await s.finish(s.begin(s.document(study)), 900)).stealthchop
+        assert found is not None
+        assert found.chosen is not None
+        assert found.chosen.switch_rps is not None
+        assert found.chosen.switch_rps < 0.5
+        assert found.chosen.offset == pytest.approx(OFFSET, abs=2)
+
+
 async def test_a_current_too_small_to_be_regulated_takes_what_is_calculated(tmp_path: Path) -> None:
     low = {"supply_v": 48.0, "motor": {**PLANT["motor"], "resistance_ohm": 1.0}}
     told = {"supply_v": 48.0, "resistance_ohm": 1.0}

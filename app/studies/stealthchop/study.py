@@ -405,15 +405,16 @@ class StealthChopStudy(StudyRun):
     async def _amplitudes(
         self, offset: int | None, gradient: int | None, threshold: int
     ) -> tuple[Trial, StealthSetting] | None:
-        """At the chosen switch-over: amplitudes as they were, as it needs up to there, as tuned, and as calculated;
-        the ones that need the least regulation, and of equal ones the first."""
+        """At the chosen switch-over: amplitudes as it needs up to there, as they were, as tuned, and as calculated; the
+        ones that need the least regulation, and of equal ones the first: a chip that tunes itself as a motor comes to
+        rest makes up for any PWM_OFS, and regulation tells none apart then."""
         stealth, found = self._ground.stealth, self.found
         tuned = self._with(offset, gradient, threshold)
         calculated = self._with(*self._known(*stealth.calculated), threshold=threshold)
         needed = self._with_needs(tuned)
         wanted = {
-            replace(stealth.now, threshold=threshold, frequency=stealth.frequency, on=True): "amplitudes as before",
             needed: "as it needs up to the switch-over speed",
+            replace(stealth.now, threshold=threshold, frequency=stealth.frequency, on=True): "amplitudes as before",
             tuned: "as the chip has tuned",
             calculated: "calculated",
         }

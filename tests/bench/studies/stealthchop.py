@@ -42,11 +42,12 @@ SHARE, CLAIMED_MAX = 0.95, 0.05
 
 @dataclass(frozen=True)
 class Set:
-    """What an axis is set to. switch_rps : None is StealthChop at every speed."""
+    """What an axis is set to. switch_rps : None is StealthChop at every speed. frequency : pwm_freq, 35 kHz at first."""
 
     offset: int
     gradient: int
     switch_rps: float | None
+    frequency: int = 1
 
     @property
     def threshold(self) -> int:
@@ -54,8 +55,8 @@ class Set:
         return 0 if self.switch_rps is None else math.floor(CLOCK_HZ / (self.switch_rps * MICROSTEPS_A_TURN))
 
     def pwmconf(self, *, tunes: bool) -> int:
-        """PWMCONF: 35 kHz, and what a reset has of the rest."""
-        return self.offset | self.gradient << 8 | 1 << 16 | TUNES * tunes | 4 << 24 | 12 << 28
+        """PWMCONF, with what a reset has of the rest."""
+        return self.offset | self.gradient << 8 | self.frequency << 16 | TUNES * tunes | 4 << 24 | 12 << 28
 
 
 @dataclass(frozen=True)
@@ -227,10 +228,12 @@ def _left(record: StudyRecord, first: Set) -> Set:
     found = record.stealthchop
     if not record.improved or found is None or found.chosen is None:
         return first
-    chosen = found.chosen
+    chosen, trial = found.chosen, record.trial(record.best)
     assert chosen.offset is not None
     assert chosen.gradient is not None
-    return Set(chosen.offset, chosen.gradient, chosen.switch_rps)
+    assert trial is not None
+    (pwmconf,) = (each.value for each in trial.registers if each.name == "PWMCONF")
+    return Set(chosen.offset, chosen.gradient, chosen.switch_rps, pwmconf >> 16 & 0b11)
 
 
 async def _set(s: Studied, what: Set) -> None:
