@@ -63,6 +63,15 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     assert slide.register("VMAX")["value"] == before
     expect(page.get_by_role("figure", name="All settings and the time of each trial")).to_be_visible()
     expect(page.get_by_role("heading", name="The move")).to_be_visible()
+    wide = page.viewport_size
+    assert wide is not None
+    expect(page.get_by_test_id("begin")).to_be_enabled(timeout=LONG_MS)
+    page.set_viewport_size(PHONE)  # what was begun, or picked, stays above the long form
+    result, form = verdict.bounding_box(), page.get_by_test_id("begin").bounding_box()
+    assert result is not None
+    assert form is not None
+    assert result["y"] < form["y"]
+    page.set_viewport_size(wide)
 
     page.get_by_role("button", name="Take the best").click()
     wait_for(lambda: slide.register("VMAX")["value"] > before, "the best setting is taken")

@@ -46,7 +46,7 @@ function Tune({ device, axis }: { device: Device; axis: Device["axes"][number] }
             retry={() => void studies.refetch()}
           />
         </div>
-        <div className={`column ${runs ? "ahead" : ""}`}>
+        <div className={`column ${runs || (shown && shown.id === picked) ? "ahead" : ""}`}>
           {first && ranking}
           <StudyView id={shown?.id ?? null} changes={changes} />
           {!first && ranking}
