@@ -60,9 +60,14 @@ class Twin(Part):
 
 
 class FastestMove(Part):
-    """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder."""
+    """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder, or by a switch."""
 
     kind: Literal["fastest_move"] = "fastest_move"
+    seen_by: Literal["encoder", "left switch", "right switch"] = Field(
+        default="encoder",
+        description="what tells of lost steps: an encoder, or an end switch near which the moves begin, whose edge is "
+        "looked at after each half of them",
+    )
     distance: Int = Field(description="of a move, and back again; its sign says to which side [microsteps]")
     margin: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
         default=0.1, description="no step may be lost at so much more speed and acceleration either: 0.1 is 10 %"
@@ -100,6 +105,13 @@ class FastestMove(Part):
             raise ValueError("distance is 0: a move goes somewhere")
         if self.quiet and self.sampler == "cmaes":
             raise ValueError("CMA-ES knows one objective: leave quiet out, or take tpe or nsga2")
+        if self.seen_by != "encoder":
+            if (self.distance > 0) != (self.seen_by == "left switch"):
+                raise ValueError(f"distance leads into the {self.seen_by}: moves go away from it, and back")
+            if self.quiet:
+                raise ValueError("quiet is told by an encoder alone: leave it out, or let the encoder see")
+            if self.twin is not None:
+                raise ValueError("a twin sees lost steps by its encoder: leave it out, or let the encoder see")
         return self
 
 

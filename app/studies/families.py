@@ -26,6 +26,7 @@ from .tmc5xxx.ramp import RAMP as SIX_POINT
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
 from .tmc5xxx.stealthchop import STEALTHCHOP
+from .tmc428.ramp import RAMP as TICKED_RAMP
 from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import RAMP as S_RAMP
@@ -39,7 +40,12 @@ from .tmcl.stall import STALL as MODULE_STALL
 
 T = TypeVar("T")
 
-RAMPS: Mapping[str, RampRegisters] = {"tmc5xxx": SIX_POINT, "tmc4361": S_RAMP, "tmcl": MODULE_RAMP}
+RAMPS: Mapping[str, RampRegisters] = {
+    "tmc428": TICKED_RAMP,
+    "tmc5xxx": SIX_POINT,
+    "tmc4361": S_RAMP,
+    "tmcl": MODULE_RAMP,
+}
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
     "tmc5xxx": IdentificationPlaces(HOP, ENCODER, AMPLITUDE),
     "tmcl": IdentificationPlaces(MODULE_HOP),

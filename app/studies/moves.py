@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,10 +35,11 @@ PERIOD_FULLSTEPS = 4.0
 
 @dataclass(frozen=True, slots=True)
 class MoveFigures:
-    """Of one move. `time_s` is None where the encoder did not end within its band of the target [s]."""
+    """Of one move. `time_s` is None where the encoder did not end within its band of the target [s];
+    `deviation_fullsteps` where there is none."""
 
     time_s: float | None
-    deviation_fullsteps: float
+    deviation_fullsteps: float | None
     lost_fullsteps: float
 
 
@@ -83,6 +84,11 @@ def figures_of(found: Sampled, target: int, before: float, full_step: int, band:
     )
 
 
+def worst_of(moves: Iterable[MoveFigures]) -> float | None:
+    """The greatest deviation of them [full steps]; None where no encoder told any."""
+    return max((one.deviation_fullsteps for one in moves if one.deviation_fullsteps is not None), default=None)
+
+
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
@@ -94,10 +100,13 @@ class MeasuredMoves:
         microsteps: int,
         band_fullsteps: float,
         beside: Sequence[str] = (),
+        *,
+        has_encoder: bool = True,
     ) -> None:
         """`microsteps` of a full step. `band_fullsteps`: how near the encoder has to stay; `beside`: other channels
-        that are sampled."""
-        self._beside = tuple(beside)
+        that are sampled. Without an encoder the counter is looked at in its place: when the ramp is over is seen, and
+        nothing of the shaft."""
+        self._beside, self._has_encoder = tuple(beside), has_encoder
         self._device, self._axis, self._clock = device, axis, clock
         self._microsteps, self._band = microsteps, band_fullsteps * microsteps
         self.way_fullsteps = 0.0
@@ -124,11 +133,13 @@ class MeasuredMoves:
         before = await self.deviation()
         found = await self.sampled(target, RATE_HZ)
         self.last = found
-        return figures_of(found, target, before, self._microsteps, self._band)
+        figures = figures_of(found, target, before, self._microsteps, self._band)
+        return figures if self._has_encoder else replace(figures, deviation_fullsteps=None)
 
     async def sampled(self, target: int, rate_hz: float) -> Sampled:
         """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""
-        names = [f"position.{self._axis}", f"encoder_position.{self._axis}", *self._beside]
+        own = ("position", "encoder_position") if self._has_encoder else ("position",)
+        names = [*(f"{name}.{self._axis}" for name in own), *self._beside]
         with sampling(self._device, names, rate_hz, self._clock) as samples:
             start = (await self.state()).position
             self.way_fullsteps += abs(target - start) / self._microsteps
@@ -137,13 +148,15 @@ class MeasuredMoves:
             after = await self.deviation()
             samples.take()
         times_s, rows = samples.all()
-        position, encoder = rows[:, 0], rows[:, 1]
+        position, shaft = rows[:, 0], rows[:, len(own) - 1]
         began_s = started.started_at_s
-        return Sampled(began_s, times_s - began_s, position, encoder, start, after, rows[:, 2:])
+        return Sampled(began_s, times_s - began_s, position, shaft, start, after, rows[:, len(own) :])
 
     async def deviation(self) -> float:
         """Encoder less position at rest [microsteps]. Raises Failed where the shaft goes on turning, BenchError."""
         await self._clock.sleep(REST_S)
+        if not self._has_encoder:
+            return 0.0
         last = await self._deviation_now()
         for _ in range(STILL_MAX):
             await self._clock.sleep(STILL_S)

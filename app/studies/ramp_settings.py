@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from ..devices.core.device import Device
 from ..errors import WrongState
@@ -14,12 +15,29 @@ from ..profiles.document import ProfileDocument
 from ..profiles.items import Key, key_of
 from ..profiles.physical import UnitContext
 from ..registers.model import Register
-from .field_settings import units_of, word_before
+from .field_settings import FieldSpace, Place, units_of, word_before
 from .record import Held
 from .table_settings import with_registers
 
 SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
 UNITS = {SPEED: "pps", ACCELERATION: "pps^2", JERK: "pps^3"}
+
+
+class Fitting(Protocol):
+    """What has to fit the acceleration, where a chip brakes by more than that: a TMC428 by pmul and pdiv."""
+
+    @property
+    def places(self) -> Sequence[Place]:
+        """The fields that it sets."""
+        ...
+
+    def allowed(self, units: UnitContext, axis: int) -> tuple[int, int]:
+        """The least and the greatest acceleration that something fits, as its register has it."""
+        ...
+
+    def of(self, units: UnitContext, axis: int, acceleration: int) -> Mapping[Place, int]:
+        """What fits that acceleration, as its register has it."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +48,14 @@ class RampRegisters:
     off : what is written with them so that nothing else has a part in it, where the chip has it
     only : a setting that counts only while a field has a value: (field, value)
     brake : registers of the acceleration that count only as it slows down
+    fitting : what is set to fit the acceleration, where the chip has such
     """
 
     settings: Mapping[str, tuple[str, ...]]
     off: Mapping[str, int] = field(default_factory=dict)
     only: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     brake: tuple[str, ...] = ()
+    fitting: Fitting | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +76,8 @@ class RampSpace:
     def __init__(self, device: Device, axis: int, names: RampRegisters, held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
         self._device, self._axis = device, axis
-        self._brake = names.brake
-        context = units_of(device, held)
+        self._brake, self._fitting = names.brake, names.fitting
+        context = self._units = units_of(device, held)
         self._settings = {
             name: self._setting(context, registers)
             for name, registers in names.settings.items()
@@ -69,6 +89,13 @@ class RampSpace:
         self.before: list[Held] = []
         for row in rows:
             self.before.append(Held(name=row.name, axis=row.axis, value=row.decode(word_before(device, row, held))))
+        if self._fitting is not None:
+            self._fields = FieldSpace(device, axis, self._fitting.places, held)
+            self.before += self._fields.before
+            setting = self._settings[ACCELERATION]
+            least, most = self._fitting.allowed(context, axis)
+            bound = replace(setting, least=max(setting.least, least), most=min(setting.most, most))
+            self._settings[ACCELERATION] = bound
 
     def _find(self, name: str) -> Register | None:
         found = self._device.family.table.find(name, self._axis)
@@ -110,6 +137,8 @@ class RampSpace:
                 continue
             raw = setting.raw(values[name])
             wanted += [Held(name=row.name, axis=row.axis, value=raw) for row in setting.rows]
+            if self._fitting is not None and name == ACCELERATION:
+                wanted += self._fields.registers(self._fitting.of(self._units, self._axis, raw))
         return wanted
 
     def braking_hard(self, values: Mapping[str, float]) -> list[Held]:

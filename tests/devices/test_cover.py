@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable
+from collections.abc import AsyncIterator, Awaitable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
@@ -79,15 +79,22 @@ class Bench:
 
 
 @asynccontextmanager
-async def bench(drivers: list[dict[str, str]] | None = None, *, chain: bool = True) -> AsyncIterator[Bench]:
+async def bench(
+    drivers: Sequence[Mapping[str, object]] | None = None,
+    *,
+    chain: bool = True,
+    model: str = "tmc428",
+    **options: object,
+) -> AsyncIterator[Bench]:
     clock = VirtualClock()
     manager = DeviceManager({"emulator": emulator_port}, clock)
     told = DRIVERS if drivers is None else drivers
     try:
-        controller = await manager.add(DeviceConfig("bench", "tmc428", {"kind": "emulator", "drivers": told}))
+        link: Link = {"kind": "emulator", "drivers": told, **options}
+        controller = await manager.add(DeviceConfig("bench", "tmc428", link))
         made = Bench(clock, manager, controller)
         if chain:
-            await made.chain(*(each["driver"] for each in told))
+            await made.chain(*(str(each["driver"]) for each in told))
         yield made
     finally:
         await manager.close()

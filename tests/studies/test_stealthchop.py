@@ -183,7 +183,7 @@ async def test_the_plan_says_what_cannot_be(tmp_path: Path, limits: AxisLimits, 
 
 
 async def test_an_amplitude_whose_error_the_chip_tunes_away_is_not_kept(tmp_path: Path) -> None:
-    """A slow switch-over: velocity adds next to nothing up to there, and PWM_OFS is tuned as the motor comes to rest."""
+    """A slow switch-over: velocity adds next to nothing up to there, and PWM_OFS is tuned whenever the motor rests."""
     async with studied(tmp_path, FULL, **PLANT) as s:
         await with_stealthchop(s, pwmconf=conf(3 * OFFSET, 0), switch_rps=1.0)
         study = {**STUDY, "jolt_max_fullsteps": 0.3}

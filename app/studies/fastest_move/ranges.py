@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...devices.core.capabilities import PositionSetting
 from ...devices.core.device import Device
+from ...errors import WrongState
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_now, axis_that_sees_lost_steps, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
 from ..search import Dimension
+from ..switch_edge import Side
 
 FASTER, SLOWER = 10.0, 0.5
 """How far from the present setting is looked at most, where no limit says otherwise."""
@@ -19,6 +22,9 @@ AROUND_S = 0.6
 WRITING_S = 0.1
 """What setting registers takes, about [s]."""
 BASELINE_RUNS = 3
+LOOKS = 3
+"""So many times the moves, and their time, with the ways to a switch after each half of one."""
+SWITCHES: dict[str, Side | None] = {"encoder": None, "left switch": "left", "right switch": "right"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +38,11 @@ class Ranges:
     """Of a full step."""
     period: int
     """An electrical period [microsteps]: runs begin at different places of it."""
+    near: int
+    far: int
+    """Where moves go at the most to the other side, where a switch is looked for, and to their own [microsteps]."""
+    switch: Side | None
+    """The switch that sees lost steps; None: the encoder does."""
 
 
 def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) -> dict[str, tuple[float, float]]:
@@ -55,7 +66,12 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
     looked = Looked[Ranges]()
     say = looked.missing.append
-    found = await axis_that_sees_lost_steps(device, axis, looked.missing, "without one lost steps cannot be seen")
+    switch = SWITCHES[wanted.seen_by]
+    found = (
+        await axis_that_sees_lost_steps(device, axis, looked.missing, "without one lost steps cannot be seen")
+        if switch is None
+        else await _at_a_switch(device, axis, looked.missing, switch)
+    )
     if found is None:
         return looked
     space, state, microsteps = found.space, found.state, found.full_step
@@ -65,8 +81,10 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         return looked
     period, limits = 4 * microsteps, device.axes[axis].settings.limits
     way = wanted.distance + (period if wanted.distance > 0 else -period)
-    ends = sorted((state.position, state.position + way))
-    for end in ends:
+    near, far = state.position, state.position + way
+    if switch is not None:
+        near -= way + limits.beyond(near - way)
+    for end in (state.position, far):
         if limits.beyond(end):
             say(f"it would go to {end}, and the soft limits end before: begin elsewhere, or by a shorter distance")
             break
@@ -77,8 +95,26 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
             say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
             return looked
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
-    looked.ground = Ranges(space, dimensions, state.position, microsteps, period)
+    looked.ground = Ranges(space, dimensions, state.position, microsteps, period, near, far, switch)
     return looked
+
+
+async def _at_a_switch(device: Device, axis: int, missing: list[str], switch: Side) -> AxisNow | None:
+    """The axis before moves whose lost steps a switch sees, and sets right. Raises BenchError."""
+    try:
+        device.need(PositionSetting)
+    except WrongState as error:
+        missing.append(str(error))
+        return None
+    found = await axis_now(device, axis, missing)
+    if found is None:
+        return None
+    pressed = found.state.switches.left if switch == "left" else found.state.switches.right
+    if pressed is None:
+        missing.append(f"the {switch} switch is not read as the axis is set: nothing else tells of lost steps")
+    elif pressed:
+        missing.append(f"the {switch} switch is pressed: begin a little beside it")
+    return found
 
 
 async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
@@ -95,12 +131,13 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
     now, most = ranges.space.now(), {each.name: each.high * (1 + wanted.margin) for each in ranges.dimensions}
     step_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
     alone = 0 if wanted.loss_rate_max is None else max(0, runs_for(wanted.loss_rate_max) - wanted.pairs)
+    looks = 1 if ranges.switch is None else LOOKS
     runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs + alone
     share = (1 + wanted.margin) * 100
     way = abs(wanted.distance) + ranges.period
-    told.moves_max = 2 * runs
-    told.way_fullsteps = 2 * runs * way / ranges.microsteps
-    whole_s = runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S
+    told.moves_max = 2 * looks * runs
+    told.way_fullsteps = 2 * looks * runs * way / ranges.microsteps
+    whole_s = looks * runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S
     told.time_s = min(budget.time_s, whole_s)
     if alone and budget.time_s < whole_s:
         told.warnings.append(
@@ -109,24 +146,39 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         )
     if budget.distance_fullsteps is not None:
         told.way_fullsteps = min(told.way_fullsteps, budget.distance_fullsteps)
-    far = ranges.start + (1 if wanted.distance > 0 else -1) * way
-    told.position_from, told.position_to = min(ranges.start, far), max(ranges.start, far)
+    told.position_from, told.position_to = sorted((ranges.near, ranges.far))
     told.velocity_max_pps, told.acceleration_max_pps2 = most[SPEED], most[ACCELERATION]
     told.registers = [f"{each.name} of axis {axis}" for each in ranges.space.before]
     present = f"{plain(now[SPEED])} pps, {plain(now[ACCELERATION])} pps^2"
     twin = wanted.twin
     on_twin = [] if twin is None else [f"{twin.trials} settings on an emulated twin: the motor rests meanwhile"]
+    by_switch = (
+        []
+        if ranges.switch is None
+        else [
+            f"to the {ranges.switch} switch, {ranges.near} at most: its edge is found by full steps",
+            "to that edge after each half of a move, set as it is now: where it is elsewhere, steps were lost",
+        ]
+    )
     told.steps = [
+        *by_switch,
         f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
         *on_twin,
         f"up to {budget.trials} settings: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
         "beyond the edge steps will be lost, which is loud",
-        "after lost steps the position is taken from the encoder, and the motor goes back slowly",
+        f"after lost steps the position is taken from the {wanted.seen_by}, and the motor goes back slowly",
         f"{wanted.pairs} moves with the old and {wanted.pairs} with the best setting, in turn; as many with margin",
         *([f"{alone} more with the best setting alone, if it is better: none may lose a step"] if alone else []),
         "the setting as it is now goes back, whatever came of it; one click takes the best one",
     ]
-    told.unwatched = [
-        "an encoder that slips on its shaft looks like lost steps",
-        "what is behind the motor's shaft (a belt that jumps) is not seen by an encoder on that shaft",
-    ]
+    told.unwatched = (
+        [
+            "an encoder that slips on its shaft looks like lost steps",
+            "what is behind the motor's shaft (a belt that jumps) is not seen by an encoder on that shaft",
+        ]
+        if ranges.switch is None
+        else [
+            "how long the shaft rings at the end of a move: without an encoder a move is over when its ramp is",
+            "a belt that jumps, or a switch that has moved, looks like lost steps",
+        ]
+    )

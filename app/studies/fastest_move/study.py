@@ -44,7 +44,8 @@ class FastestMoveStudy(StudyRun):
         ranges = self._ranges = (await look(self.device, self.axis, wanted)).required()
         seed = record.document.seed + len(record.trials)
         self._trials = MoveTrials(self.device, self.axis, self.clock, wanted, ranges, seed, self.apply)
-        self._trials.losing = lambda: self.keeper.mark("steps lost: the position is taken from the encoder")
+        by = wanted.seen_by
+        self._trials.losing = lambda: self.keeper.mark(f"steps lost: the position is taken from the {by}")
         way_before = record.way_fullsteps
 
         def ran() -> None:
@@ -73,15 +74,16 @@ class FastestMoveStudy(StudyRun):
         self.tell("baseline", 0.0, "moving as the axis is set now")
         self.keeper.mark("baseline")
         self._touched = True  # a loss is mended by the setting before, which writes
-        await self._trials.fall_into_step()
+        await self._trials.begin()
         runs = []
         for index in range(BASELINE_RUNS):
             runs.append(await self._trials.once())
             figures = figures_of(runs)
             if figures.lost_fullsteps:
                 raise Failed(
-                    f"position and encoder part by {figures.lost_fullsteps:g} full steps as the axis is set now: "
-                    "too fast for it, too much load, an open phase, an encoder that slips, or a wrong resolution of it"
+                    f"position and {self.wanted.seen_by} part by {figures.lost_fullsteps:g} full steps as the axis is "
+                    "set now: too fast for it, too much load, an open phase, an encoder that slips, or a wrong "
+                    "resolution of it"
                 )
             if figures.time_s is None:
                 raise Failed(
@@ -251,9 +253,7 @@ class FastestMoveStudy(StudyRun):
             order = pair_order(index)
             times: dict[str, float] = {}
             for which in order:
-                await self.apply(record.baseline, "the setting before") if which == "A" else await self._trials.set(
-                    best.setting
-                )
+                await self._trials.set_before() if which == "A" else await self._trials.set(best.setting)
                 figures = figures_of([await self._trials.once(place)])
                 runs += which == "B"
                 if figures.time_s is None:

@@ -6,6 +6,7 @@ import math
 import random
 import statistics
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from ...clock import Clock
@@ -16,14 +17,16 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ...profiles.apply import Transaction
 from ..document import FastestMove, StudyDocument
-from ..moves import MeasuredMoves, MoveFigures, Sampled
+from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, document_of, least_time_s
 from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
+from ..switch_edge import SwitchEdge
 from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look
 
 CURVE_POINTS = 120
+BEFORE = "the setting before the study"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 
 
@@ -36,7 +39,17 @@ class MoveTrials:
         """`apply` sets registers, and is told what for."""
         self._device, self._axis, self._wanted, self._ranges, self._apply = device, axis, wanted, ranges, apply
         self._random = random.Random(seed)
-        self.moves = MeasuredMoves(device, axis, clock, ranges.microsteps, wanted.band_fullsteps)
+        by_switch = ranges.switch is not None
+        self.moves = MeasuredMoves(
+            device, axis, clock, ranges.microsteps, wanted.band_fullsteps, has_encoder=not by_switch
+        )
+        self._edge = (
+            None
+            if ranges.switch is None
+            else SwitchEdge(device, axis, clock, ranges.switch, self.moves, ranges.microsteps, ranges.far)
+        )
+        self._in_force: Sequence[Held] = ranges.space.before
+        """The setting that is tried."""
         self.there: Sampled | None = None
         """The latest move to the far end."""
         self.ran: Callable[[], None] = lambda: None
@@ -48,10 +61,13 @@ class MoveTrials:
         """A place of the electrical period, drawn anew [microsteps from where the study began]."""
         return self._random.randrange(self._ranges.period)
 
-    async def fall_into_step(self) -> None:
-        """A rotor that stood beside its field when it was switched on falls into step with the first move."""
+    async def begin(self) -> None:
+        """A rotor that stood beside its field when it was switched on falls into step with the first move; then the
+        edge of the switch is found, where one sees lost steps. Raises Failed, BenchError."""
         await self.moves.go(self._ranges.start + (1 if self._wanted.distance > 0 else -1) * self._ranges.period)
         await self.moves.go(self._ranges.start)
+        if self._edge is not None:
+            await self._edge.learn(self._ranges.near)
 
     async def once(self, place: int | None = None) -> tuple[MoveFigures, MoveFigures]:
         """There and back, from a place of the electrical period. Raises Failed, BenchError."""
@@ -59,29 +75,50 @@ class MoveTrials:
         way = 1 if wanted.distance > 0 else -1
         begin = self._ranges.start + way * (self.place() if place is None else place)
         await self.moves.go(begin)
-        there = await self.moves.measured(begin + wanted.distance)
+        there = await self._looked_at(await self.moves.measured(begin + wanted.distance))
         self.there = self.moves.last
         if there.lost_fullsteps:
             await self._mend()
             figures = there, there
         else:
-            back = await self.moves.measured(begin)
+            if self._edge is not None:
+                await self.moves.go(begin + wanted.distance)
+                await self._apply(self._in_force, "the setting that is tried")
+            back = await self._looked_at(await self.moves.measured(begin))
             if back.lost_fullsteps:
                 await self._mend()
+            elif self._edge is not None:
+                await self._apply(self._in_force, "the setting that is tried")
             figures = there, back
         self.ran()
         return figures
 
+    async def _looked_at(self, move: MoveFigures) -> MoveFigures:
+        """With what the switch tells of it, where no encoder does: gone to with the setting before, after each half of
+        a move, for what is lost there and back alike would cancel."""
+        if self._edge is None:
+            return move
+        await self._apply(self._ranges.space.before, BEFORE)
+        lost = await self._edge.lost()
+        return replace(move, time_s=None, lost_fullsteps=lost) if lost else move
+
     async def _mend(self) -> None:
         """The position as the encoder has it, and slowly back to where the study began."""
         self.losing()
-        await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
+        if self._edge is None:
+            await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
         await self.home()
 
     async def home(self) -> None:
         """With the setting before to where the study began. Raises Failed, BenchError."""
-        await self._apply(self._ranges.space.before, "the setting before the study")
+        await self._apply(self._ranges.space.before, BEFORE)
+        if self._edge is not None:  # who knows what was lost by what has failed
+            await self._edge.lost()
         await self.moves.go(self._ranges.start)
+
+    async def set_before(self) -> None:
+        """Set the axis as it was before the study. Raises BenchError."""
+        await self._set(self._ranges.space.before, BEFORE)
 
     async def measure(self, setting: Mapping[str, float]) -> Figures:
         """With the margin first: where that loses steps, the rest is not worth a move. Raises Failed, BenchError."""
@@ -105,7 +142,11 @@ class MoveTrials:
 
     async def set(self, setting: Mapping[str, float]) -> None:
         """Set speed, acceleration and perhaps jerk. Raises BenchError."""
-        await self._apply(self._ranges.space.registers(setting), words_of(setting))
+        await self._set(self._ranges.space.registers(setting), words_of(setting))
+
+    async def _set(self, registers: Sequence[Held], what: str) -> None:
+        await self._apply(registers, what)
+        self._in_force = registers
 
 
 def curve_of(move: Sampled, which: Literal["before", "best", "present"], microsteps: int) -> MoveCurve:
@@ -133,7 +174,7 @@ def figures_of(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
     return Figures(
         time_s=statistics.fmean(known) if whole else None,
         spread_s=statistics.stdev(known) if whole and len(known) > 2 else None,
-        deviation_fullsteps=max((move.deviation_fullsteps for move in moves), default=None),
+        deviation_fullsteps=worst_of(moves),
         lost_fullsteps=max((move.lost_fullsteps for move in moves), default=0.0),
         runs=len(runs),
     )
@@ -187,7 +228,7 @@ async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocum
 
     trials = MoveTrials(device, axis, clock, wanted, ranges, document.seed + asked.number, apply)
     trial = begun(asked, ranges, wanted, 0.0)
-    await trials.fall_into_step()
+    await trials.begin()
     await tried(trials, trial)
     return trial
 

@@ -12,7 +12,7 @@ from ...devices.core.capabilities import PositionFromEncoder
 from ...devices.core.device import Device
 from ...profiles.apply import Transaction
 from ..document import LeastCurrent, StudyDocument
-from ..moves import MeasuredMoves, MoveFigures
+from ..moves import MeasuredMoves, MoveFigures, worst_of
 from ..ramp_settings import document_of
 from ..record import Figures, Held, Trial
 from ..search import Asked, Told
@@ -80,7 +80,7 @@ class LoadCycles:
             await self._mend()
         rows = np.concatenate(beside)
         moving = rows[np.isfinite(rows).all(axis=1) & (rows[:, 0] != 0)] if ground.cool is not None else rows
-        return Cycled(held, 1, max(move.deviation_fullsteps for move in moves), moving)
+        return Cycled(held, 1, worst_of(moves) or 0.0, moving)
 
     async def some(self, registers: Sequence[Held], words: str, count: int, cycle: Cycle) -> Cycled:
         """So many with those registers; it ends with the first that loses a step, or with the budget."""

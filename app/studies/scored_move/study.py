@@ -10,7 +10,7 @@ import numpy as np
 
 from ...number_text import plain
 from ..document import ScoredMove
-from ..moves import MeasuredMoves, MoveFigures, Sampled
+from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
 from ..parts import Interval
 from ..record import Figures, StudyRecord, Trial
 from ..run import StudyRun
@@ -125,7 +125,7 @@ def scored(distance: int, moves: Sequence[SeenMove]) -> Scored:
         time_s=float(np.mean(times)) if len(times) == len(moves) else None,
         interval_s=_interval(times) if len(times) == len(moves) else None,
         overshoot_fullsteps=max(move.overshoot for move in moves),
-        peak_fullsteps=max(move.figures.deviation_fullsteps for move in moves),
+        peak_fullsteps=worst_of(move.figures for move in moves) or 0.0,
         vibration_fullsteps=float(np.mean([move.vibration for move in moves])),
         rest_fullsteps=float(np.mean(rests)) if rests else None,
         lost_fullsteps=max(move.figures.lost_fullsteps for move in moves),

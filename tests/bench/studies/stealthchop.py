@@ -42,7 +42,7 @@ SHARE, CLAIMED_MAX = 0.95, 0.05
 
 @dataclass(frozen=True)
 class Set:
-    """What an axis is set to. switch_rps : None is StealthChop at every speed. frequency : pwm_freq, 35 kHz at first."""
+    """What an axis is set to. switch_rps : None is StealthChop at every speed. frequency : pwm_freq; 1 is 35 kHz."""
 
     offset: int
     gradient: int

@@ -7934,7 +7934,7 @@ export interface components {
         };
         /**
          * FastestMove
-         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder.
+         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder, or by a switch.
          */
         "FastestMove-Input": {
             /**
@@ -7942,6 +7942,13 @@ export interface components {
              * @enum {string}
              */
             kind: "fastest_move";
+            /**
+             * Seen By
+             * @description what tells of lost steps: an encoder, or an end switch near which the moves begin, whose edge is looked at after each half of them
+             * @default encoder
+             * @enum {string}
+             */
+            seen_by?: "encoder" | "left switch" | "right switch";
             /**
              * Distance
              * @description of a move, and back again; its sign says to which side [microsteps]
@@ -8008,7 +8015,7 @@ export interface components {
         };
         /**
          * FastestMove
-         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder.
+         * @description The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder, or by a switch.
          */
         "FastestMove-Output": {
             /**
@@ -8016,6 +8023,13 @@ export interface components {
              * @enum {string}
              */
             kind: "fastest_move";
+            /**
+             * Seen By
+             * @description what tells of lost steps: an encoder, or an end switch near which the moves begin, whose edge is looked at after each half of them
+             * @default encoder
+             * @enum {string}
+             */
+            seen_by: "encoder" | "left switch" | "right switch";
             /**
              * Distance
              * @description of a move, and back again; its sign says to which side [microsteps]

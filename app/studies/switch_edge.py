@@ -1,0 +1,134 @@
+"""Lost steps seen by a switch: where its edge is found elsewhere than before, the position counter is wrong.
+
+The edge is looked at from both sides, half of an electrical period away each: a rotor that slips does so by whole
+periods, so that is enough, whatever the speed of the link. What was lost is known when the edge has been found anew.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from ..clock import Clock
+from ..devices.core.capabilities import PositionSetting
+from ..devices.core.device import Device
+from ..devices.core.results import AxisState
+from ..procedures.procedure import POLL_S, Failed
+from .moves import LONGEST, PERIOD_FULLSTEPS, REST_S, MeasuredMoves
+
+Side = Literal["left", "right"]
+CLEAR_FULLSTEPS = PERIOD_FULLSTEPS / 2
+"""So far from the edge it is looked at whether the switch is pressed, or not."""
+COARSE_FULLSTEPS = 8.0
+"""Steps out of a pressed switch, before it is gone into by single full steps."""
+STEPS_MAX = 200
+"""Such steps at most: a motor that was stopped at speed stands that far in a switch that does not stop it."""
+STARTS_S = 2.0
+"""What a move may take beside its ramp [s]."""
+
+
+class SwitchEdge:
+    """The edge of a switch of one axis. Positions in microsteps of the counter."""
+
+    def __init__(
+        self, device: Device, axis: int, clock: Clock, side: Side, moves: MeasuredMoves, full_step: int, far: int
+    ) -> None:
+        """`moves` of the axis, `full_step` in microsteps; `far` is the place farthest from the switch of all moves."""
+        self._device, self._axis, self._clock, self._side = device, axis, clock, side
+        self._moves, self._full_step, self._far = moves, full_step, far
+        self._out = 1 if side == "left" else -1
+        """The way out of the switch."""
+        self._edge: int | None = None
+
+    async def learn(self, nearest: int) -> None:
+        """Find the edge from where the axis stands, going to `nearest` at most. Raises Failed, BenchError."""
+        if not await self._until(nearest, pressed=True):
+            raise Failed(
+                f"the {self._side} switch is not met until {nearest}: begin nearer to it, or let it go farther"
+            )
+        self._edge = await self._found()
+
+    async def lost(self) -> float:
+        """How many full steps were lost since it was learnt; afterwards the counter is right again.
+
+        The axis is moved to the edge as it is set. Raises Failed where the switch is not found again, BenchError.
+        """
+        assert self._edge is not None
+        clear = round(CLEAR_FULLSTEPS * self._full_step)
+        outside, inside = (self._edge + sign * self._out * clear for sign in (1, -1))
+        if not await self._until(outside, pressed=True) and await self._until(inside, pressed=True):
+            return 0.0
+        return await self._mended(inside, self._edge)
+
+    async def _mended(self, inside: int, edge: int) -> float:
+        """Find it anew, and set the counter right, which stays between `inside` and the farthest place meanwhile."""
+        taken = await self._met_anew(inside)
+        period = round(PERIOD_FULLSTEPS * self._full_step)
+        periods = round((taken + await self._found() - edge) / period)
+        at = (await self._moves.state()).position
+        await self._counter.set_position(self._axis, at + taken - periods * period)
+        return abs(periods) * PERIOD_FULLSTEPS
+
+    async def _met_anew(self, inside: int) -> int:
+        """Go to the edge, wherever the axis is; what was taken from the counter for that. Raises Failed."""
+        taken = 0
+        if await self._pressed():
+            taken = await self._counter.set_position(self._axis, inside)
+            if await self._until(self._far, pressed=False):
+                return taken
+        for _ in range(2):  # a load that runs on may carry it farther than it was sent
+            taken += await self._counter.set_position(self._axis, self._far)
+            if await self._until(inside, pressed=True):
+                return taken
+        raise Failed(f"steps were lost, and the {self._side} switch is not found again: search the reference anew")
+
+    @property
+    def _counter(self) -> PositionSetting:
+        return self._device.need(PositionSetting)
+
+    async def _found(self) -> int:
+        """Where the edge is, from near it: out of the switch, and in again by full steps. Raises Failed."""
+        for _ in range(STEPS_MAX):
+            if not await self._pressed():
+                break
+            await self._until(await self._beside(COARSE_FULLSTEPS), pressed=False)
+        for _ in range(STEPS_MAX):
+            before = await self._beside(0.0)
+            if await self._until(await self._beside(-1.0), pressed=True):
+                return round((before + await self._beside(0.0)) / 2)
+        raise Failed(f"the edge of the {self._side} switch is not found again near where it was met")
+
+    async def _beside(self, fullsteps: float) -> int:
+        """So far out of the switch from where the axis stands."""
+        return (await self._moves.state()).position + round(self._out * fullsteps * self._full_step)
+
+    async def _pressed(self) -> bool:
+        return self._is_pressed(await self._moves.state())
+
+    def _is_pressed(self, state: AxisState) -> bool:
+        return bool(state.switches.left if self._side == "left" else state.switches.right)
+
+    async def _until(self, target: int, *, pressed: bool) -> bool:
+        """Go to `target` until the switch is so, and rest; whether it was: a rotor at its edge may swing out of it.
+
+        Raises Failed, BenchError.
+        """
+        device, axis, moves = self._device, self._axis, self._moves
+        state = await moves.state()
+        if self._is_pressed(state) == pressed or state.position == target:
+            return self._is_pressed(state) == pressed
+        moves.way_fullsteps += abs(target - state.position) / self._full_step
+        started = await device.motion.move(axis, target)
+        until_s = device.device_time_s() + LONGEST * (started.predicted_duration_s or 60.0) + STARTS_S
+        met = False
+        while True:
+            await self._clock.sleep(POLL_S)
+            state = await moves.state()
+            if not met and self._is_pressed(state) == pressed:
+                met = True
+                if state.position != target:
+                    await device.stop(axis)  # also where the switch has stopped it: released, it would go on
+            elif not state.moving and (met or state.position == target):
+                await self._clock.sleep(REST_S)
+                return met or await self._pressed() == pressed
+            if device.device_time_s() > until_s:
+                raise Failed(f"neither {target} nor the edge of the {self._side} switch came within its time")

@@ -1,0 +1,1 @@
+"""What studies know of the TMC428 family alone."""

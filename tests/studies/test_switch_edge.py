@@ -1,0 +1,96 @@
+"""Lost steps seen by a switch, without an encoder: told as they are, mended, and none claimed where none are."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.studies.kinds import KINDS
+from app.studies.moves import MeasuredMoves
+from app.studies.switch_edge import Side, SwitchEdge
+from tests.studies.harness import START, Studied, studied
+
+FULL_STEP = 256
+MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1, "seen_by": "left switch"}
+HEAVY = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+NEAR = {"left_at_fullsteps": -21.3}
+BLIND = replace(START, counts_per_rev=0)
+NAMES = ("VMAX", "AMAX", "DMAX", "V1")
+
+
+def rotor_fullsteps(s: Studied) -> float:
+    """The ground truth, which no study sees."""
+    return float(s.b.wire.state().axes[0].truth.rotor_fullsteps)
+
+
+async def test_a_faster_ramp_is_found_and_proved_by_the_switch_alone(tmp_path: Path) -> None:
+    async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
+        before = await s.settings(*NAMES)
+        plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+        assert plan.missing == []
+        record = await s.finish(s.begin(s.document(MOVE, budget={"trials": 8})))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await s.settings(*NAMES) == before
+        assert any(trial.state == "infeasible" and trial.figures.lost_fullsteps for trial in record.trials)
+        assert all(trial.figures.deviation_fullsteps is None for trial in record.trials)
+        # whatever was lost on the way, the counter is right again
+        assert (await s.b.state()).position == 0
+        assert rotor_fullsteps(s) == pytest.approx(0.0, abs=1.0)
+
+
+async def looked_for(s: Studied, edge: SwitchEdge) -> float:
+    found: list[float] = []
+
+    async def look() -> None:
+        found.append(await edge.lost())
+
+    await s.passing(look())
+    return found[0]
+
+
+async def clamped_in(s: Studied, move: Coroutine[Any, Any, Any], from_s: float, for_s: float) -> None:
+    """While a move is made its shaft is clamped for a while: the counter goes on, the rotor does not."""
+    going = asyncio.create_task(move)
+    for pause_s, on in ((from_s, True), (for_s, False)):
+        await s.clock.advance(pause_s)
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=on)]))
+    while not going.done():
+        await s.clock.advance(0.05)
+    await going
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("stops", [True, False])
+@pytest.mark.parametrize(
+    ("outwards", "from_s", "for_s"),
+    [(True, 0.0, 3.0), (True, 0.3, 0.01), (True, 0.2, 0.1), (True, 0.35, 0.4), (False, 0.0, 3.0), (False, 0.25, 0.12)],
+)
+async def test_what_a_clamped_shaft_loses_is_told_and_mended(
+    tmp_path: Path, side: Side, stops: bool, outwards: bool, from_s: float, for_s: float
+) -> None:
+    out = 1 if side == "left" else -1
+    far = out * 60 * FULL_STEP
+    stage = {"left_at_fullsteps": -9.4} if side == "left" else {"right_at_fullsteps": 9.4}
+    async with studied(tmp_path, replace(BLIND, stops=stops), stage=stage) as s:
+        moves = MeasuredMoves(s.device, 0, s.clock, FULL_STEP, 1.0, has_encoder=False)
+        edge = SwitchEdge(s.device, 0, s.clock, side, moves, FULL_STEP, far)
+        await s.passing(edge.learn(-out * 30 * FULL_STEP))
+        assert await looked_for(s, edge) == 0
+        for target in (far, 0):
+            if (target == far) == outwards:
+                await clamped_in(s, moves.measured(target), from_s, for_s)
+                break
+            await s.passing(moves.go(target))
+        told = await looked_for(s, edge)
+        truth = s.b.wire.state().axes[0].truth
+        assert told == abs(truth.lost_fullsteps)
+        assert (for_s > 1) <= (told > 0)
+        position = (await s.b.state()).position
+        assert position / FULL_STEP == pytest.approx(truth.rotor_fullsteps, abs=1.0)
+        assert await looked_for(s, edge) == 0

@@ -1,0 +1,104 @@
+"""The fastest move of a TMC428 without any encoder: v_max, a_max and the pair that fits, seen by a switch alone."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+
+from app.devices.core.device import Device
+from app.devices.tmc428.start_up import AxisStart, start_up
+from app.emulators.tmc428.device import EmulatedDevice
+from app.links.emulator import EmulatorPort
+from app.profiles.capture import read_held
+from app.studies.families import ramp_of
+from app.studies.kinds import KINDS
+from app.studies.ramp_settings import RampSpace, held_of
+from app.studies.store import StudyStore
+from tests.devices.harness import START as STARTED
+from tests.devices.harness import bench as controller
+from tests.devices.test_cover import Bench, bench
+from tests.studies.harness import Studied
+
+MICROSTEPS = 64
+MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 50 * MICROSTEPS, "repeats": 1, "seen_by": "left switch"}
+START = AxisStart(v_max=200, a_max=60, pulse_div=3, ramp_div=6, stops=True)
+DRIVERS: tuple[dict[str, Any], ...] = (
+    {"driver": "tmc2660", "load": {"inertia_kgm2": 1e-3, "friction_nm": 0.05}},
+    *[{"driver": "tmc236"}] * 2,
+)
+STAGE = {"left_at_fullsteps": 0.0, "right_at_fullsteps": 700.0, "start_fullsteps": 20.4}
+
+
+@dataclass
+class Controlled:
+    """The controller of a bench as the device that is studied."""
+
+    b: Bench
+
+    @property
+    def device(self) -> Device:
+        return self.b.controller
+
+    @property
+    def clock(self) -> Any:
+        return self.b.clock
+
+    @property
+    def rotor_fullsteps(self) -> float:
+        """The ground truth, which no study sees."""
+        wire = cast("EmulatedDevice", cast("EmulatorPort", self.device.session.port).wire)
+        return wire.state().axes[0].position_fullsteps
+
+
+@asynccontextmanager
+async def studied(folder: Path) -> AsyncIterator[tuple[Studied, Controlled]]:
+    async with bench(DRIVERS, stages=[STAGE]) as b:
+        driver = await b.driver(0)
+        await b.set_up(driver)
+        await b.during(driver.registers.write("SGCSCONF", None, fields={"CS": 15}))
+        await b.during(start_up(b.controller, [START] * 3, [each["driver"] for each in DRIVERS]))
+        made = Controlled(b)
+        s = Studied(made, StudyStore(folder, aside=False))
+        try:
+            yield s, made
+        finally:
+            await s.passing(s.procedures.close())
+
+
+async def test_a_faster_ramp_with_its_pair_is_found_by_the_switch(tmp_path: Path) -> None:
+    async with studied(tmp_path) as (s, made):
+        before = dict((await read_held(s.device)).words)
+        start = made.rotor_fullsteps
+        plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+        assert plan.missing == []
+        assert "pmul_pdiv of axis 0" in plan.registers
+        record = await s.finish(s.begin(s.document(MOVE, budget={"trials": 5})))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert dict((await read_held(s.device)).words) == before
+        assert any(trial.state == "infeasible" and trial.figures.lost_fullsteps for trial in record.trials)
+        # less than a period off: a rotor that stood beside its field fell into step with the first move
+        assert made.rotor_fullsteps == pytest.approx(start, abs=2.0)
+
+
+@pytest.mark.parametrize(("model", "reduction"), [("tmc428", 0.05), ("tmc429", 0.01), ("tmc4210", 0.01)])
+async def test_each_acceleration_that_may_be_tried_has_its_pair(model: str, reduction: float) -> None:
+    async with controller(model, started=True) as b:
+        space = RampSpace(b.device, 0, ramp_of(b.device), await held_of(b.device))
+        one = space.most("acceleration") / 2047
+        for a_max in (2, 10, 100, 777, 2047):
+            words = {each.name.lower(): each.value for each in space.registers({"acceleration": a_max * one})}
+            assert words["a_max"] == a_max
+            p = (128 + (words["pmul_pdiv"] >> 8 & 0x7F)) / 2 ** (3 + (words["pmul_pdiv"] & 0xF))
+            ideal = a_max / (128 * 2.0 ** (STARTED.ramp_div - STARTED.pulse_div))
+            assert (1 - reduction) * (1 - 1 / 128) * ideal <= p <= (1 - reduction) * ideal
+
+
+async def test_a_study_that_needs_an_encoder_says_so(tmp_path: Path) -> None:
+    async with studied(tmp_path) as (s, _):
+        plan = await KINDS["fastest_move"].plan(s.device, 0, s.document({**MOVE, "seen_by": "encoder"}))
+        assert any("encoder" in line for line in plan.missing)
