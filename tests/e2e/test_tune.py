@@ -338,3 +338,40 @@ def test_a_module_is_made_faster_with_a_bound_of_its_lost_steps(
         wait_for(lambda: speed() == before, "the setting is as before")
         check_axe(page)
         page.goto("/connections")  # before the module is gone
+
+
+def test_a_chip_without_an_encoder_is_made_faster_by_its_switch(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    stage = {"left_at_fullsteps": 0.0, "right_at_fullsteps": 700.0, "start_fullsteps": 20.4}
+    with a_chip(api, "old stage", "tmc428", stages=[stage]) as chip:
+        start = {"velocity_pps": 10_000, "acceleration_pps2": 100_000}
+        api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
+        before = chip.register("v_max")["value"] // 4
+        chip.write("v_max", before)
+        chip.emulator(time_scale=4.0)
+        select(page, chip)
+        page.goto("/tune")
+        page.get_by_role("radio", name="Faster").check()
+        seen_by = page.get_by_label("Lost steps are seen by")
+        expect(seen_by).to_have_value("left switch")
+        plan = page.get_by_test_id("plan")
+        expect(plan).to_contain_text("v_max, a_max, pmul_pdiv of axis 0")
+        seen_by.select_option("encoder")
+        expect(page.get_by_test_id("missing")).to_contain_text("encoder")
+        seen_by.select_option("left switch")
+        for label, value in (("Distance", "0.25"), ("Settings tried at most", "2")):
+            field = page.get_by_label(label, exact=True)
+            field.fill(value)
+            field.press("Tab")
+        expect(plan).to_contain_text("to the left switch")
+        check_axe(page)
+        page.get_by_test_id("begin").click()
+        verdict = page.get_by_test_id("verdict")
+        expect(verdict).to_contain_text("pair 1", timeout=LONG_MS)
+        expect(page.get_by_role("heading", name="The move")).to_be_visible()
+        page.get_by_role("button", name="Stop, and set back").click()
+        expect(verdict).to_contain_text("stopped", timeout=LONG_MS)
+        assert chip.register("v_max")["value"] == before
+        check_axe(page)
+        page.goto("/connections")  # before the chip is gone

@@ -98,6 +98,18 @@ async def test_each_acceleration_that_may_be_tried_has_its_pair(model: str, redu
             assert (1 - reduction) * (1 - 1 / 128) * ideal <= p <= (1 - reduction) * ideal
 
 
+async def test_where_the_dividers_end_the_search_the_plan_says_so(tmp_path: Path) -> None:
+    async with studied(tmp_path) as (s, _):
+        for v_max, said in ((START.v_max, False), (1000, True)):
+            await s.passing(_write(s, "v_max", v_max))
+            plan = await KINDS["fastest_move"].plan(s.device, 0, s.document(MOVE))
+            assert any("speed ends at 62469 pps" in line for line in plan.warnings) == said, plan.warnings
+
+
+async def _write(s: Studied, name: str, value: int) -> None:
+    await s.device.registers.write(name, 0, value)
+
+
 async def test_a_study_that_needs_an_encoder_says_so(tmp_path: Path) -> None:
     async with studied(tmp_path) as (s, _):
         plan = await KINDS["fastest_move"].plan(s.device, 0, s.document({**MOVE, "seen_by": "encoder"}))

@@ -11,7 +11,7 @@ from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
 from ..plan import AxisNow, Looked, StudyPlan, axis_now, axis_that_sees_lost_steps, planned, room_told
 from ..proof import runs_for
-from ..ramp_settings import ACCELERATION, SPEED, RampSpace, least_time_s
+from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace, least_time_s
 from ..search import Dimension
 from ..switch_edge import Side
 
@@ -94,6 +94,12 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if high <= low:
             say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
             return looked
+    looked.warnings += [
+        f"{name} ends at {plain(space.most(name), 4)} {UNITS[name]}, as far as its register goes with the clock as "
+        "it is divided: start the axis up for a faster ramp to have more room"
+        for name in ranges
+        if space.most(name) < now[name] * FASTER and ranges[name][1] == space.most(name) / (1 + wanted.margin)
+    ]
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
     looked.ground = Ranges(space, dimensions, state.position, microsteps, period, near, far, switch)
     return looked

@@ -26,7 +26,7 @@ from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look
 
 CURVE_POINTS = 120
-BEFORE = "the setting before the study"
+BEFORE, TRIED = "the setting before the study", "the setting that is tried"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 
 
@@ -37,7 +37,7 @@ class MoveTrials:
         self, device: Device, axis: int, clock: Clock, wanted: FastestMove, ranges: Ranges, seed: int, apply: Apply
     ) -> None:
         """`apply` sets registers, and is told what for."""
-        self._device, self._axis, self._wanted, self._ranges, self._apply = device, axis, wanted, ranges, apply
+        self._device, self._axis, self._wanted, self._ranges, self._write = device, axis, wanted, ranges, apply
         self._random = random.Random(seed)
         by_switch = ranges.switch is not None
         self.moves = MeasuredMoves(
@@ -48,8 +48,10 @@ class MoveTrials:
             if ranges.switch is None
             else SwitchEdge(device, axis, clock, ranges.switch, self.moves, ranges.microsteps, ranges.far)
         )
-        self._in_force: Sequence[Held] = ranges.space.before
+        self._wished: Sequence[Held] = ranges.space.before
         """The setting that is tried."""
+        self._set: Sequence[Held] | None = None
+        """What the axis is set to, once that was written."""
         self.there: Sampled | None = None
         """The latest move to the far end."""
         self.ran: Callable[[], None] = lambda: None
@@ -74,6 +76,7 @@ class MoveTrials:
         wanted = self._wanted
         way = 1 if wanted.distance > 0 else -1
         begin = self._ranges.start + way * (self.place() if place is None else place)
+        await self._apply(self._wished, TRIED)
         await self.moves.go(begin)
         there = await self._looked_at(await self.moves.measured(begin + wanted.distance))
         self.there = self.moves.last
@@ -83,12 +86,10 @@ class MoveTrials:
         else:
             if self._edge is not None:
                 await self.moves.go(begin + wanted.distance)
-                await self._apply(self._in_force, "the setting that is tried")
+                await self._apply(self._wished, TRIED)
             back = await self._looked_at(await self.moves.measured(begin))
             if back.lost_fullsteps:
                 await self._mend()
-            elif self._edge is not None:
-                await self._apply(self._in_force, "the setting that is tried")
             figures = there, back
         self.ran()
         return figures
@@ -118,7 +119,8 @@ class MoveTrials:
 
     async def set_before(self) -> None:
         """Set the axis as it was before the study. Raises BenchError."""
-        await self._set(self._ranges.space.before, BEFORE)
+        self._wished = self._ranges.space.before
+        await self._apply(self._wished, BEFORE)
 
     async def measure(self, setting: Mapping[str, float]) -> Figures:
         """With the margin first: where that loses steps, the rest is not worth a move. Raises Failed, BenchError."""
@@ -142,11 +144,15 @@ class MoveTrials:
 
     async def set(self, setting: Mapping[str, float]) -> None:
         """Set speed, acceleration and perhaps jerk. Raises BenchError."""
-        await self._set(self._ranges.space.registers(setting), words_of(setting))
+        self._wished = self._ranges.space.registers(setting)
+        await self._apply(self._wished, words_of(setting))
 
-    async def _set(self, registers: Sequence[Held], what: str) -> None:
-        await self._apply(registers, what)
-        self._in_force = registers
+    async def _apply(self, registers: Sequence[Held], what: str) -> None:
+        """Set the axis so, if it is not."""
+        if registers != self._set:
+            self._set = None
+            await self._write(registers, what)
+            self._set = registers
 
 
 def curve_of(move: Sampled, which: Literal["before", "best", "present"], microsteps: int) -> MoveCurve:

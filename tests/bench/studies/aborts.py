@@ -348,6 +348,9 @@ def _abort(bench: Bench, number: int) -> Aborted:
         print(record["message"], file=sys.stderr)
     left = [*record["left"], *bench.api.get(f"/studies/{name}/left").raise_for_status().json()["left"]]
     untold = [one for one in _other(before, bench.chip.setting()) if one not in " ".join(left)] if left else []
+    if state == "done" and study.get("keep") and record["improved"]:  # it was over before, and keeps what it found
+        bench.api.post(f"/studies/{name}/take", json={"which": "baseline"}).raise_for_status()
+        state = "done, kept and put back"
     may_turn = "turn" in " ".join([*left, record["message"]])
     untold_motion = state == "interrupted" and not may_turn
     if may_turn and not left:  # nothing was set: it goes on to its target, and what a new server knows comes back

@@ -42,6 +42,7 @@ describe("pages", () => {
       "Driver chain",
       "Rotary",
       "3D",
+      "Tune",
       "Together",
       "Recordings",
       "Profiles",

@@ -39,7 +39,7 @@ export const PAGES: readonly PageEntry[] = [
   }),
   page(81, "/stallguard", "StallGuard", "Stall", IconGauge, { needs: ["stallguard"] }),
   page(82, "/rotary", "Rotary", "Rotary", IconRotate360, { needs: ["motion"], unless: "step_input" }),
-  page(85, "/tune", "Tune", "Tune", IconTargetArrow, { needs: ["encoder"] }),
+  page(85, "/tune", "Tune", "Tune", IconTargetArrow, { needs: ["motion"] }),
   page(83, "/twin", "3D", "3D", IconCube, { needs: ["motion"] }),
   page(84, "/program", "Program", "Program", IconCode, { needs: ["programs"] }),
   page(86, "/together", "Together", "Sync", IconArrowsSplit2, { needs: ["motion"], alone: true }),

@@ -66,7 +66,7 @@ export function KeepStep({ device, axis, progress, onDone, disabled }: StepProps
 /** The pages behind a first run, by what the device can: where, their name, and for what. */
 function nextOf(device: StepProps["device"]): [href: string, title: string, what: string][] {
   const pages: [boolean, string, string, string][] = [
-    [can(device, "encoder"), "/tune", "Tune", "let studies find a faster ramp, or less current, and prove it"],
+    [can(device, "motion"), "/tune", "Tune", "let studies find a faster ramp, or less current, and prove it"],
     [can(device, "closed_loop"), "/closed-loop", "Closed loop", "calibrate it, and see its step response"],
     [can(device, "stallguard"), "/stallguard", "StallGuard", "the load at working speed, and its threshold"],
     [

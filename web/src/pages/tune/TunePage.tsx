@@ -12,13 +12,13 @@ import { StudyView } from "./StudyView";
 import { useChanges, useStudies } from "./useStudies";
 import { WishCard } from "./WishCard";
 
-const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a chip with an encoder" };
+const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a chip that moves a motor" };
 
 /** Studies of an axis: what is wanted, what that does to the machine, how it goes, and what came of it. */
 export default function TunePage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Tune" />;
-  if (!device || !entry || !can(device, "encoder")) return <NoDevice {...NOTHING} />;
+  if (!device || !entry || !can(device, "motion")) return <NoDevice {...NOTHING} />;
   return <Tune key={key} device={device} axis={entry} />;
 }
 

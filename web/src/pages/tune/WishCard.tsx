@@ -1,6 +1,6 @@
 import { Button, List, Text } from "@mantine/core";
 import { useState } from "react";
-import type { Device } from "../../api/queries";
+import { can, type Device } from "../../api/queries";
 import { useAddressChoice } from "../../lib/address";
 import { Card } from "../../lib/Card";
 import { compact, duration } from "../../lib/format";
@@ -27,7 +27,7 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const perTurn = scale.microstepsPerFullStep === null ? null : scale.microstepsPerFullStep * scale.fullStepsPerRev;
   const [kind, setKind] = useAddressChoice("kind", NAMES);
-  const [forms, setForms] = useState<Forms>(() => firstForms(perTurn));
+  const [forms, setForms] = useState<Forms>(() => firstForms(perTurn, can(device, "encoder")));
   const change = <K extends Kind>(of: K, part: Partial<Forms[K]>) =>
     setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));
   const wish = documentOf(kind, forms, device.id, axis.index);

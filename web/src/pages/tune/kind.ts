@@ -17,8 +17,8 @@ export interface KindForm<F> {
   text: string;
   /** its name where a study of it has none */
   title: string;
-  /** what the form begins with */
-  first: (microstepsPerTurn: number | null) => F;
+  /** what the form begins with; `sees`: an encoder can tell of lost steps */
+  first: (microstepsPerTurn: number | null, sees: boolean) => F;
   /** what the server wants of it: the study, and what it may cost where that is asked */
   wish: (form: F) => Pick<Wish, "study" | "budget">;
 }

@@ -45,12 +45,13 @@ describe("a study on the page", () => {
       device: "slide",
       axis: 1,
       budget: { trials: 12 },
-      study: {
-        kind: "fastest_move",
-        distance: 102_400,
-        margin: 0.15,
-        twin: null,
-      },
+      study: { kind: "fastest_move", seen_by: "encoder", distance: 102_400, margin: 0.15, twin: null },
+    });
+    // Without an encoder a switch sees lost steps: moves go away from it.
+    const blind = firstForms(1000, false);
+    const right = { ...blind.fastest_move, seenBy: "right switch", quiet: true } as const;
+    expect(documentOf("fastest_move", { ...blind, fastest_move: right }, "slide", 0)).toMatchObject({
+      study: { seen_by: "right switch", distance: -2000, quiet: false, twin: null },
     });
     // 1 % takes 299 moves to show: fifteen minutes, as for other studies, would end before.
     const bounded = { ...forms.fastest_move, lossPercent: 1 };

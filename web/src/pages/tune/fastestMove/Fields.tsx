@@ -1,10 +1,10 @@
-import { Switch } from "@mantine/core";
+import { NativeSelect, Switch } from "@mantine/core";
 import { useState } from "react";
 import { QuantityField } from "../../../lib/QuantityField";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
 import { TwinFields } from "../twin/TwinFields";
-import type { FastestMoveForm } from "./form";
+import { type FastestMoveForm, SEEN_BY, type SeenBy } from "./form";
 
 const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
@@ -50,13 +50,23 @@ export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveFor
         onUnit={setUnit}
         onChange={(distance) => change({ distance })}
       />
-      <Numbers form={form} change={change} of={NUMBERS} />
-      <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
-      <Switch
-        label="Quiet under way too"
-        checked={form.quiet}
-        onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}
+      <NativeSelect
+        label="Lost steps are seen by"
+        data={SEEN_BY}
+        value={form.seenBy}
+        onChange={({ currentTarget }) => change({ seenBy: currentTarget.value as SeenBy })}
       />
+      <Numbers form={form} change={change} of={NUMBERS} />
+      {form.seenBy === "encoder" && (
+        <>
+          <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
+          <Switch
+            label="Quiet under way too"
+            checked={form.quiet}
+            onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}
+          />
+        </>
+      )}
     </>
   );
 }

@@ -12,7 +12,7 @@ const LOOKS: Record<Move["which"], { color: Quantity; width: number }> = {
   present: { color: "predicted_position", width: 1 },
 };
 
-/** While it runs the present move over the best one and the one before, as the encoder saw them; else the last two. */
+/** While it runs the present move over the best one and the one before, as encoder or counter saw them; else the last two. */
 export function MovePlot({ study }: { study: Study }) {
   const scheme = useScheme();
   const wanted: Move["which"][] = study.state === "running" ? ["before", "best", "present"] : ["before", "best"];
@@ -25,7 +25,7 @@ export function MovePlot({ study }: { study: Study }) {
   return (
     <Card title="The move" note={summary}>
       <Plot
-        label="Encoder over the time of a move"
+        label="Way over the time of a move"
         summary={summary}
         height={210}
         series={wanted.map((which) => ({

@@ -1,7 +1,11 @@
 import type { KindForm } from "../kind";
 import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
 
+export type SeenBy = "encoder" | "left switch" | "right switch";
+
 export interface FastestMoveForm {
+  /** what tells of lost steps; a switch: moves go away from it */
+  seenBy: SeenBy;
   /** of a move [microsteps] */
   distance: number;
   marginPercent: number;
@@ -14,11 +18,19 @@ export interface FastestMoveForm {
   twin: TwinForm;
 }
 
+const AWAY: Record<SeenBy, (distance: number) => number> = {
+  encoder: (distance) => distance,
+  "left switch": Math.abs,
+  "right switch": (distance) => -Math.abs(distance),
+};
+export const SEEN_BY = Object.keys(AWAY) as SeenBy[];
+
 export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
   label: "Faster",
   text: "The shortest move by a distance at which no step is lost, with a margin.",
   title: "Fastest move",
-  first: (microstepsPerTurn) => ({
+  first: (microstepsPerTurn, sees) => ({
+    seenBy: sees ? "encoder" : "left switch",
     distance: 2 * (microstepsPerTurn ?? 51_200),
     marginPercent: 10,
     trials: 30,
@@ -32,13 +44,14 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
     budget: { trials: form.trials, ...(form.lossPercent !== null && { time_s: 14_400 }) },
     study: {
       kind: "fastest_move",
-      distance: Math.round(form.distance),
+      seen_by: form.seenBy,
+      distance: Math.round(AWAY[form.seenBy](form.distance)),
       margin: form.marginPercent / 100,
       loss_rate_max: form.lossPercent === null ? null : form.lossPercent / 100,
-      quiet: form.quiet,
+      quiet: form.quiet && form.seenBy === "encoder",
       velocity_max_pps: form.velocityMaxPps,
       acceleration_max_pps2: form.accelerationMaxPps2,
-      twin: twinOf(form.twin),
+      twin: form.seenBy === "encoder" ? twinOf(form.twin) : null,
     },
   }),
 };
