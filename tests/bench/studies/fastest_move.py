@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -126,6 +126,29 @@ async def judged(seed: int, folder: Path) -> Judged:
     return Judged(time_s / grid_s, record.verdict or record.message, as_before)
 
 
+async def by_switch(seed: int, folder: Path) -> Judged:
+    """The same without an encoder, by a switch near which the moves begin; its time is that which the encoder sees."""
+    stage = {"left_at_fullsteps": -random.Random(seed).uniform(5, 60)}
+    async with studied(folder / "study", replace(FULL, counts_per_rev=0), **{**drawn(seed), "stage": stage}) as s:
+        before = await s.settings(*NAMES)
+        study = {**MOVE, "seen_by": "left switch"}
+        record = await s.finish(s.begin(s.document(study, budget=BUDGET, seed=seed)), 20_000)
+        as_before = await s.settings(*NAMES) == before
+    best, says = record.trial(record.best), record.verdict or record.message
+    time_s: float | None = None
+    if best is not None and record.improved:
+        async with studied(folder / "seen", FULL, **drawn(seed)) as s:
+            wanted = FastestMove.model_validate(MOVE)
+            ranges = (await look(s.device, 0, wanted)).required()
+            moves = MeasuredMoves(s.device, 0, s.clock, ranges.microsteps, wanted.band_fullsteps)
+            for target in (ranges.period, 0):  # a rotor that stood beside its field falls into step
+                await _advanced(s, moves.go(target))
+            await _advanced(s, _set(s, best.setting, ranges.space))
+            time_s = await _advanced(s, _holds(s, moves, wanted.distance))
+    grid_s = await _best_of_grid(seed, folder / "grid")
+    return Judged((math.inf if time_s is None else time_s) / grid_s, says, as_before)
+
+
 @dataclass(frozen=True)
 class Held:
     """Moves there and back of the same plant, after the study: so many, and how many lost a step. runs : 0 where the
@@ -187,32 +210,19 @@ async def _aborted(seed: int, folder: Path) -> bool:
 
 
 def measure(quick: bool) -> Sequence[Row]:
-    """Three rows; quick: a few plants of each."""
+    """Four rows; quick: a few plants of each."""
     plants, aborts, holding, runs = (3, 6, 2, 100) if quick else (100, 60, 20, 1000)
-    found = collected("fastest move", judged, range(plants), share=0.6)
+    found = collected("fastest move", judged, range(plants), share=0.4)
+    blind = collected("fastest move by a switch", by_switch, range(3000, 3000 + plants), share=0.2)
     again = collected(
         f"fastest move, {runs} more", partial(held, runs=runs), range(plants, plants + holding), share=0.3
     )
     stops = collected("fastest move aborts", _aborted, range(2000, 2000 + aborts), share=0.1).values()
-    ratios = [one.ratio for one in found.values()]
-    within = sum(ratio <= WITHIN for ratio in ratios)
     chosen = {seed: one for seed, one in again.items() if one.runs}
     lossy = {seed: one for seed, one in chosen.items() if one.lost > LOSS_MAX * one.runs}
     return [
-        Row(
-            what=f"fastest move on {len(found)} blind plants, against the best of {GRID}x{GRID} settings",
-            measured=f"{at_least(within, len(found))}, within {WITHIN:g} times; "
-            f"median {np.median(ratios):.3f}, worst {max(ratios):.3f}",
-            peer=f"{len(found)}",
-            ratio=within / len(found),
-            required=f">= {SHARE:g}, every axis as before",
-            ok=within >= SHARE * len(found) and all(one.as_before for one in found.values()),
-            notes=tuple(
-                f"plant {seed}: {one.ratio:.2f} times the best of the grid; {one.says}"
-                for seed, one in found.items()
-                if one.ratio > WITHIN or not one.as_before
-            ),
-        ),
+        _row("fastest move", found),
+        _row("fastest move without an encoder, lost steps seen by a switch,", blind),
         Row(
             what=f"loss rate < {100 * LOSS_MAX:g} % asked for, on {len(again)} blind plants, {len(chosen)} with a "
             f"faster move: {runs} more moves of each",
@@ -234,3 +244,22 @@ def measure(quick: bool) -> Sequence[Row]:
             ok=all(stops),
         ),
     ]
+
+
+def _row(what: str, found: Mapping[int, Judged]) -> Row:
+    ratios = [one.ratio for one in found.values()]
+    within = sum(ratio <= WITHIN for ratio in ratios)
+    return Row(
+        what=f"{what} on {len(found)} blind plants, against the best of {GRID}x{GRID} settings",
+        measured=f"{at_least(within, len(found))}, within {WITHIN:g} times; "
+        f"median {np.median(ratios):.3f}, worst {max(ratios):.3f}",
+        peer=f"{len(found)}",
+        ratio=within / len(found),
+        required=f">= {SHARE:g}, every axis as before",
+        ok=within >= SHARE * len(found) and all(one.as_before for one in found.values()),
+        notes=tuple(
+            f"plant {seed}: {one.ratio:.2f} times the best of the grid; {one.says}"
+            for seed, one in found.items()
+            if one.ratio > WITHIN or not one.as_before
+        ),
+    )
