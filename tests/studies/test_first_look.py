@@ -16,6 +16,7 @@ from app.studies.first_look.faults import Way, pulled
 from app.studies.record import Finding, StudyRecord
 from app.studies.store import StudyStore
 from app.telemetry.sampling import FloatArray
+from tests.devices.harness import bench as controller
 from tests.devices.tmc5xxx.harness import START
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
@@ -134,6 +135,18 @@ def test_a_shaft_that_turns_while_the_ramp_does_not_begin_is_pulled_and_no_sampl
 
 async def test_the_backlash_of_a_switch_is_named(tmp_path: Path) -> None:
     assert await broken(tmp_path, stage={**NEAR, "backlash_fullsteps": 4.0}) == ["switch backlash"] * 2
+
+
+async def test_looks_that_are_far_apart_are_no_backlash(tmp_path: Path) -> None:
+    """Device time that runs ten times as fast, as a link does that is slow: two full steps pass from look to look."""
+    assert await broken(tmp_path, stage=NEAR, time_scale=10.0) == []
+
+
+async def test_a_chip_that_reads_no_encoder_is_not_told_to_be_given_one(tmp_path: Path) -> None:
+    async with controller(stages=[{"right_at_fullsteps": 700.0, "start_fullsteps": 400.0}]) as b:
+        s = Studied(b, StudyStore(tmp_path, aside=False))
+        record = await looked(s)
+        assert (named(record)["encoder"].sure, record.verdict) == ("cannot be told", "all is well")
 
 
 async def test_a_shaft_that_is_clamped_is_named(tmp_path: Path) -> None:

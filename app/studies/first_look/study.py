@@ -11,6 +11,7 @@ from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
+from ...errors import WrongState
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FirstLook
@@ -94,6 +95,12 @@ class FirstLookStudy(StudyRun):
         ground, wanted = self._ground, self.wanted
         state = await self._state()
         if state.encoder_position is None:
+            try:
+                self.device.need(EncoderSetting).require_encoder(self.axis)
+            except WrongState:
+                text = "this chip reads none: a switch alone can tell of lost steps (fastest move)"
+                self._find("encoder", text, sure="cannot be told")
+                return
             self._find("encoder", "none is read: connect one, and start the axis up with its counts", sure="missing")
             return
         self.tell("look", 0.1, "turning there")
@@ -262,14 +269,17 @@ class FirstLookStudy(StudyRun):
             text = f"the {side} switch is not {where} within {EDGE_FULLSTEPS:g} full steps"
             self._broken(Named("switch backlash", text))
             return
-        play = abs(released - pressed) / self._full_step
+        # Each edge lies between two looks, however far apart these are: so much play there is at the least.
+        outwards = 1 if side == "left" else -1
+        play = outwards * (released[0] - pressed[0]) / self._full_step
         if play > SWITCH_PLAY_FULLSTEPS:
-            text = f"the {side} switch is released {play:.2g} full steps from where it is pressed"
+            text = f"the {side} switch is released {play:.2g} full steps from where it is pressed, or more"
             self._broken(Named("switch backlash", text))
 
-    async def _creep(self, side: str, target: int, *, pressed: bool) -> int | None:
-        """Where a switch is pressed or released on the way to `target`; None where it is not."""
+    async def _creep(self, side: str, target: int, *, pressed: bool) -> tuple[int, int] | None:
+        """Between which places a switch is pressed or released on the way to `target`; None where it is not."""
         self.record.runs += 1
+        before = (await self._state()).position
         await self.device.motion.move(self.axis, target)
         until_s = self.clock.now() + LONGEST * 2 * EDGE_FULLSTEPS / CREEP_FULLSTEPS
         while True:
@@ -279,7 +289,8 @@ class FirstLookStudy(StudyRun):
                 if state.moving:
                     await self.device.stop(self.axis)
                     await self._come_to_rest(until_s)
-                return state.position
+                return before, state.position
+            before = state.position
             if not state.moving and state.position == target:
                 return None
             if self.clock.now() > until_s:
