@@ -20,10 +20,12 @@ RATE_HZ = 500.0
 REST_S = 0.12
 """How long the shaft may ring before it is looked at [s]."""
 STILL_S = 0.05
-"""From one look at the shaft to the next [s]: it rests when it has moved less than `STILL_FULLSTEPS` meanwhile."""
+"""From one look at the shaft to the next [s]: it rests when it has moved less than `STILL_FULLSTEPS` meanwhile, twice
+where it was seen to ring."""
 STILL_FULLSTEPS = 0.25
-STILL_MAX = 40
-"""Looks at a shaft that does not come to rest, e.g. one that is still turned by its load."""
+STILL_MAX = 200
+"""Looks at a shaft that does not come to rest, e.g. one that is still turned by its load: a heavy one with little
+friction rings for seconds."""
 LONGEST = 3.0
 """A move may take so many times what it should."""
 LOOK_S = 0.25
@@ -157,13 +159,15 @@ class MeasuredMoves:
         await self._clock.sleep(REST_S)
         if not self._has_encoder:
             return 0.0
-        last = await self._deviation_now()
-        for _ in range(STILL_MAX):
-            await self._clock.sleep(STILL_S)
+        last, still, rang = await self._deviation_now(), 0, False
+        for index in range(STILL_MAX):
+            # Not always as far apart: what rings may be where it was a whole swing ago.
+            await self._clock.sleep(STILL_S * (1.0, 0.6)[index % 2])
             now = await self._deviation_now()
-            if abs(now - last) < STILL_FULLSTEPS * self._microsteps:
+            moved = abs(now - last) >= STILL_FULLSTEPS * self._microsteps
+            still, rang, last = 0 if moved else still + 1, rang or moved, now
+            if still > rang:
                 return now
-            last = now
         raise Failed("the shaft does not come to rest: its encoder goes on counting")
 
     async def _deviation_now(self) -> float:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.links.tmcl import Reply, Request
 from app.procedures.procedure import Failed
 from app.registers.tmcl.commands import Opcode, Status
 from app.studies.moves import MeasuredMoves, Sampled, figures_of
 from tests.devices.tmcl.harness import Bench, bench
+from tests.studies.harness import studied
 
 
 def test_a_move_of_which_hardly_a_sample_came_has_no_figures_and_says_so() -> None:
@@ -74,3 +77,21 @@ async def test_a_motor_that_was_stopped_is_told_to_stand_elsewhere() -> None:
         moves = MeasuredMoves(b.device, 0, b.clock, 256, 1.0)
         with pytest.raises(Failed, match=f"not {TARGET}"):
             await passing(b, moves.go(TARGET), lambda: b.device.stop(0))
+
+
+async def test_a_shaft_that_rings_for_seconds_is_waited_for(tmp_path: Path) -> None:
+    """A heavy load with next to no friction, let go beside its place."""
+    motor = {"viscous_nms": 1e-4, "friction_nm": 0.0005, "detent_torque_nm": 0.0}
+    async with studied(tmp_path, motor=motor, load={"inertia_kgm2": 6e-4}) as s:
+        moves = MeasuredMoves(s.device, 0, s.clock, 256, 1.0)
+
+        async def let_go() -> None:
+            s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
+            await s.device.motion.move(0, 384)
+            await s.clock.sleep(1.0)
+            s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=False)]))
+            assert abs(await moves.deviation()) < 128
+
+        began_s = s.clock.now()
+        await s.passing(let_go())
+        assert s.clock.now() - began_s > 3.0
