@@ -44,6 +44,20 @@ async def test_a_faster_ramp_is_found_and_proved_by_the_switch_alone(tmp_path: P
         assert rotor_fullsteps(s) == pytest.approx(0.0, abs=1.0)
 
 
+@pytest.mark.parametrize("at_s", [0.4, 5.0, 14.0])
+async def test_a_stop_leaves_the_setting_as_before_and_says_what_nothing_tells(tmp_path: Path, at_s: float) -> None:
+    async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(MOVE, budget={"trials": 8}))
+        await s.clock.advance(at_s)
+        assert run.running
+        await s.device.stop_axes([0])
+        record = await s.finish(run)
+        assert (record.state, record.left) == ("aborted", [])
+        assert await s.settings(*NAMES) == before
+        assert "search the reference" in record.next
+
+
 async def looked_for(s: Studied, edge: SwitchEdge) -> float:
     found: list[float] = []
 

@@ -24,6 +24,8 @@ ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
+UNTOLD = "steps may have been lost since its switch was looked at last, and nothing tells: search the reference"
+"""Of a study that ends early, or with the server."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
 
@@ -57,6 +59,8 @@ class FastestMoveStudy(StudyRun):
             record.baseline = ranges.space.before
             record.baseline_setting = ranges.space.now()
         record.units = {name: UNITS[name] for name in ranges.space.now()}
+        if ranges.switch is not None:
+            record.next = UNTOLD
         await self.keeper.save(record)
         await self._baseline()
         await self._twins()
@@ -64,6 +68,8 @@ class FastestMoveStudy(StudyRun):
         await self._proof()
         await self.back()
         await self._trials.moves.go(ranges.start)
+        if record.next == UNTOLD:
+            record.next = ""
 
     # --- baseline ---------------------------------------------------------------------------------
 
