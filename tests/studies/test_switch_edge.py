@@ -58,6 +58,22 @@ async def test_a_stop_leaves_the_setting_as_before_and_says_what_nothing_tells(t
         assert "search the reference" in record.next
 
 
+async def test_one_that_was_cut_off_looks_for_the_edge_again_and_goes_on(tmp_path: Path) -> None:
+    async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
+        document = s.document(MOVE, budget={"trials": 5})
+        run = s.begin(document)
+        while not run.record.trials:
+            await s.clock.advance(0.05)
+        await s.device.stop_axes([0])
+        record = await s.finish(run)
+        assert record.state == "aborted"
+        await s.passing(s.procedures.close())
+        record.state = "running"
+        record = await s.finish(s.begin(document, record))
+        assert (record.state, record.left) == ("done", []), record.message
+        assert rotor_fullsteps(s) % 4 == pytest.approx((await s.b.state()).position / FULL_STEP % 4, abs=1.0)
+
+
 async def looked_for(s: Studied, edge: SwitchEdge) -> float:
     found: list[float] = []
 

@@ -62,6 +62,8 @@ class FastestMoveStudy(StudyRun):
         if ranges.switch is not None:
             record.next = UNTOLD
         await self.keeper.save(record)
+        self._touched = True  # a loss is mended by the setting before, which writes
+        await self._trials.begin()
         await self._baseline()
         await self._twins()
         await self._search()
@@ -79,8 +81,6 @@ class FastestMoveStudy(StudyRun):
             return
         self.tell("baseline", 0.0, "moving as the axis is set now")
         self.keeper.mark("baseline")
-        self._touched = True  # a loss is mended by the setting before, which writes
-        await self._trials.begin()
         runs = []
         for index in range(BASELINE_RUNS):
             runs.append(await self._trials.once())
