@@ -148,7 +148,7 @@ class StudyRun(Procedure):
         finally:
             assert self._how in ("done", "failed", "aborted")
             record.state = self._how
-            record.message = self.message or record.message
+            record.message = self.message or ("" if self._how == "done" else record.message)
             record.phase, record.left_s = "over", None
             if self._how == "done":
                 record.progress = 1.0

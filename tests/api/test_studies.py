@@ -63,6 +63,7 @@ async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, cl
     assert (await client.post("studies", json=document)).status_code == 409
     found = await over(client, clock, study)
     assert (found["state"], found["improved"], found["left"]) == ("done", True, []), found["message"]
+    assert found["message"] == "", "what it did last is over"
     assert await held(client) == before
     assert (await client.get("studies")).json()["studies"][0]["verdict"] == found["verdict"]
     marks = (await client.get(f"recordings/{found['recording']}")).json()["marks"]
