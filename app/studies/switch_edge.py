@@ -6,6 +6,7 @@ periods, so that is enough, whatever the speed of the link. What was lost is kno
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from typing import Literal
 
 from ..clock import Clock
@@ -22,6 +23,8 @@ COARSE_FULLSTEPS = 8.0
 """Steps out of a pressed switch, before it is gone into by single full steps."""
 STEPS_MAX = 200
 """Such steps at most: a motor that was stopped at speed stands that far in a switch that does not stop it."""
+SPANS_MAX = 5
+"""So many times the whole way it is looked for towards the switch: a heavy load that fell out of step runs on."""
 STARTS_S = 2.0
 """What a move may take beside its ramp [s]."""
 
@@ -30,9 +33,21 @@ class SwitchEdge:
     """The edge of a switch of one axis. Positions in microsteps of the counter."""
 
     def __init__(
-        self, device: Device, axis: int, clock: Clock, side: Side, moves: MeasuredMoves, full_step: int, far: int
+        self,
+        device: Device,
+        axis: int,
+        clock: Clock,
+        side: Side,
+        moves: MeasuredMoves,
+        full_step: int,
+        far: int,
+        slowly: Callable[[], Awaitable[None]],
     ) -> None:
-        """`moves` of the axis, `full_step` in microsteps; `far` is the place farthest from the switch of all moves."""
+        """`moves` of the axis, `full_step` in microsteps; `far` is the place farthest from the switch of all moves.
+
+        `slowly` sets a ramp for the way into the switch: where it stops the motor at once, a fast one loses steps.
+        """
+        self._slowly = slowly
         self._device, self._axis, self._clock, self._side = device, axis, clock, side
         self._moves, self._full_step, self._far = moves, full_step, far
         self._out = 1 if side == "left" else -1
@@ -41,6 +56,7 @@ class SwitchEdge:
 
     async def learn(self, nearest: int) -> None:
         """Find the edge from where the axis stands, going to `nearest` at most. Raises Failed, BenchError."""
+        await self._slowly()
         if not await self._until(nearest, pressed=True):
             raise Failed(
                 f"the {self._side} switch is not met until {nearest}: begin nearer to it, or let it go farther"
@@ -50,12 +66,14 @@ class SwitchEdge:
     async def lost(self) -> float:
         """How many full steps were lost since it was learnt; afterwards the counter is right again.
 
-        The axis is moved to the edge as it is set. Raises Failed where the switch is not found again, BenchError.
+        The axis is moved to near the edge as it is set. Raises Failed where the switch is not found again, BenchError.
         """
         assert self._edge is not None
         clear = round(CLEAR_FULLSTEPS * self._full_step)
         outside, inside = (self._edge + sign * self._out * clear for sign in (1, -1))
-        if not await self._until(outside, pressed=True) and await self._until(inside, pressed=True):
+        beside = not await self._until(outside, pressed=True)
+        await self._slowly()
+        if beside and await self._until(inside, pressed=True):
             return 0.0
         return await self._mended(inside, self._edge)
 
@@ -75,7 +93,7 @@ class SwitchEdge:
             taken = await self._counter.set_position(self._axis, inside)
             if await self._until(self._far, pressed=False):
                 return taken
-        for _ in range(2):  # a load that runs on may carry it farther than it was sent
+        for _ in range(SPANS_MAX):  # a load that runs on may have carried it farther than it was sent
             taken += await self._counter.set_position(self._axis, self._far)
             if await self._until(inside, pressed=True):
                 return taken

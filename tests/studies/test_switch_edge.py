@@ -58,6 +58,14 @@ async def test_a_stop_leaves_the_setting_as_before_and_says_what_nothing_tells(t
         assert "search the reference" in record.next
 
 
+async def test_a_heavy_load_that_a_switch_stops_at_once_loses_no_step_by_that(tmp_path: Path) -> None:
+    heavy = {"inertia_kgm2": 1.5e-3, "friction_nm": 0.004}
+    async with studied(tmp_path, BLIND, load=heavy, stage={"left_at_fullsteps": -30.4}) as s:
+        record = await s.finish(s.begin(s.document({**MOVE, "distance": 51_200}, budget={"trials": 3})))
+        assert (record.state, record.left) == ("done", []), record.message
+        assert rotor_fullsteps(s) == pytest.approx(0.0, abs=1.0)
+
+
 async def test_one_that_was_cut_off_looks_for_the_edge_again_and_goes_on(tmp_path: Path) -> None:
     async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
         document = s.document(MOVE, budget={"trials": 5})
@@ -82,6 +90,10 @@ async def looked_for(s: Studied, edge: SwitchEdge) -> float:
 
     await s.passing(look())
     return found[0]
+
+
+async def as_it_is() -> None:
+    """The ramp of the start is slow enough for these."""
 
 
 async def clamped_in(s: Studied, move: Coroutine[Any, Any, Any], from_s: float, for_s: float) -> None:
@@ -109,7 +121,7 @@ async def test_what_a_clamped_shaft_loses_is_told_and_mended(
     stage = {"left_at_fullsteps": -9.4} if side == "left" else {"right_at_fullsteps": 9.4}
     async with studied(tmp_path, replace(BLIND, stops=stops), stage=stage) as s:
         moves = MeasuredMoves(s.device, 0, s.clock, FULL_STEP, 1.0, has_encoder=False)
-        edge = SwitchEdge(s.device, 0, s.clock, side, moves, FULL_STEP, far)
+        edge = SwitchEdge(s.device, 0, s.clock, side, moves, FULL_STEP, far, as_it_is)
         await s.passing(edge.learn(-out * 30 * FULL_STEP))
         assert await looked_for(s, edge) == 0
         for target in (far, 0):

@@ -26,6 +26,8 @@ from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look
 
 CURVE_POINTS = 120
+SLOW_FULLSTEPS = 50.0
+"""How fast a switch is gone into [full steps a second]: a quarter of a turn."""
 BEFORE, TRIED = "the setting before the study", "the setting that is tried"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 
@@ -46,7 +48,7 @@ class MoveTrials:
         self._edge = (
             None
             if ranges.switch is None
-            else SwitchEdge(device, axis, clock, ranges.switch, self.moves, ranges.microsteps, ranges.far)
+            else SwitchEdge(device, axis, clock, ranges.switch, self.moves, ranges.microsteps, ranges.far, self._slowly)
         )
         self._wished: Sequence[Held] = ranges.space.before
         """The setting that is tried."""
@@ -78,29 +80,37 @@ class MoveTrials:
         begin = self._ranges.start + way * (self.place() if place is None else place)
         await self._apply(self._wished, TRIED)
         await self.moves.go(begin)
-        there = await self._looked_at(await self.moves.measured(begin + wanted.distance))
+        there = await self._moved(begin + wanted.distance)
         self.there = self.moves.last
         if there.lost_fullsteps:
             await self._mend()
             figures = there, there
         else:
             if self._edge is not None:
+                await self._apply(self._ranges.space.before, BEFORE)
                 await self.moves.go(begin + wanted.distance)
                 await self._apply(self._wished, TRIED)
-            back = await self._looked_at(await self.moves.measured(begin))
+            back = await self._moved(begin)
             if back.lost_fullsteps:
                 await self._mend()
             figures = there, back
         self.ran()
         return figures
 
-    async def _looked_at(self, move: MoveFigures) -> MoveFigures:
-        """With what the switch tells of it, where no encoder does: gone to with the setting before, after each half of
-        a move, for what is lost there and back alike would cancel."""
+    async def _moved(self, target: int) -> MoveFigures:
+        """A half of a move, with what the switch tells of it where no encoder does: gone to with the setting before,
+        and after each half, for what is lost there and back alike would cancel. Raises Failed, BenchError."""
         if self._edge is None:
-            return move
+            return await self.moves.measured(target)
+        failure: Failed | None = None
+        try:
+            move = await self.moves.measured(target)
+        except Failed as error:  # a rotor that runs on, out of step, may meet the switch, which stops the counter
+            move, failure = MoveFigures(None, None, 0.0), error
         await self._apply(self._ranges.space.before, BEFORE)
         lost = await self._edge.lost()
+        if failure is not None and not lost:
+            raise failure
         return replace(move, time_s=None, lost_fullsteps=lost) if lost else move
 
     async def _mend(self) -> None:
@@ -115,7 +125,14 @@ class MoveTrials:
         await self._apply(self._ranges.space.before, BEFORE)
         if self._edge is not None:  # who knows what was lost by what has failed
             await self._edge.lost()
+            await self._apply(self._ranges.space.before, BEFORE)
         await self.moves.go(self._ranges.start)
+
+    async def _slowly(self) -> None:
+        """Set a ramp that a switch may end at once."""
+        now = self._ranges.space.now()
+        slow = {**now, SPEED: min(now[SPEED], SLOW_FULLSTEPS * self._ranges.microsteps)}
+        await self._apply(self._ranges.space.registers(slow), "slowly, into the switch")
 
     async def set_before(self) -> None:
         """Set the axis as it was before the study. Raises BenchError."""
