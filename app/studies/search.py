@@ -58,12 +58,12 @@ class Told:
     violation: float
 
 
-def _connected(path: Path | None) -> sqlite3.Connection:
+def _connected(path: Path) -> sqlite3.Connection:
     """To a file that outlives a killed server; what the last moments before a power cut told may be gone.
 
     Optuna commits some twenty times a setting: waiting for the disk each time took longer than many a move.
     """
-    connection = sqlite3.connect(str(path), check_same_thread=False)
+    connection = sqlite3.connect(path, check_same_thread=False)
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL"):
         connection.execute(f"PRAGMA {pragma}")
     return connection
@@ -96,10 +96,10 @@ class Searcher:
         from optuna.trial import TrialState
 
         optuna.logging.set_verbosity(optuna.logging.ERROR)
-        if self._path is not None:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
+        if (path := self._path) is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
             self._storage = optuna.storages.RDBStorage(
-                f"sqlite:///{self._path}", engine_kwargs={"creator": lambda: _connected(self._path)}
+                f"sqlite:///{path}", engine_kwargs={"creator": lambda: _connected(path)}
             )
         self._study = optuna.create_study(
             study_name=STUDY,

@@ -13,7 +13,7 @@ from ..plan import AxisNow, Looked, StudyPlan, axis_now, axis_that_sees_lost_ste
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace, least_time_s
 from ..search import Dimension
-from ..switch_edge import Side
+from ..switch_edge import SPANS_MAX, Side
 
 FASTER, SLOWER = 10.0, 0.5
 """How far from the present setting is looked at most, where no limit says otherwise."""
@@ -186,5 +186,6 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         else [
             "how long the shaft rings at the end of a move: without an encoder a move is over when its ramp is",
             "a belt that jumps, or a switch that has moved, looks like lost steps",
+            f"a switch that fails: after lost steps it is looked for slowly, {SPANS_MAX} times the whole way at most",
         ]
     )
