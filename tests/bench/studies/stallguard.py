@@ -85,17 +85,18 @@ class Referee:
     def _to(self, name: str, word: int) -> None:
         self._chip.write(TABLE.get(name, 0).address, word & 0xFFFFFFFF, self._t)
 
-    def _wait(self, seconds: float) -> None:
+    def _wait(self, seconds: float) -> float:
+        """Let time pass; where the field is then, but for where it was at power-on [full steps]."""
         self._t += seconds
-        self._chip.read(TABLE.get("XACTUAL", 0).address, self._t)
+        word = self._chip.read(TABLE.get("XACTUAL", 0).address, self._t)
+        return (word - (word >> 31 << 32)) / FULL_STEP
 
     def _stalled(self) -> bool:
         return bool(self._chip.read(TABLE.get("RAMP_STAT", 0).address, self._t) & STALL)
 
-    def _truth(self) -> tuple[float, float]:
-        """Where rotor and field are [full steps]."""
-        truth = self._chip.state(self._t).axes[0].truth
-        return truth.rotor_fullsteps, truth.field_fullsteps
+    def _rotor(self) -> float:
+        """Where the rotor is [full steps]."""
+        return self._chip.ground_truth(0, self._t).shaft_fullsteps
 
     def _turn(self, way: int, speed_pps: float) -> None:
         self._to("RAMPMODE", 1 if way > 0 else 2)
@@ -115,7 +116,7 @@ class Referee:
         up = (speed_pps**2 / (2 * FULL.amax)) / FULL_STEP
         begin = self._end + up + 60 + self._random.uniform(0, 4)
         for _ in range(4000):
-            rotor = self._truth()[0]
+            rotor = self._rotor()
             if abs(rotor - begin) < 4:
                 break
             self._turn(1 if rotor < begin else -1, 0.5 * TURN)
@@ -128,12 +129,10 @@ class Referee:
         missed = false = count = 0
         while not _decided(max(missed, false), count, runs):
             self._away(speed_pps)
-            rotor, field = self._truth()
-            off = field - rotor
+            off = self._wait(0.0) - self._rotor()
             self._turn(-1, speed_pps)
             for _ in range(4000):
-                self._wait(STEP_S)
-                beyond = self._end - (self._truth()[1] - off)
+                beyond = self._end - (self._wait(STEP_S) - off)
                 if self._stalled():
                     false += beyond < -SHORT_FULLSTEPS
                     break
@@ -149,18 +148,18 @@ class Referee:
         false = count = 0
         self._away(speed_pps)
         while not _decided(false, count, runs):
-            begin = self._truth()[1]
+            begin = self._wait(0.0)
             self._turn(1 if count % 2 == 0 else -1, speed_pps)
             for _ in range(4000):
-                self._wait(STEP_S)
+                field = self._wait(STEP_S)
                 if self._stalled():
                     false += 1
                     break
-                if abs(self._truth()[1] - begin) >= RUN_FULLSTEPS:
+                if abs(field - begin) >= RUN_FULLSTEPS:
                     break
             self._rest()
             count += 1
-            if count % 20 == 0 or self._truth()[0] < self._end + 100:
+            if count % 20 == 0 or self._rotor() < self._end + 100:
                 self._away(speed_pps)
         return false, count
 
