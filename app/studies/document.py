@@ -59,11 +59,15 @@ class Twin(Part):
     )
 
 
+SeenBy = Literal["encoder", "left switch", "right switch"]
+"""What tells of lost steps."""
+
+
 class FastestMove(Part):
     """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder, or by a switch."""
 
     kind: Literal["fastest_move"] = "fastest_move"
-    seen_by: Literal["encoder", "left switch", "right switch"] = Field(
+    seen_by: SeenBy = Field(
         default="encoder",
         description="what tells of lost steps: an encoder, or an end switch near which the moves begin, whose edge is "
         "looked at after each half of them",
@@ -407,12 +411,18 @@ class TorqueCurve(Part):
     """How much torque the motor has at each speed beyond friction: it is accelerated until steps are lost."""
 
     kind: Literal["torque_curve"] = "torque_curve"
+    seen_by: SeenBy = Field(
+        default="encoder",
+        description="what tells of lost steps: an encoder, which shows the slip itself, or an end switch near which "
+        "runs begin, whose edge is looked at after each",
+    )
     velocity_max_rps: Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)] = Field(
         default=20.0, description="never faster [turns of the motor a second]"
     )
     travel_turns: Annotated[float, Field(strict=True, ge=10, le=10_000, allow_inf_nan=False)] = Field(
         default=60.0,
-        description="room from where it stands, to positions above [turns of the motor]; a load out of step may run on",
+        description="room from where it stands, to positions above, or away from the switch [turns of the motor]; a "
+        "load out of step may run on",
     )
     speeds: Annotated[int, Field(strict=True, ge=2, le=30)] = Field(
         default=8, description="how many between the first and the greatest at which there is torque left"

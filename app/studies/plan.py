@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 from pydantic import Field
 
 from ..devices.core.axis_limits import AxisLimits
-from ..devices.core.capabilities import EncoderSetting, PositionFromEncoder
+from ..devices.core.capabilities import EncoderSetting, PositionFromEncoder, PositionSetting
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import BenchError, WrongState
@@ -17,6 +17,7 @@ from ..profiles.capture import CapturedConfiguration
 from .families import ramp_of
 from .parts import Part
 from .ramp_settings import RampSpace, held_of
+from .switch_edge import Side
 
 Ground = TypeVar("Ground")
 
@@ -105,6 +106,24 @@ async def axis_that_sees_lost_steps(device: Device, axis: int, missing: list[str
     found = await axis_now(device, axis, missing)
     if found is not None and found.state.encoder_position is None:
         missing.append(f"no encoder tells its position: {why}")
+    return found
+
+
+async def axis_at_a_switch(device: Device, axis: int, missing: list[str], switch: Side) -> AxisNow | None:
+    """The axis before moves whose lost steps a switch sees, and sets right. Raises BenchError."""
+    try:
+        device.need(PositionSetting)
+    except WrongState as error:
+        missing.append(str(error))
+        return None
+    found = await axis_now(device, axis, missing)
+    if found is None:
+        return None
+    pressed = found.state.switches.left if switch == "left" else found.state.switches.right
+    if pressed is None:
+        missing.append(f"the {switch} switch is not read as the axis is set: nothing else tells of lost steps")
+    elif pressed:
+        missing.append(f"the {switch} switch is pressed: begin a little beside it")
     return found
 
 

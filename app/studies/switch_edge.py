@@ -17,14 +17,22 @@ from ..procedures.procedure import POLL_S, Failed
 from .moves import LONGEST, PERIOD_FULLSTEPS, REST_S, MeasuredMoves
 
 Side = Literal["left", "right"]
+SWITCHES: dict[str, Side | None] = {"encoder": None, "left switch": "left", "right switch": "right"}
+"""The switch that sees lost steps, by what a study is told does; None: the encoder."""
+UNTOLD = "steps may have been lost since its switch was looked at last, and nothing tells: search the reference"
+"""Of a study that ends early, or with the server."""
 CLEAR_FULLSTEPS = PERIOD_FULLSTEPS / 2
 """So far from the edge it is looked at whether the switch is pressed, or not."""
+LOST_FULLSTEPS = 6.0
+"""Further from where a switch was met its edge is not, but for lost steps: what the link is late by is far less."""
 COARSE_FULLSTEPS = 8.0
 """Steps out of a pressed switch, before it is gone into by single full steps."""
 STEPS_MAX = 200
 """Such steps at most: a motor that was stopped at speed stands that far in a switch that does not stop it."""
 SPANS_MAX = 5
 """So many times the whole way it is looked for towards the switch: a heavy load that fell out of step runs on."""
+SLOW_FULLSTEPS = 50.0
+"""How fast a switch is gone into [full steps a second]: a quarter of a turn."""
 STARTS_S = 2.0
 """What a move may take beside its ramp [s]."""
 
@@ -53,6 +61,8 @@ class SwitchEdge:
         self._out = 1 if side == "left" else -1
         """The way out of the switch."""
         self._edge: int | None = None
+        self._met = 0
+        """Where the counter was as the switch was seen to change last."""
 
     async def learn(self, nearest: int) -> None:
         """Find the edge from where the axis stands, going to `nearest` at most. Raises Failed, BenchError."""
@@ -61,7 +71,13 @@ class SwitchEdge:
             raise Failed(
                 f"the {self._side} switch is not met until {nearest}: begin nearer to it, or let it go farther"
             )
+        met = self._met
         self._edge = await self._found()
+        if abs(self._edge - met) > LOST_FULLSTEPS * self._full_step:
+            raise Failed(
+                f"the {self._side} switch stops so heavy a load at once, and it loses steps by that: have the switch "
+                "stop it by its ramp, or make the load lighter"
+            )
 
     async def lost(self) -> float:
         """How many full steps were lost since it was learnt; afterwards the counter is right again.
@@ -142,7 +158,7 @@ class SwitchEdge:
             await self._clock.sleep(POLL_S)
             state = await moves.state()
             if not met and self._is_pressed(state) == pressed:
-                met = True
+                met, self._met = True, state.position
                 if state.position != target:
                     await device.stop(axis)  # also where the switch has stopped it: released, it would go on
             elif not state.moving and (met or state.position == target):

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...devices.core.capabilities import PositionSetting
 from ...devices.core.device import Device
-from ...errors import WrongState
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
-from ..plan import AxisNow, Looked, StudyPlan, axis_now, axis_that_sees_lost_steps, planned, room_told
+from ..plan import Looked, StudyPlan, axis_at_a_switch, axis_that_sees_lost_steps, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace, least_time_s
 from ..search import Dimension
-from ..switch_edge import SPANS_MAX, Side
+from ..switch_edge import SPANS_MAX, SWITCHES, Side
 
 FASTER, SLOWER = 10.0, 0.5
 """How far from the present setting is looked at most, where no limit says otherwise."""
@@ -24,7 +22,6 @@ WRITING_S = 0.1
 BASELINE_RUNS = 3
 LOOKS = 3
 """So many times the moves, and their time, with the ways to a switch after each half of one."""
-SWITCHES: dict[str, Side | None] = {"encoder": None, "left switch": "left", "right switch": "right"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +67,7 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     found = (
         await axis_that_sees_lost_steps(device, axis, looked.missing, "without one lost steps cannot be seen")
         if switch is None
-        else await _at_a_switch(device, axis, looked.missing, switch)
+        else await axis_at_a_switch(device, axis, looked.missing, switch)
     )
     if found is None:
         return looked
@@ -103,24 +100,6 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
     looked.ground = Ranges(space, dimensions, state.position, microsteps, period, near, far, switch)
     return looked
-
-
-async def _at_a_switch(device: Device, axis: int, missing: list[str], switch: Side) -> AxisNow | None:
-    """The axis before moves whose lost steps a switch sees, and sets right. Raises BenchError."""
-    try:
-        device.need(PositionSetting)
-    except WrongState as error:
-        missing.append(str(error))
-        return None
-    found = await axis_now(device, axis, missing)
-    if found is None:
-        return None
-    pressed = found.state.switches.left if switch == "left" else found.state.switches.right
-    if pressed is None:
-        missing.append(f"the {switch} switch is not read as the axis is set: nothing else tells of lost steps")
-    elif pressed:
-        missing.append(f"the {switch} switch is pressed: begin a little beside it")
-    return found
 
 
 async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:

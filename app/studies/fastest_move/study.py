@@ -16,6 +16,7 @@ from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
+from ..switch_edge import UNTOLD
 from ..twins.search import look_on_twins
 from .ranges import BASELINE_RUNS, Ranges, look
 from .trials import ON_TWIN, MoveTrials, begun, curve_of, figures_of, told, tried, words_of
@@ -24,8 +25,6 @@ ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
-UNTOLD = "steps may have been lost since its switch was looked at last, and nothing tells: search the reference"
-"""Of a study that ends early, or with the server."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
 

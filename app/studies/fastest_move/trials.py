@@ -21,13 +21,11 @@ from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, document_of, least_time_s
 from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
-from ..switch_edge import SwitchEdge
+from ..switch_edge import SLOW_FULLSTEPS, SwitchEdge
 from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look
 
 CURVE_POINTS = 120
-SLOW_FULLSTEPS = 50.0
-"""How fast a switch is gone into [full steps a second]: a quarter of a turn."""
 BEFORE, TRIED = "the setting before the study", "the setting that is tried"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 

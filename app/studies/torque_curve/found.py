@@ -10,13 +10,15 @@ from ..parts import Interval, Part
 class TorquePoint(Part):
     """What the motor has at one speed, beyond the friction of its axis."""
 
-    speed_rps: float = Field(description="of the slips, mean; midway between rotor and field [turns/s]")
-    acceleration_radps2: float = Field(description="the most that it gives its load, mean of both ways [rad/s^2]")
+    speed_rps: float = Field(description="at which steps are lost [turns/s]: of slips, midway from rotor to field")
+    acceleration_radps2: float = Field(description="the most that it gives its load, mean of the ways [rad/s^2]")
     interval_radps2: Interval = Field(description="95 %")
-    both_ways_radps2: float = Field(description="positive way less negative way: a weight, a spring")
+    both_ways_radps2: float | None = Field(
+        description="positive way less negative way: a weight, a spring; null where it was one way alone"
+    )
     torque_nm: float | None = Field(default=None, description="null where the inertia was not told")
     interval_nm: Interval | None = Field(default=None, description="95 %, with that of the inertia")
-    slips: int
+    slips: int = Field(description="runs that lost steps")
 
 
 class RampMargin(Part):

@@ -18675,6 +18675,13 @@ export interface components {
              */
             kind: "torque_curve";
             /**
+             * Seen By
+             * @description what tells of lost steps: an encoder, which shows the slip itself, or an end switch near which runs begin, whose edge is looked at after each
+             * @default encoder
+             * @enum {string}
+             */
+            seen_by?: "encoder" | "left switch" | "right switch";
+            /**
              * Velocity Max Rps
              * @description never faster [turns of the motor a second]
              * @default 20
@@ -18682,7 +18689,7 @@ export interface components {
             velocity_max_rps?: number;
             /**
              * Travel Turns
-             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
+             * @description room from where it stands, to positions above, or away from the switch [turns of the motor]; a load out of step may run on
              * @default 60
              */
             travel_turns?: number;
@@ -18727,6 +18734,13 @@ export interface components {
              */
             kind: "torque_curve";
             /**
+             * Seen By
+             * @description what tells of lost steps: an encoder, which shows the slip itself, or an end switch near which runs begin, whose edge is looked at after each
+             * @default encoder
+             * @enum {string}
+             */
+            seen_by: "encoder" | "left switch" | "right switch";
+            /**
              * Velocity Max Rps
              * @description never faster [turns of the motor a second]
              * @default 20
@@ -18734,7 +18748,7 @@ export interface components {
             velocity_max_rps: number;
             /**
              * Travel Turns
-             * @description room from where it stands, to positions above [turns of the motor]; a load out of step may run on
+             * @description room from where it stands, to positions above, or away from the switch [turns of the motor]; a load out of step may run on
              * @default 60
              */
             travel_turns: number;
@@ -18804,21 +18818,21 @@ export interface components {
         TorquePoint: {
             /**
              * Speed Rps
-             * @description of the slips, mean; midway between rotor and field [turns/s]
+             * @description at which steps are lost [turns/s]: of slips, midway from rotor to field
              */
             speed_rps: number;
             /**
              * Acceleration Radps2
-             * @description the most that it gives its load, mean of both ways [rad/s^2]
+             * @description the most that it gives its load, mean of the ways [rad/s^2]
              */
             acceleration_radps2: number;
             /** @description 95 % */
             interval_radps2: components["schemas"]["Interval"];
             /**
              * Both Ways Radps2
-             * @description positive way less negative way: a weight, a spring
+             * @description positive way less negative way: a weight, a spring; null where it was one way alone
              */
-            both_ways_radps2: number;
+            both_ways_radps2: number | null;
             /**
              * Torque Nm
              * @description null where the inertia was not told
@@ -18826,7 +18840,10 @@ export interface components {
             torque_nm: number | null;
             /** @description 95 %, with that of the inertia */
             interval_nm: components["schemas"]["Interval"] | null;
-            /** Slips */
+            /**
+             * Slips
+             * @description runs that lost steps
+             */
             slips: number;
         };
         /**

@@ -1,5 +1,4 @@
-import { useState } from "react";
-import { QuantityField } from "../../../lib/QuantityField";
+import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
 import type { ScoredMoveForm } from "./form";
@@ -12,18 +11,9 @@ const NUMBERS: readonly Asked<ScoredMoveForm>[] = [
 
 /** The move, how often, and when it is over. */
 export function Fields({ form, change, scale, axis }: FieldsProps<ScoredMoveForm>) {
-  const [unit, setUnit] = useState("rev");
   return (
     <>
-      <QuantityField
-        label="Move: there and back"
-        motion="position"
-        scale={scale}
-        value={form.distance}
-        unit={unit}
-        onUnit={setUnit}
-        onChange={(distance) => change({ distance })}
-      />
+      <DistanceField form={form} change={change} scale={scale} label="Move: there and back" />
       <Numbers form={form} change={change} of={NUMBERS} />
       <Watch device={axis.device} axis={axis.index} />
     </>

@@ -1,9 +1,10 @@
-import { Table, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { type ChopperFound, namedOf, rippleOf } from "./tried";
 
@@ -29,32 +30,19 @@ function Found({ found }: { found: ChopperFound }) {
         scales={{ y: { label: "ripple", unit: "full steps", include: [0] } }}
         data={rippleOf(found)}
       />
-      <Table.ScrollContainer minWidth={320} type="native">
-        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Choppers">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col" />
-              <Table.Th scope="col">TOFF</Table.Th>
-              <Table.Th scope="col">TBL</Table.Th>
-              <Table.Th scope="col">Hysteresis</Table.Th>
-              <Table.Th scope="col">Ripple</Table.Th>
-              <Table.Th scope="col">Chopper, about</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {namedOf(found).map(([name, one]) => (
-              <Table.Tr key={name}>
-                <Table.Th scope="row">{name}</Table.Th>
-                <Table.Td className="num">{one.off}</Table.Td>
-                <Table.Td className="num">{one.blank}</Table.Td>
-                <Table.Td className="num">{one.hysteresis}</Table.Td>
-                <Table.Td className="num">{compact(one.ripple_fullsteps, 3)} full steps</Table.Td>
-                <Table.Td className="num">{compact(one.chopper_hz / 1e3, 3, "kHz")}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
-        </Table>
-      </Table.ScrollContainer>
+      <FiguresTable
+        label="Choppers"
+        minWidth={320}
+        heads={["", "TOFF", "TBL", "Hysteresis", "Ripple", "Chopper, about"]}
+        rows={namedOf(found).map(([name, one]) => [
+          name,
+          `${one.off}`,
+          `${one.blank}`,
+          `${one.hysteresis}`,
+          `${compact(one.ripple_fullsteps, 3)} full steps`,
+          compact(one.chopper_hz / 1e3, 3, "kHz"),
+        ])}
+      />
       {effect && (
         <Text size="sm">
           New less old, {effect.pairs} pairs: {compact(effect.difference_fullsteps, 3)} full steps (95 %:{" "}

@@ -1,10 +1,10 @@
-import { NativeSelect, Switch } from "@mantine/core";
-import { useState } from "react";
-import { QuantityField } from "../../../lib/QuantityField";
+import { Switch } from "@mantine/core";
+import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
+import { SeenByField } from "../SeenByField";
 import { TwinFields } from "../twin/TwinFields";
-import { type FastestMoveForm, SEEN_BY, type SeenBy } from "./form";
+import type { FastestMoveForm } from "./form";
 
 const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
@@ -38,24 +38,10 @@ const NUMBERS: readonly Asked<FastestMoveForm>[] = [
 
 /** The move, what it may cost, its limits, and what is known of the motor for a twin. */
 export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveForm>) {
-  const [unit, setUnit] = useState("rev");
   return (
     <>
-      <QuantityField
-        label="Distance"
-        motion="position"
-        scale={scale}
-        value={form.distance}
-        unit={unit}
-        onUnit={setUnit}
-        onChange={(distance) => change({ distance })}
-      />
-      <NativeSelect
-        label="Lost steps are seen by"
-        data={SEEN_BY}
-        value={form.seenBy}
-        onChange={({ currentTarget }) => change({ seenBy: currentTarget.value as SeenBy })}
-      />
+      <DistanceField form={form} change={change} scale={scale} label="Distance" />
+      <SeenByField form={form} change={change} />
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.seenBy === "encoder" && (
         <>

@@ -1,10 +1,8 @@
 import type { KindForm } from "../kind";
+import { firstSeenBy, type SeenBy } from "../seenBy";
 import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
 
-export type SeenBy = "encoder" | "left switch" | "right switch";
-
 export interface FastestMoveForm {
-  /** what tells of lost steps; a switch: moves go away from it */
   seenBy: SeenBy;
   /** of a move [microsteps] */
   distance: number;
@@ -23,14 +21,13 @@ const AWAY: Record<SeenBy, (distance: number) => number> = {
   "left switch": Math.abs,
   "right switch": (distance) => -Math.abs(distance),
 };
-export const SEEN_BY = Object.keys(AWAY) as SeenBy[];
 
 export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
   label: "Faster",
   text: "The shortest move by a distance at which no step is lost, with a margin.",
   title: "Fastest move",
   first: (microstepsPerTurn, sees) => ({
-    seenBy: sees ? "encoder" : "left switch",
+    seenBy: firstSeenBy(sees),
     distance: 2 * (microstepsPerTurn ?? 51_200),
     marginPercent: 10,
     trials: 30,

@@ -1,6 +1,5 @@
 import { Checkbox } from "@mantine/core";
-import { useState } from "react";
-import { QuantityField } from "../../../lib/QuantityField";
+import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
 import { TwinFields } from "../twin/TwinFields";
@@ -52,18 +51,9 @@ const NUMBERS: readonly Asked<LeastCurrentForm>[] = [
 
 /** The load cycle, the margin, how sure it has to be, and what watts are reckoned with. */
 export function Fields({ form, change, scale, axis }: FieldsProps<LeastCurrentForm>) {
-  const [unit, setUnit] = useState("rev");
   return (
     <>
-      <QuantityField
-        label="Load cycle: there and back"
-        motion="position"
-        scale={scale}
-        value={form.distance}
-        unit={unit}
-        onUnit={setUnit}
-        onChange={(distance) => change({ distance })}
-      />
+      <DistanceField form={form} change={change} scale={scale} label="Load cycle: there and back" />
       <Numbers form={form} change={change} of={NUMBERS} />
       <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
       <Checkbox

@@ -1,9 +1,9 @@
-import { Table } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import { type Change, changeOf } from "./dots";
 
 /** What a change makes of the ripple at each speed, with how sure that is. */
@@ -24,32 +24,18 @@ export function ChangeCard({ change }: { change: Change }) {
         scales={{ y: { label: "ripple, electrical", unit: "°", include: [0] } }}
         data={changeOf(change)}
       />
-      <Table.ScrollContainer minWidth={320} type="native">
-        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label={`Ripple with ${change.name}`}>
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col">turns/s</Table.Th>
-              <Table.Th scope="col">as it is</Table.Th>
-              <Table.Th scope="col">with it</Table.Th>
-              <Table.Th scope="col">difference, 95 %</Table.Th>
-              <Table.Th scope="col" />
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {change.points.map((point) => (
-              <Table.Tr key={point.speed_rps}>
-                <Table.Th scope="row">{compact(point.speed_rps, 3)}</Table.Th>
-                <Table.Td className="num">{compact(point.before_deg, 3)}°</Table.Td>
-                <Table.Td className="num">{compact(point.after_deg, 3)}°</Table.Td>
-                <Table.Td className="num">
-                  {compact(point.interval_deg.low, 2)} to {compact(point.interval_deg.high, 2)}°
-                </Table.Td>
-                <Table.Td>{point.told}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
-        </Table>
-      </Table.ScrollContainer>
+      <FiguresTable
+        label={`Ripple with ${change.name}`}
+        minWidth={320}
+        heads={["turns/s", "as it is", "with it", "difference, 95 %", ""]}
+        rows={change.points.map(({ speed_rps, before_deg, after_deg, interval_deg, told }) => [
+          compact(speed_rps, 3),
+          `${compact(before_deg, 3)}°`,
+          `${compact(after_deg, 3)}°`,
+          `${compact(interval_deg.low, 2)} to ${compact(interval_deg.high, 2)}°`,
+          told,
+        ])}
+      />
     </Card>
   );
 }

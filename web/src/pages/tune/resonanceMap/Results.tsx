@@ -1,6 +1,6 @@
-import { Table } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { Campbell } from "./Campbell";
 import { ChangeCard } from "./Changes";
@@ -37,33 +37,15 @@ function Found({ found }: { found: ResonanceFound }) {
 
 function MapTable({ found }: { found: ResonanceFound }) {
   return (
-    <Table.ScrollContainer minWidth={560} type="native">
-      <Table withRowBorders={false} verticalSpacing={2} aria-label="Amplitude of each order at each speed">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">turns/s</Table.Th>
-            <Table.Th scope="col">ripple</Table.Th>
-            {found.orders.map((order) => (
-              <Table.Th key={order} scope="col">
-                order {order}
-              </Table.Th>
-            ))}
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {found.points.map((point) => (
-            <Table.Tr key={point.speed_rps}>
-              <Table.Th scope="row">{compact(point.speed_rps, 3)}</Table.Th>
-              <Table.Td className="num">{point.lost > 0 ? "steps lost" : `${compact(point.ripple_deg, 3)}°`}</Table.Td>
-              {found.orders.map((order, index) => (
-                <Table.Td key={order} className="num">
-                  {compact(point.amplitudes_deg[index] ?? null, 2)}
-                </Table.Td>
-              ))}
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </Table>
-    </Table.ScrollContainer>
+    <FiguresTable
+      label="Amplitude of each order at each speed"
+      minWidth={560}
+      heads={["turns/s", "ripple", ...found.orders.map((order) => `order ${order}`)]}
+      rows={found.points.map((point) => [
+        compact(point.speed_rps, 3),
+        point.lost > 0 ? "steps lost" : `${compact(point.ripple_deg, 3)}°`,
+        ...found.orders.map((_, index) => compact(point.amplitudes_deg[index] ?? null, 2)),
+      ])}
+    />
   );
 }

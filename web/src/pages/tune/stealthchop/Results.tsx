@@ -1,9 +1,10 @@
-import { Table, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { joltsOf, namedOf, reachOf, type StealthFound } from "./tried";
 
@@ -30,32 +31,19 @@ function Found({ found }: { found: StealthFound }) {
         scales={{ y: { label: "jolt", unit: "full steps", include: [0] } }}
         data={joltsOf(found)}
       />
-      <Table.ScrollContainer minWidth={420} type="native">
-        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Settings of StealthChop">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col" />
-              <Table.Th scope="col">PWM_OFS</Table.Th>
-              <Table.Th scope="col">PWM_GRAD</Table.Th>
-              <Table.Th scope="col">Up to</Table.Th>
-              <Table.Th scope="col">Jolt [full steps]</Table.Th>
-              <Table.Th scope="col">Off by</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {namedOf(found).map(([name, one]) => (
-              <Table.Tr key={name}>
-                <Table.Th scope="row">{name}</Table.Th>
-                <Table.Td className="num">{one.offset ?? "none"}</Table.Td>
-                <Table.Td className="num">{one.gradient ?? "none"}</Table.Td>
-                <Table.Td className="num">{reachOf(one, (value) => compact(value, 3))}</Table.Td>
-                <Table.Td className="num">{compact(one.jolt_fullsteps, 3)}</Table.Td>
-                <Table.Td className="num">{percent(one.added_share)}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
-        </Table>
-      </Table.ScrollContainer>
+      <FiguresTable
+        label="Settings of StealthChop"
+        minWidth={420}
+        heads={["", "PWM_OFS", "PWM_GRAD", "Up to", "Jolt [full steps]", "Off by"]}
+        rows={namedOf(found).map(([name, one]) => [
+          name,
+          `${one.offset ?? "none"}`,
+          `${one.gradient ?? "none"}`,
+          reachOf(one, (value) => compact(value, 3)),
+          compact(one.jolt_fullsteps, 3),
+          percent(one.added_share),
+        ])}
+      />
       {found.offset_auto !== null && (
         <Text size="sm">
           The chip tuned PWM_OFS_AUTO {found.offset_auto}

@@ -1,12 +1,19 @@
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
+import { SeenByField } from "../SeenByField";
 import type { TorqueForm } from "./form";
 
 const NUMBERS: readonly Asked<TorqueForm>[] = [
-  { key: "travelTurns", label: "Room to positions above", min: 10, max: 10_000, unit: "turns" },
+  {
+    key: "travelTurns",
+    label: "Room to positions above, or away from the switch",
+    min: 10,
+    max: 10_000,
+    unit: "turns",
+  },
   { key: "velocityMaxRps", label: "Never faster than", min: 1, max: 100, unit: "turns/s" },
   { key: "speeds", label: "Speeds", min: 2, max: 30, integer: true },
-  { key: "repeats", label: "Slips at each speed", min: 2, max: 20, integer: true },
+  { key: "repeats", label: "Times at each speed", min: 2, max: 20, integer: true },
   {
     key: "inertiaKgm2",
     label: "Inertia of rotor and load, at the motor",
@@ -34,6 +41,7 @@ const OF_LOAD: readonly Asked<TorqueForm>[] = [
 export function Fields({ form, change }: FieldsProps<TorqueForm>) {
   return (
     <>
+      <SeenByField form={form} change={change} />
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.inertiaKgm2 !== null && <Numbers form={form} change={change} of={OF_LOAD} />}
     </>

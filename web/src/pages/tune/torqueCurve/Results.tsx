@@ -1,9 +1,10 @@
-import { Table, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { curveOf, rowsOf, type TorqueFound } from "./points";
 
@@ -38,28 +39,16 @@ function Found({ found }: { found: TorqueFound }) {
         scales={{ y: { label: name, unit, include: [0] } }}
         data={curveOf(rows)}
       />
-      <Table.ScrollContainer minWidth={320} type="native">
-        <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Torque at each speed">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col">turns/s</Table.Th>
-              <Table.Th scope="col">{unit}</Table.Th>
-              <Table.Th scope="col">95 %</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {rows.map(({ speed, value, low, high }) => (
-              <Table.Tr key={speed}>
-                <Table.Th scope="row">{compact(speed, 3)}</Table.Th>
-                <Table.Td className="num">{compact(value, 3)}</Table.Td>
-                <Table.Td className="num">
-                  {compact(low, 3)} to {compact(high, 3)}
-                </Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
-        </Table>
-      </Table.ScrollContainer>
+      <FiguresTable
+        label="Torque at each speed"
+        minWidth={320}
+        heads={["turns/s", unit, "95 %"]}
+        rows={rows.map(({ speed, value, low, high }) => [
+          compact(speed, 3),
+          compact(value, 3),
+          `${compact(low, 3)} to ${compact(high, 3)}`,
+        ])}
+      />
       <Text size="sm" className="dim">
         {torque && found.friction_nm > 0
           ? `With the ${compact(found.friction_nm)} N m of friction that were told.`

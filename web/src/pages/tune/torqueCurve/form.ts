@@ -1,6 +1,8 @@
 import type { KindForm } from "../kind";
+import { firstSeenBy, type SeenBy } from "../seenBy";
 
 export interface TorqueForm {
+  seenBy: SeenBy;
   /** never faster [turns of the motor a second] */
   velocityMaxRps: number;
   /** room from where it stands, to positions above [turns of the motor] */
@@ -19,7 +21,8 @@ export const TORQUE_CURVE: KindForm<TorqueForm> = {
   label: "Torque known",
   text: "How much torque the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost.",
   title: "Torque over speed",
-  first: () => ({
+  first: (_, sees) => ({
+    seenBy: firstSeenBy(sees),
     velocityMaxRps: 20,
     travelTurns: 60,
     speeds: 8,
@@ -31,6 +34,7 @@ export const TORQUE_CURVE: KindForm<TorqueForm> = {
   wish: (form) => ({
     study: {
       kind: "torque_curve",
+      seen_by: form.seenBy,
       velocity_max_rps: form.velocityMaxRps,
       travel_turns: form.travelTurns,
       speeds: form.speeds,
