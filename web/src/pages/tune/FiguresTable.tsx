@@ -1,5 +1,8 @@
 import { Table } from "@mantine/core";
 
+/** Figures stay on one line; what is as long as this is none. */
+const SENTENCE = 40;
+
 interface Props {
   label: string;
   minWidth: number;
@@ -28,7 +31,7 @@ export function FiguresTable({ label, minWidth, heads, rows }: Props) {
             <Table.Tr key={name}>
               <Table.Th scope="row">{name}</Table.Th>
               {cells.map((cell, index) => (
-                <Table.Td key={heads[index + 1]} className="num">
+                <Table.Td key={heads[index + 1]} className={cell.length < SENTENCE ? "num" : undefined}>
                   {cell}
                 </Table.Td>
               ))}

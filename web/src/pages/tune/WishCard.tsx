@@ -8,7 +8,7 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { scaleOf } from "../../lib/units";
 import { GoalCards } from "./GoalCards";
 import type { FieldsProps } from "./kind";
-import { documentOf, type Forms, firstForms, KINDS, NAMES, WISHES } from "./kinds";
+import { documentOf, type Forms, firstForms, goalsOf, KINDS, NAMES } from "./kinds";
 import type { Kind, Plan } from "./study";
 import classes from "./tune.module.css";
 import { type Changes, usePlan } from "./useStudies";
@@ -27,7 +27,8 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   const scale = scaleOf(axis, device.clock_hz);
   const perTurn = scale.microstepsPerFullStep === null ? null : scale.microstepsPerFullStep * scale.fullStepsPerRev;
   const [kind, setKind] = useAddressChoice("kind", NAMES);
-  const [forms, setForms] = useState<Forms>(() => firstForms(perTurn, can(device, "encoder")));
+  const sees = can(device, "encoder");
+  const [forms, setForms] = useState<Forms>(() => firstForms(perTurn, sees));
   const change = <K extends Kind>(of: K, part: Partial<Forms[K]>) =>
     setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));
   const wish = documentOf(kind, forms, device.id, axis.index);
@@ -37,7 +38,8 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   return (
     <Card title="What do you want?">
       <div className="column">
-        <GoalCards label="The axis shall be" goals={WISHES} value={kind} onChange={setKind} />
+        <GoalCards label="The axis shall be" goals={goalsOf(sees)} value={kind} onChange={setKind} />
+        {!sees && <Text size="sm">Other goals need an encoder, and this chip reads none.</Text>}
         <Text size="sm">{KINDS[kind].text}</Text>
         <div className={classes.fields}>
           <KindFields

@@ -35,7 +35,12 @@ export const KINDS: { readonly [K in Kind]: KindForm<Forms[K]> } = OF_KINDS;
 /** The kinds; the one of which nothing has to be known comes first. */
 export const NAMES = Object.keys(KINDS) as [Kind, ...Kind[]];
 
-export const WISHES = NAMES.map((value) => ({ value, label: KINDS[value].label }));
+const BLIND: readonly Kind[] = ["first_look", "fastest_move", "torque_curve"];
+
+/** The goals of an axis, each with what it is called. `sees`: its chip reads an encoder, which most of them need */
+export function goalsOf(sees: boolean) {
+  return (sees ? NAMES : BLIND).map((value) => ({ value, label: KINDS[value].label }));
+}
 
 /** What all forms begin with. */
 export function firstForms(microstepsPerTurn: number | null, sees = true): Forms {

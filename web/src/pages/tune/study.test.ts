@@ -4,7 +4,7 @@ import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopp
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
-import { documentOf, firstForms } from "./kinds";
+import { documentOf, firstForms, goalsOf } from "./kinds";
 import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
@@ -197,8 +197,16 @@ describe("a study on the page", () => {
 
   it("asks for torque over speed, and draws it, or the acceleration where the inertia is not known", () => {
     const forms = firstForms(null);
-    const study = { kind: "torque_curve", travel_turns: 60, inertia_kgm2: null, inertia_share: 0.05 };
+    const study = {
+      kind: "torque_curve",
+      seen_by: "encoder",
+      travel_turns: 60,
+      inertia_kgm2: null,
+      inertia_share: 0.05,
+    };
     expect(documentOf("torque_curve", forms, "slide", 0).study).toMatchObject(study);
+    expect(goalsOf(false).map(({ value }) => value)).toEqual(["first_look", "fastest_move", "torque_curve"]);
+    expect(firstForms(null, false).torque_curve.seenBy).toBe("left switch");
     const point = {
       speed_rps: 2,
       acceleration_radps2: 100,

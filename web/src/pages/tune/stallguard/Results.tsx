@@ -1,9 +1,10 @@
-import { Table, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { distributionsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
 
@@ -26,28 +27,12 @@ export function Results({ study }: { study: Study }) {
 function Rates({ found }: { found: StallFound }) {
   return (
     <Card title="How sure" note={`StallGuard${found.generation}`}>
-      <Table.ScrollContainer minWidth={420} type="native">
-        <Table withRowBorders={false} verticalSpacing={2} aria-label="False and missed stalls at each speed">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col">turns/s</Table.Th>
-              <Table.Th scope="col">False stalls</Table.Th>
-              <Table.Th scope="col">Missed</Table.Th>
-              <Table.Th scope="col">Why not</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {found.speeds.map((speed) => (
-              <Table.Tr key={speed.speed_rps}>
-                <Table.Th scope="row">{compact(speed.speed_rps)}</Table.Th>
-                <Table.Td>{rateText(speed.false)}</Table.Td>
-                <Table.Td>{rateText(speed.missed)}</Table.Td>
-                <Table.Td>{speed.why}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
-        </Table>
-      </Table.ScrollContainer>
+      <FiguresTable
+        label="False and missed stalls at each speed"
+        minWidth={420}
+        heads={["turns/s", "False stalls", "Missed", "Why not"]}
+        rows={found.speeds.map((at) => [compact(at.speed_rps), rateText(at.false), rateText(at.missed), at.why])}
+      />
       <Text size="sm" className="dim">
         Of held-out runs: free ones of {compact(found.run_fullsteps)} full steps, and into the stop by{" "}
         {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %.
