@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...clock import Clock
 from ...devices.core.capabilities import PositionFromEncoder
@@ -20,6 +21,8 @@ from ..sampled import sampling
 SAMPLES_A_FULLSTEP = 2.5
 """A new load value comes with each full step."""
 RATE_HZ = (100.0, 2000.0)
+PHASES = 64
+"""Places within a full step of the counter at which one of the chip may begin."""
 AWAY_FULLSTEPS = 2.0
 """So far an encoder is from the position as the rotor rests at a stop and the field goes on."""
 SHORT_FULLSTEPS = 3.0
@@ -37,6 +40,28 @@ class Samples:
     position: FloatArray
     speed_pps: FloatArray
     load: FloatArray
+
+
+def each_fullstep(position: FloatArray, load: FloatArray, full_step: int) -> NDArray[np.bool_]:
+    """Which samples are the last of a full step of the chip, so that each of its load values counts once.
+
+    position : microsteps of the counter, on one way; load : a new value with each full step of the chip, which begins
+    anywhere within one of the counter. It is where the values are seen to change.
+    """
+    at = position / full_step
+    changes = np.diff(load) != 0
+    phases = np.arange(PHASES) / PHASES
+    steps = np.floor(at[:, None] - phases)
+    odd = (changes[:, None] & (np.diff(steps, axis=0) == 0)).sum(axis=0)
+    fits = np.flatnonzero(odd == odd.min())
+    # Of all that fit the middle of the widest range of them, around the circle.
+    gaps = np.diff(fits, append=fits[0] + PHASES) > 1
+    begins = np.roll(fits, -1)[gaps] if gaps.any() else fits[:1]
+    ends = fits[gaps] if gaps.any() else fits[-1:]
+    widths = [(ends[(index + 1) % len(ends)] - begin) % PHASES for index, begin in enumerate(begins)]
+    widest = int(np.argmax(widths))
+    phase = ((int(begins[widest]) + widths[widest] / 2) % PHASES) / PHASES
+    return np.asarray(np.diff(np.floor(at - phase), append=np.inf) != 0)
 
 
 class StallRuns:
@@ -95,9 +120,8 @@ class StallRuns:
         position, velocity, load = samples.all()[1].T
         known = np.isfinite(position) & np.isfinite(velocity) & np.isfinite(load) & (velocity != 0)
         position, velocity, load = position[known], np.abs(velocity[known]), load[known]
-        # A value that was read twice is one: the last of each full step.
-        last = np.diff(position // self._full_step, append=np.inf) != 0
-        return Samples(position[last], velocity[last], load[last])
+        kept = each_fullstep(position, load, self._full_step)
+        return Samples(position[kept], velocity[kept], load[kept])
 
     async def armed(self, target: int) -> int:
         """Move to `target` while a stall stops the motor, and go on after each: how many false stalls there were."""
