@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, Tmc5xxxPatch
+from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, SwitchesChange, Tmc5xxxPatch
 from app.studies.first_look.encoder_fit import fit_encoder
 from app.studies.first_look.faults import Way, pulled
 from app.studies.record import Finding, StudyRecord
@@ -206,3 +206,13 @@ def test_less_than_a_turn_tells_no_eccentricity() -> None:
     assert (found.eccentricity, found.twice) == (None, None)
     with pytest.raises(ValueError, match="40 samples"):
         fit_encoder(position[:10], position[:10], position[:10] < 3, TURN)
+
+
+async def test_an_axis_between_two_pressed_switches_is_told_that_they_are(tmp_path: Path) -> None:
+    """It was called overloaded: its load value is 0 while it stands."""
+    async with studied(tmp_path, FULL) as s:
+        both = SwitchesChange(left=True, right=True)
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, switches=both)]))
+        record = await s.finish(s.begin(s.document({"kind": "first_look"})), 120)
+        assert record.state == "failed"
+        assert "both of its end switches read as pressed" in record.message

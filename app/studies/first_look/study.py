@@ -202,6 +202,8 @@ class FirstLookStudy(StudyRun):
             try:
                 await self._go(target, samples.take)
             except Failed as error:
+                if _between_switches(await self._state()):
+                    raise  # nothing is wrong with motor or load, as far as that tells
                 failure = error
         position, encoder, *loads = samples.all()[1].T
         self._loads += [float(value) for each in loads for value in each[np.isfinite(each)]]
@@ -315,7 +317,7 @@ class FirstLookStudy(StudyRun):
             if state.moving:
                 self._looks.append(state.flags)
             if not state.moving and self.clock.now() > until_s - self._longest_s(0):
-                raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
+                raise Failed(f"the motor stands at {state.position}, not {target}: {_why_it_stands(state)}")
             if self.clock.now() > until_s:
                 raise Failed(f"the motor has not arrived at {target} within its time")
         await self.clock.sleep(REST_S)
@@ -336,3 +338,16 @@ class FirstLookStudy(StudyRun):
 
 def _between(ends: tuple[float, float]) -> Interval:
     return Interval(low=ends[0], high=ends[1])
+
+
+def _between_switches(state: AxisState) -> bool:
+    return bool(state.switches.left and state.switches.right)
+
+
+def _why_it_stands(state: AxisState) -> str:
+    if _between_switches(state):
+        return (
+            "both of its end switches read as pressed, and leave it no way: see how they are wired, and which level is "
+            "the pressed one"
+        )
+    return "by a switch, or its ramp is 0"
