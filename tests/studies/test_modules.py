@@ -17,6 +17,7 @@ from tests.studies.harness import Studied
 
 MODULES = ("pd42-1241", "tmcm-1161")
 HEAVY = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
+HEAVIER = {"inertia_kgm2": 5e-3, "friction_nm": 0.1}
 LIGHT = {"inertia_kgm2": 2e-5, "friction_nm": 0.02}
 MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
 COIL: dict[str, Any] = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "run_current_a": 1.485, "supply_v": 36.0}
@@ -209,3 +210,20 @@ async def test_a_calmer_chopper_of_a_module_is_found_and_put_back(tmp_path: Path
         )
         assert {start, end} == {*split_of(found.chosen.hysteresis, least)}
         assert await words(s) == before
+
+
+@pytest.mark.parametrize("model", MODULES)
+async def test_a_faster_ramp_of_a_module_is_found_by_a_switch_alone(tmp_path: Path, model: str) -> None:
+    stage = {"left_at_fullsteps": -21.3}
+    async with studied(tmp_path, model, load=HEAVIER, stage=stage) as s:
+        before = await words(s)
+        study = {**MOVE, "seen_by": "left switch"}
+        assert (await KINDS["fastest_move"].plan(s.device, 0, s.document(study))).missing == []
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 8})))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert any(trial.state == "infeasible" and trial.figures.lost_fullsteps for trial in record.trials)
+        assert await words(s) == before
+        state = await s.device.monitor.axis_state(0)
+        assert state.position == 0
+        # the encoder, which the study did not ask, tells that no step is missing
+        assert state.encoder_position == pytest.approx(0, abs=256)

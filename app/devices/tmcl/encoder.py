@@ -1,18 +1,13 @@
-"""The encoders of a TMCL module: the position from one, and what sets one right whose scale does not fit."""
+"""The encoders of a TMCL module, and what sets one right whose scale does not fit."""
 
 from __future__ import annotations
 
 from ...calc.positions.encoder_resolution import measured_encoder
-from ...errors import WriteRefused, WrongState
-from ...links.tmcl import Request
-from ...registers.tmcl.commands import Opcode
-from ..core.capabilities import NO_ENCODER, EncoderSetting, PositionFromEncoder
+from ...errors import WrongState
+from ..core.capabilities import NO_ENCODER, EncoderSetting
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
-from ..core.tmcl_frames import STATUS
-from ..core.tmcl_link import TmclLink
-from .ongoing import OngoingMotion
 from .state import ModuleState
 
 REGISTERS = frozenset(
@@ -31,42 +26,14 @@ REGISTERS = frozenset(
 """A write to one of them gives an encoder, or the position, other numbers for the same place or way."""
 
 
-class ModuleEncoders(EncoderSetting, PositionFromEncoder):
+class ModuleEncoders(EncoderSetting):
     """Of a module: the built-in encoder, and one outside."""
 
     ENCODER_REGISTERS = REGISTERS
 
-    def __init__(self, session: Session, state: ModuleState, link: TmclLink, ongoing: OngoingMotion) -> None:
+    def __init__(self, session: Session, state: ModuleState) -> None:
         self._session = session
         self._state = state
-        self._link = link
-        self._ongoing = ongoing
-
-    async def position_from_encoder(self, axis: int) -> int:
-        """Call the place where the motor stands what its built-in encoder shows (AP 209); the difference.
-
-        The axis is stopped by MST first: in positioning the module would drive on to its target from its new place.
-        Raises WrongState while it moves, and where the firmware has no such encoder.
-        """
-        axis, roles = self._session.axis(axis).index, self._state.roles
-        self._session.require_connected()
-        async with self._link.calls(axis) as calls:
-            position, encoder, speed = await calls.ask_many((roles.actual_position, roles.encoder, roles.actual_speed))
-            if encoder is None:
-                raise WrongState(f"this module has no {roles.encoder.name} ({roles.encoder.alias})")
-            if speed or (await calls.do(Request(self._link.address, Opcode.RFS, STATUS))).value:
-                raise WrongState(f"axis {axis} moves", "stop it first")
-            if self._session.limiter is not None:
-                self._session.limiter.require_target(axis, encoder)
-            await calls.do(Request(self._link.address, Opcode.MST))
-            self._ongoing.driven = "velocity"
-            self._session.commanded(axis, "set_position", position=encoder)
-            self._ongoing.book.end(calls.time_s, "the position was set")
-            await calls.do(Request(self._link.address, Opcode.SAP, roles.actual_position.address, 0, encoder))
-            back = await calls.get(roles.actual_position)
-        if back != encoder:
-            raise WriteRefused(roles.actual_position.name, encoder, back, f"it was {position}")
-        return calls.need(roles.actual_position, position) - encoder
 
     def require_encoder(self, axis: int) -> None:
         """Raises WrongState where the firmware has no built-in encoder."""

@@ -33,6 +33,7 @@ from .moving_writes import MovingWrites
 from .ongoing import OngoingMotion
 from .parameters import Parameters
 from .polling import Poller
+from .position import ModulePosition
 from .program import ProgramStore
 from .records import Records
 from .samples import ModuleTelemetry
@@ -97,7 +98,8 @@ def compose(
                 arrivals,
                 Eeprom(session, state, link, records),
                 ProgramStore(session, state, link, download, ongoing, console, moving, identity.refresh),
-                ModuleEncoders(session, state, link, ongoing),
+                ModuleEncoders(session, state),
+                ModulePosition(session, state, link, ongoing),
                 Searches(session, state, link, ongoing, departure),
                 ModuleStall(session, state, parameters),
             ),
