@@ -33,6 +33,8 @@ SPANS_MAX = 5
 """So many times the whole way it is looked for towards the switch: a heavy load that fell out of step runs on."""
 SLOW_FULLSTEPS = 50.0
 """How fast a switch is gone into [full steps a second]: a quarter of a turn."""
+STANDS_S = 0.5
+"""A motor may stand so long on a way [s]: as it sets off, or reverses."""
 STARTS_S = 2.0
 """What a move may take beside its ramp [s]."""
 
@@ -153,11 +155,15 @@ class SwitchEdge:
         moves.way_fullsteps += abs(target - state.position) / self._full_step
         started = await device.motion.move(axis, target)
         until_s = device.device_time_s() + LONGEST * (started.predicted_duration_s or 60.0) + STARTS_S
-        met = False
+        met, at, since_s = False, state.position, device.device_time_s()
         while True:
             await self._clock.sleep(POLL_S)
             state = await moves.state()
-            if not met and self._is_pressed(state) == pressed:
+            if state.position != at:
+                at, since_s = state.position, device.device_time_s()
+            # One that stands short of a switch was stopped by it, and has swung out of it since.
+            stopped = pressed and at != target and device.device_time_s() - since_s > STANDS_S
+            if not met and (stopped or self._is_pressed(state) == pressed):
                 met, self._met = True, state.position
                 if state.position != target:
                     await device.stop(axis)  # also where the switch has stopped it: released, it would go on

@@ -17,7 +17,7 @@ from ..plan import (
     planned,
     room_told,
 )
-from ..ramp_settings import ACCELERATION, SPEED, RampSpace
+from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
 from ..switch_edge import SPANS_MAX, SWITCHES, Side
 
 LOW_RPS = 2.0
@@ -84,6 +84,8 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
         return looked
     looked.missing += faults_told(device, axis, state)
+    if JERK in now:
+        say("its ramp is S-shaped: how hard it accelerates is up to its bows too. Set a ramp without them for this")
     way = -1 if switch == "right" else 1
     near, far = state.position, state.position + way * round(wanted.travel_turns * turn)
     if switch is not None:
