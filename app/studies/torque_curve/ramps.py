@@ -26,8 +26,8 @@ WHOLE_SHARE = 0.8
 FALLS_SWINGS, FALLS_DOUBT = 0.4, 0.15
 """A rotor takes part of a swing to fall out of step: steps that are lost by the end of a ramp tell what there was so
 many swings before. Found, as what is left, on emulated motors against a brake."""
-LEFT_SHARE = 0.07
-"""What that leaves out, found there too: it is in each interval."""
+LEFT_BELOW, LEFT_ABOVE = 0.07, 0.10
+"""What that leaves out, found there too, and is in each interval: a rotor with little damping loses steps early."""
 HARDER, STEP, BRACKET = 1.4, 1.12, 1.045
 """From one acceleration to the next: at first, where one side of the edge is known, and when both are near enough."""
 FASTER, TOP_BRACKET = 1.3, 1.1
@@ -232,11 +232,11 @@ class Ramps:
             slope = abs(value - self._latest[1]) / (speed - self._latest[0])
         self._latest = speed, value
         doubt = slope * self._swings_rps(FALLS_DOUBT, value)
-        half = math.hypot(LEFT_SHARE * value, doubt, (lost - held) / 2)
+        below, above = (math.hypot(share * value, doubt, (lost - held) / 2) for share in (LEFT_BELOW, LEFT_ABOVE))
         return TorquePoint(
             speed_rps=speed,
             acceleration_radps2=value,
-            interval_radps2=Interval(low=value - half, high=value + half),
+            interval_radps2=Interval(low=value - below, high=value + above),
             both_ways_radps2=None,
             slips=losses,
         )

@@ -134,10 +134,12 @@ class TorqueCurveStudy(StudyRun):
         wanted, mean, around = self.wanted, point.acceleration_radps2, point.interval_radps2
         if wanted.inertia_kgm2 is None:
             return point
-        torque = wanted.inertia_kgm2 * mean
-        half = torque * math.hypot((around.high - around.low) / 2 / mean, wanted.inertia_share)
-        torque += wanted.friction_nm
-        interval = Interval(low=torque - half, high=torque + half)
+        inertial = wanted.inertia_kgm2 * mean
+        below, above = (
+            inertial * math.hypot(abs(end - mean) / mean, wanted.inertia_share) for end in (around.low, around.high)
+        )
+        torque = inertial + wanted.friction_nm
+        interval = Interval(low=torque - below, high=torque + above)
         return point.model_copy(update={"torque_nm": torque, "interval_nm": interval})
 
     def _margin(self, points: list[TorquePoint]) -> RampMargin:
