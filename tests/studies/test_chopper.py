@@ -10,6 +10,8 @@ import pytest
 
 from app.devices.core.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
+from app.studies.chopper.plan import look
+from app.studies.document import CalmChopper
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
 from tests.studies.harness import START, Studied, studied
@@ -67,6 +69,18 @@ async def test_a_calmer_setting_is_found_and_proved_and_the_axis_is_as_before(tm
         assert await s.settings(*NAMES) == before
         assert (await s.b.state()).position == 0
         assert html_of(record).count("<svg") == 2
+
+
+async def test_a_search_that_asks_for_the_same_again_goes_on_beside_the_calmest(tmp_path: Path) -> None:
+    """Of the 30 settings that it might try here it tried 12, and was over."""
+    study = {**STUDY, "speeds_rps": [1.0], "lowest_hz": 47e3}
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        ground = (await look(s.device, 0, CalmChopper.model_validate(study))).required()
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 40})), 2000)
+        assert record.state == "done", record.message
+        assert record.chopper is not None
+        tried = [(one.off, one.blank, one.hysteresis) for one in record.chopper.tried]
+        assert sorted(tried) == sorted((each.off, each.blank, each.hysteresis) for each in ground.allowed)
 
 
 async def test_where_nothing_is_calmer_nothing_is_claimed(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -43,6 +43,17 @@ class ChopperSetting:
     def words(self) -> str:
         """For people."""
         return f"TOFF {self.off}, TBL {self.blank}, hysteresis {self.hysteresis}"
+
+
+def nearest(wanted: ChopperSetting, to: Iterable[ChopperSetting]) -> ChopperSetting:
+    """Of some settings that which is most like another. Raises ValueError where there are none."""
+
+    def away(each: ChopperSetting) -> int:
+        return (
+            abs(each.off - wanted.off) + 2 * abs(each.blank - wanted.blank) + abs(each.hysteresis - wanted.hysteresis)
+        )
+
+    return min(to, key=away)
 
 
 @dataclass(frozen=True, slots=True)

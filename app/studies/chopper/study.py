@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from ...clock import WallClock
 from ...number_text import plain
@@ -17,10 +17,11 @@ from ..search import Asked, Searcher, Space
 from .found import ChopperFound, ChopperTried, RippleEffect, RipplePair
 from .plan import AGAIN, BASELINE_ROUNDS, FINALISTS, Cruise, Ground, look
 from .ripple import rate_for, ripple_of, together
-from .setting import UNITS, ChopperSetting, dimensions, setting_of
+from .setting import UNITS, ChopperSetting, dimensions, nearest, setting_of
 
-PASSED_MOST = 200
-"""Settings that were asked for and not tried, one after another: then the search is over."""
+PASSED_MOST = 5
+"""Settings that were asked for and not tried, as they may not be or were before, one after another: then the untried
+one that is nearest to the calmest so far is tried."""
 ALIKE = 0.005
 """Settings within this share of the calmest are as calm: of them the least hysteresis has the least ripple."""
 SEARCH_SHARE, PROOF_FROM = 0.7, 0.75
@@ -124,10 +125,7 @@ class ChopperStudy(StudyRun):
             await searcher.open()
             await searcher.first([setting.told for setting in self._first()])
             while (
-                len(known) < budget.trials
-                and passed < PASSED_MOST
-                and len(known) < len(ground.allowed)
-                and not self.spent(share=SEARCH_SHARE)
+                len(known) < budget.trials and len(known) < len(ground.allowed) and not self.spent(share=SEARCH_SHARE)
             ):
                 done = len(known)
                 self.tell(
@@ -136,6 +134,8 @@ class ChopperStudy(StudyRun):
                     f"trial {done + 1}{self._best_text()}",
                     ground.round_s * (budget.trials - done + 2 * self.wanted.pairs),
                 )
+                if passed >= PASSED_MOST:
+                    await searcher.first([self._beside(known).told])
                 asked = await searcher.ask()
                 passed = 0 if await self._trial(searcher, asked, known) else passed + 1
         finally:
@@ -145,18 +145,14 @@ class ChopperStudy(StudyRun):
         """Before any that the search asks for: as it is now and as calculated, or the nearest to them that may be
         tried."""
         chopper, allowed = self._ground.chopper, self._ground.allowed
+        return list(dict.fromkeys(nearest(wanted, allowed) for wanted in (chopper.calculated, chopper.now)))
 
-        def near(wanted: ChopperSetting) -> ChopperSetting:
-            return min(
-                allowed,
-                key=lambda each: (
-                    abs(each.off - wanted.off)
-                    + 2 * abs(each.blank - wanted.blank)
-                    + abs(each.hysteresis - wanted.hysteresis)
-                ),
-            )
-
-        return list(dict.fromkeys((near(chopper.calculated), near(chopper.now))))
+    def _beside(self, known: Collection[ChopperSetting]) -> ChopperSetting:
+        """Of those that may be tried and were not the nearest to the calmest."""
+        tried = self.found.tried
+        return nearest(
+            _setting(tried[self._calmest(tried)]), [each for each in self._ground.allowed if each not in known]
+        )
 
     async def _trial(self, searcher: Searcher, asked: Asked, known: dict[ChopperSetting, ChopperTried]) -> bool:
         """Try what was asked for; False where that took no run."""
