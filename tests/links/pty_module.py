@@ -24,6 +24,8 @@ Behaviour = Callable[["PtyModule", bytes], bytes]
 
 LONG_S = 10.0
 """Time-out of exchanges that are to be answered: a busy machine is no fault of the line."""
+PART_S = 1.0
+"""Time-out of those that get a part of an answer, which has to have come by then, and run it out."""
 
 
 def port_to(module: PtyModule, address: int = 1, baud: int = 9600) -> LinePort:

@@ -21,6 +21,7 @@ from app.links.tmcl_session import FENCES
 from app.registers.tmcl.commands import Opcode, Status
 from tests.links.pty_module import (
     LONG_S,
+    PART_S,
     PtyModule,
     answer,
     but_version,
@@ -181,7 +182,7 @@ async def test_wrong_answers_are_told_and_the_next_is_right(spoil: object, kind:
     async with line() as (module, port):
         module.behave = but_version(lambda module, frame: bytes(spoil(answer(frame))))
         with pytest.raises(BadReply, match=text):
-            await value(port, 1, SHORT_S if kind == "short" else LONG_S)
+            await value(port, 1, PART_S if kind == "short" else LONG_S)
         module.behave = right
         assert await value(port, 2) == value_of(2)
         assert kinds(port)[1] == kind

@@ -29,7 +29,7 @@ from app.links.uart_line import UartPort
 from app.links.uart_session import Echo
 from tests.links.gate import settle
 from tests.links.pty_chip import AMAX, VMAX, XACTUAL, XTARGET, PtyChip, but_fences, port_to, pty_chip, right, word_of
-from tests.links.pty_module import PtyModule, silent, until
+from tests.links.pty_module import PART_S, PtyModule, silent, until
 
 SHORT_S = 0.05
 """Time-out of exchanges that are meant to run into it."""
@@ -273,7 +273,7 @@ async def test_a_wrong_answer_is_told_and_got_over(damage: object, kind: Inciden
         assert callable(damage)
         chip.behave = but_fences(lambda module, frame: damage(right(module, frame)))
         with pytest.raises(BadReply):
-            await word(port, XACTUAL, SHORT_S)
+            await word(port, XACTUAL, PART_S if kind == "short" else None)
         assert kinds(port)[-1] == kind
         chip.behave = right
         assert await word(port, XACTUAL) == word_of(XACTUAL, 0)

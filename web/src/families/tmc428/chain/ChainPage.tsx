@@ -1,4 +1,4 @@
-import { Badge, Button, CopyButton, Select, Switch } from "@mantine/core";
+import { Badge, Box, Button, CopyButton, Select, Switch } from "@mantine/core";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
@@ -41,6 +41,8 @@ import { Frequencies } from "./Frequencies";
 import { StepDir } from "./StepDir";
 
 const NONE: ReadonlySet<number> = new Set();
+/** Height of a strip of three drivers [px]: what comes below it stays where it is when it comes. */
+const STRIP = { base: 597, sm: 195 };
 const START: Driver[] = [known("tmc236"), known("tmc236"), known("tmc236")];
 
 /** clk2_div as the chip has it, with the other global registers. */
@@ -222,7 +224,7 @@ function Editor({ device }: { device: Device | undefined }) {
         >
           {error !== null && <ProblemAlert error={error} doing="Building the chain" retry={retry} />}
           {send.isError && <ProblemAlert error={send.error} doing="Sending the chain" onClose={send.reset} />}
-          <div className={stale ? "stale" : undefined} aria-busy={stale}>
+          <Box mih={STRIP} className={stale ? "stale" : undefined} aria-busy={stale}>
             {result && (
               <ChainStrip
                 label="Chain as designed"
@@ -241,7 +243,7 @@ function Editor({ device }: { device: Device | undefined }) {
                 }
               />
             )}
-          </div>
+          </Box>
           <BitDetail
             bit={bit}
             chip={held === undefined || shown === null ? undefined : (held.bits[shown] ?? null)}
@@ -325,7 +327,7 @@ function Editor({ device }: { device: Device | undefined }) {
               <Findings findings={held.findings} />
             </>
           ) : (
-            <div className="room" />
+            <Box mih={STRIP} />
           )}
         </Card>
 
