@@ -71,7 +71,7 @@ async def test_a_calmer_setting_is_found_and_proved_and_the_axis_is_as_before(tm
         assert html_of(record).count("<svg") == 2
 
 
-async def test_a_search_that_asks_for_the_same_again_goes_on_beside_the_calmest(tmp_path: Path) -> None:
+async def test_a_search_that_asks_for_the_same_again_goes_on_to_its_last_trial(tmp_path: Path) -> None:
     """Of the 30 settings that it might try here it tried 12, and was over."""
     study = {**STUDY, "speeds_rps": [1.0], "lowest_hz": 47e3}
     async with studied(tmp_path, FULL, **PLANT) as s:

@@ -83,6 +83,10 @@ class Calculator(Protocol):
         """How long the comparator is not looked at by this TBL [s]."""
         ...
 
+    def ripples(self, coil: Coil, off: int, blank: int) -> tuple[float, float]:
+        """Of the blank time and of the slow decay, as hysteresis that would just hold them."""
+        ...
+
     def split(self, hysteresis: int) -> tuple[int, int]:
         """Start, 1 to 8, and end, -3 to 12, of an effective hysteresis."""
         ...
@@ -156,6 +160,10 @@ class ChopperSpace:
     def chopper_hz(self, setting: ChopperSetting) -> float:
         """At rest and the current's peak, estimated [Hz]."""
         return self._places.calculator.chopper_hz(self._coil, setting)
+
+    def ripples(self, setting: ChopperSetting) -> tuple[float, float]:
+        """Of its blank time and its slow decay, as hysteresis that would just hold them."""
+        return self._places.calculator.ripples(self._coil, setting.off, setting.blank)
 
     def refused(self, setting: ChopperSetting, lowest_hz: float) -> str:
         """Why it may not be tried; empty where it may."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from ...clock import WallClock
 from ...number_text import plain
@@ -15,13 +15,16 @@ from ..record import Figures, Held, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
 from .found import ChopperFound, ChopperTried, RippleEffect, RipplePair
+from .margin import Margins
 from .plan import AGAIN, BASELINE_ROUNDS, FINALISTS, Cruise, Ground, look
 from .ripple import rate_for, ripple_of, together
 from .setting import UNITS, ChopperSetting, dimensions, nearest, setting_of
 
+SPREAD_SHARE, MARGINS_FROM = 0.2, 0.4
+"""So much of the trials is spread over margins; from so much of them on, margins say what is next."""
 PASSED_MOST = 5
-"""Settings that were asked for and not tried, as they may not be or were before, one after another: then the untried
-one that is nearest to the calmest so far is tried."""
+"""Settings that were asked for and not tried, as they may not be or were before, one after another: then margins say
+what is next, too."""
 ALIKE = 0.005
 """Settings within this share of the calmest are as calm: of them the least hysteresis has the least ripple."""
 SEARCH_SHARE, PROOF_FROM = 0.7, 0.75
@@ -120,10 +123,12 @@ class ChopperStudy(StudyRun):
             self.keeper.folder / "optuna.db", space, record.document.seed, aside=isinstance(self.clock, WallClock)
         )
         known: dict[ChopperSetting, ChopperTried] = {}
+        margins = Margins(ground.allowed, ground.chopper.ripples)
         passed = 0
         try:
             await searcher.open()
-            await searcher.first([setting.told for setting in self._first()])
+            spread = margins.spread(round(SPREAD_SHARE * budget.trials), record.document.seed)
+            await searcher.first([setting.told for setting in dict.fromkeys((*self._first(), *spread))])
             while (
                 len(known) < budget.trials and len(known) < len(ground.allowed) and not self.spent(share=SEARCH_SHARE)
             ):
@@ -134,8 +139,10 @@ class ChopperStudy(StudyRun):
                     f"trial {done + 1}{self._best_text()}",
                     ground.round_s * (budget.trials - done + 2 * self.wanted.pairs),
                 )
-                if passed >= PASSED_MOST:
-                    await searcher.first([self._beside(known).told])
+                if done > 1 and (done >= MARGINS_FROM * budget.trials or passed >= PASSED_MOST):
+                    tried = {setting: one.ripple_fullsteps for setting, one in known.items()}
+                    told = margins.steepest(tried) if done % 2 else margins.calmest(tried)
+                    await searcher.first([told.told])
                 asked = await searcher.ask()
                 passed = 0 if await self._trial(searcher, asked, known) else passed + 1
         finally:
@@ -146,13 +153,6 @@ class ChopperStudy(StudyRun):
         tried."""
         chopper, allowed = self._ground.chopper, self._ground.allowed
         return list(dict.fromkeys(nearest(wanted, allowed) for wanted in (chopper.calculated, chopper.now)))
-
-    def _beside(self, known: Collection[ChopperSetting]) -> ChopperSetting:
-        """Of those that may be tried and were not the nearest to the calmest."""
-        tried = self.found.tried
-        return nearest(
-            _setting(tried[self._calmest(tried)]), [each for each in self._ground.allowed if each not in known]
-        )
 
     async def _trial(self, searcher: Searcher, asked: Asked, known: dict[ChopperSetting, ChopperTried]) -> bool:
         """Try what was asked for; False where that took no run."""

@@ -28,6 +28,12 @@ class SheetCalculator:
         """TBL's clocks [s]."""
         return BLANK_CLOCKS[blank] / coil.clock_hz
 
+    def ripples(self, coil: Coil, off: int, blank: int) -> tuple[float, float]:
+        """Both over what one hysteresis is."""
+        winding = _winding(coil)
+        band_a = winding.band_a(1)
+        return winding.blank_ripple_a(blank) / band_a, winding.decay_ripple_a(off) / band_a
+
     def split(self, hysteresis: int) -> tuple[int, int]:
         """As much as can be in HSTRT."""
         start, end = split(hysteresis)
