@@ -1,4 +1,4 @@
-"""Which chopper setting is tried next, by curves over the margin: shafts made up, whose ripples are not as calculated."""
+"""Which chopper setting is tried next, by curves over the margin, on shafts that are made up."""
 
 from __future__ import annotations
 
