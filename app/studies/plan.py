@@ -17,7 +17,7 @@ from ..profiles.capture import CapturedConfiguration
 from .families import ramp_of
 from .parts import Part
 from .ramp_settings import RampSpace, held_of
-from .switch_edge import Side
+from .until_switch import Side
 
 Ground = TypeVar("Ground")
 

@@ -7,16 +7,14 @@ periods, so that is enough, whatever the speed of the link. What was lost is kno
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Literal
 
 from ..clock import Clock
 from ..devices.core.capabilities import PositionSetting
 from ..devices.core.device import Device
-from ..devices.core.results import AxisState
-from ..procedures.procedure import POLL_S, Failed
-from .moves import LONGEST, PERIOD_FULLSTEPS, REST_S, MeasuredMoves
+from ..procedures.procedure import Failed
+from .moves import PERIOD_FULLSTEPS, REST_S, MeasuredMoves
+from .until_switch import Side, go_until_switch, is_pressed
 
-Side = Literal["left", "right"]
 SWITCHES: dict[str, Side | None] = {"encoder": None, "left switch": "left", "right switch": "right"}
 """The switch that sees lost steps, by what a study is told does; None: the encoder."""
 UNTOLD = "steps may have been lost since its switch was looked at last, and nothing tells: search the reference"
@@ -33,10 +31,6 @@ SPANS_MAX = 5
 """So many times the whole way it is looked for towards the switch: a heavy load that fell out of step runs on."""
 SLOW_FULLSTEPS = 50.0
 """How fast a switch is gone into [full steps a second]: a quarter of a turn."""
-STANDS_S = 0.5
-"""A motor may stand so long on a way [s]: as it sets off, or reverses."""
-STARTS_S = 2.0
-"""What a move may take beside its ramp [s]."""
 
 
 class SwitchEdge:
@@ -138,37 +132,19 @@ class SwitchEdge:
         return (await self._moves.state()).position + round(self._out * fullsteps * self._full_step)
 
     async def _pressed(self) -> bool:
-        return self._is_pressed(await self._moves.state())
-
-    def _is_pressed(self, state: AxisState) -> bool:
-        return bool(state.switches.left if self._side == "left" else state.switches.right)
+        return is_pressed(await self._moves.state(), self._side)
 
     async def _until(self, target: int, *, pressed: bool) -> bool:
         """Go to `target` until the switch is so, and rest; whether it was: a rotor at its edge may swing out of it.
 
         Raises Failed, BenchError.
         """
-        device, axis, moves = self._device, self._axis, self._moves
-        state = await moves.state()
-        if self._is_pressed(state) == pressed or state.position == target:
-            return self._is_pressed(state) == pressed
-        moves.way_fullsteps += abs(target - state.position) / self._full_step
-        started = await device.motion.move(axis, target)
-        until_s = device.device_time_s() + LONGEST * (started.predicted_duration_s or 60.0) + STARTS_S
-        met, at, since_s = False, state.position, device.device_time_s()
-        while True:
-            await self._clock.sleep(POLL_S)
-            state = await moves.state()
-            if state.position != at:
-                at, since_s = state.position, device.device_time_s()
-            # One that stands short of a switch was stopped by it, and has swung out of it since.
-            stopped = pressed and at != target and device.device_time_s() - since_s > STANDS_S
-            if not met and (stopped or self._is_pressed(state) == pressed):
-                met, self._met = True, state.position
-                if state.position != target:
-                    await device.stop(axis)  # also where the switch has stopped it: released, it would go on
-            elif not state.moving and (met or state.position == target):
-                await self._clock.sleep(REST_S)
-                return met or await self._pressed() == pressed
-            if device.device_time_s() > until_s:
-                raise Failed(f"neither {target} nor the edge of the {self._side} switch came within its time")
+        moves = self._moves
+        before = (await moves.state()).position
+        met = await go_until_switch(self._device, self._axis, self._clock, self._side, target, pressed=pressed)
+        if way := abs((await moves.state()).position - before):
+            moves.way_fullsteps += way / self._full_step
+            await self._clock.sleep(REST_S)
+        if met is not None:
+            self._met = met.at
+        return met is not None or await self._pressed() == pressed

@@ -178,6 +178,17 @@ async def test_switches_are_found_where_they_are(tmp_path: Path) -> None:
         assert (await s.b.state()).position == 0
 
 
+@pytest.mark.parametrize("inertia_kgm2", [2e-4, 5e-4])
+async def test_a_switch_out_of_which_the_rotor_swings_again_is_found(tmp_path: Path, inertia_kgm2: float) -> None:
+    """It had stopped the motor, and was waited for in vain: on the way to the other one, or at its edge."""
+    stage = {"left_at_fullsteps": -121.3, "right_at_fullsteps": 231.0}
+    async with bench_4361(START_4361, load={"inertia_kgm2": inertia_kgm2, "friction_nm": 0.02}, stage=stage) as b:
+        await b.device.registers.write("RAMPMODE", 0, fields={"RAMP_PROFILE": 1})
+        found = named(await looked(Studied(b, StudyStore(tmp_path, aside=False)), travel_turns=3.0, velocity_rps=0.5))
+        assert found["left switch"].value == pytest.approx(-121.3 * 256, abs=512)
+        assert found["right switch"].value == pytest.approx(231 * 256, abs=512)
+
+
 async def test_no_switch_within_what_it_may_go_is_told(tmp_path: Path) -> None:
     async with studied(tmp_path) as s:
         found = named(await looked(s, travel_turns=1.5, velocity_rps=2.0))

@@ -11,7 +11,8 @@ from ..plan import Looked, StudyPlan, axis_at_a_switch, axis_that_sees_lost_step
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace, least_time_s
 from ..search import Dimension
-from ..switch_edge import SPANS_MAX, SWITCHES, Side
+from ..switch_edge import SPANS_MAX, SWITCHES
+from ..until_switch import Side
 
 FASTER, SLOWER = 10.0, 0.5
 """How far from the present setting is looked at most, where no limit says otherwise."""

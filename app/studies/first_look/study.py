@@ -21,6 +21,7 @@ from ..ramp_settings import ACCELERATION, SPEED, UNITS
 from ..record import Finding, Mend
 from ..run import StudyRun
 from ..sampled import sampling
+from ..until_switch import Side, SwitchMet, go_until_switch
 from .encoder_fit import EncoderFit, fit_encoder
 from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase, pulled
 from .plan import CREEP_FULLSTEPS, EDGE_FULLSTEPS, Ground, look, travel_of
@@ -29,6 +30,8 @@ RATE_HZ = 250.0
 POLL_S = 0.02
 LONGEST = 3.0
 REST_S = 0.2
+STARTS_S = 5.0
+"""What a move may take beside its way [s]."""
 RIGHT = 0.01
 """A ratio this near to 1 is right: slips and wrong resolutions are farther off."""
 
@@ -218,15 +221,17 @@ class FirstLookStudy(StudyRun):
     async def _travel(self) -> None:
         low, high = travel_of(self.device, self.axis, self.wanted, self._ground)
         edges: dict[str, int] = {}
-        for at, (side, end) in enumerate((("left", low), ("right", high))):
+        ways: tuple[tuple[Side, int], ...] = ("left", low), ("right", high)
+        for at, (side, end) in enumerate(ways):
             self.tell("look", 0.5 + 0.2 * at, f"looking for the {side} switch")
             self.keeper.mark(f"looking for the {side} switch")
-            place = await self._until_switch(side, end)
-            if place is None:
+            met = await self._met(side, end)
+            if met is None:
                 self._find(f"{side} switch", f"none until {end}", sure="missing")
             else:
-                edges[side] = place
-                self._find(f"{side} switch", f"active at {place}", value=float(place), unit="microsteps")
+                edges[side] = met.at
+                swung = "" if met.seen else ": it stops the motor at once, and the rotor swings out of it again"
+                self._find(f"{side} switch", f"active at {met.at}{swung}", value=float(met.at), unit="microsteps")
                 await self._edge(side, low, high)
         if len(edges) == 2:
             turns = (edges["right"] - edges["left"]) / self._ground.turn
@@ -234,28 +239,14 @@ class FirstLookStudy(StudyRun):
         self.tell("look", 0.9, "going back")
         await self._go(self._ground.start, lambda: None)
 
-    async def _until_switch(self, side: str, end: int) -> int | None:
+    async def _met(self, side: Side, end: int) -> SwitchMet | None:
         state = await self._state()
         if getattr(state.switches, side) is None:
             return None
-        if not getattr(state.switches, side):
-            await self.device.motion.move(self.axis, end)
-        until_s = self.clock.now() + self._longest_s(abs(end - state.position))
-        while True:
-            state = await self._state()
-            if getattr(state.switches, side):
-                place = state.position
-                if state.moving:
-                    await self.device.stop(self.axis)
-                await self._come_to_rest(until_s)
-                return place
-            if not state.moving and state.position == end:
-                return None
-            if self.clock.now() > until_s:
-                raise Failed(f"neither the {side} switch nor {end} came within its time")
-            await self.clock.sleep(POLL_S)
+        longest_s = abs(end - state.position) / self._ground.ramp[SPEED] * LONGEST + STARTS_S
+        return await go_until_switch(self.device, self.axis, self.clock, side, end, pressed=True, longest_s=longest_s)
 
-    async def _edge(self, side: str, low: int, high: int) -> None:
+    async def _edge(self, side: Side, low: int, high: int) -> None:
         """Look at the edge of a switch from both sides, slowly."""
         ground, at = self._ground, (await self._state()).position
         far, over = (round(each * self._full_step) for each in (EDGE_FULLSTEPS, PERIOD_FULLSTEPS))
@@ -273,30 +264,18 @@ class FirstLookStudy(StudyRun):
             return
         # Each edge lies between two looks, however far apart these are: so much play there is at the least.
         outwards = 1 if side == "left" else -1
-        play = outwards * (released[0] - pressed[0]) / self._full_step
+        play = outwards * (released.before - pressed.before) / self._full_step
         if play > SWITCH_PLAY_FULLSTEPS:
             text = f"the {side} switch is released {play:.2g} full steps from where it is pressed, or more"
             self._broken(Named("switch backlash", text))
 
-    async def _creep(self, side: str, target: int, *, pressed: bool) -> tuple[int, int] | None:
+    async def _creep(self, side: Side, target: int, *, pressed: bool) -> SwitchMet | None:
         """Between which places a switch is pressed or released on the way to `target`; None where it is not."""
         self.record.runs += 1
-        before = (await self._state()).position
-        await self.device.motion.move(self.axis, target)
-        until_s = self.clock.now() + LONGEST * 2 * EDGE_FULLSTEPS / CREEP_FULLSTEPS
-        while True:
-            await self.clock.sleep(POLL_S)
-            state = await self._state()
-            if bool(getattr(state.switches, side)) == pressed:
-                if state.moving:
-                    await self.device.stop(self.axis)
-                    await self._come_to_rest(until_s)
-                return before, state.position
-            before = state.position
-            if not state.moving and state.position == target:
-                return None
-            if self.clock.now() > until_s:
-                raise Failed(f"neither an edge of the {side} switch nor {target} came within its time")
+        longest_s = LONGEST * 2 * EDGE_FULLSTEPS / CREEP_FULLSTEPS
+        return await go_until_switch(
+            self.device, self.axis, self.clock, side, target, pressed=pressed, longest_s=longest_s
+        )
 
     # --- moves ----------------------------------------------------------------------------------------
 
@@ -324,13 +303,7 @@ class FirstLookStudy(StudyRun):
 
     def _longest_s(self, way: float) -> float:
         scale = self.device.session.time_scale or 1.0
-        return (way / self._ground.ramp["speed"] * LONGEST + 5.0) / min(scale, 1.0)
-
-    async def _come_to_rest(self, until_s: float) -> None:
-        while (await self._state()).moving:
-            if self.clock.now() > until_s:
-                raise Failed("the motor does not come to rest")
-            await self.clock.sleep(POLL_S)
+        return (way / self._ground.ramp["speed"] * LONGEST + STARTS_S) / min(scale, 1.0)
 
     async def _state(self) -> AxisState:
         return await self.device.monitor.axis_state(self.axis)

@@ -18,7 +18,8 @@ from ..plan import (
     room_told,
 )
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
-from ..switch_edge import SPANS_MAX, SWITCHES, Side
+from ..switch_edge import SPANS_MAX, SWITCHES
+from ..until_switch import Side
 
 LOW_RPS = 2.0
 """The first speed: below it full steps and detent torque cannot be told from one another [turns/s]."""
