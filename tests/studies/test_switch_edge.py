@@ -13,7 +13,8 @@ import pytest
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.kinds import KINDS
 from app.studies.moves import MeasuredMoves
-from app.studies.switch_edge import Side, SwitchEdge
+from app.studies.switch_edge import SwitchEdge
+from app.studies.until_switch import Side
 from tests.studies.harness import START, Studied, studied
 
 FULL_STEP = 256
