@@ -374,3 +374,18 @@ def test_a_chip_without_an_encoder_is_made_faster_by_its_switch(
         assert chip.register("v_max")["value"] == before
         check_axe(page)
         page.goto("/connections")  # before the chip is gone
+
+
+def test_the_plan_of_one_goal_is_not_shown_for_another(page: Page, slide: Chip) -> None:
+    """What a first look does stood below another goal until the server answered."""
+    select(page, slide)
+    page.goto("/tune")
+    plan = page.get_by_test_id("plan")
+    expect(plan).to_contain_text("turns there and back")
+    page.route("**/studies/plan", lambda route: None)  # never answered
+    page.get_by_role("radio", name="Faster").check()
+    expect(plan).to_have_count(0)
+    expect(page.get_by_test_id("begin")).to_be_disabled()
+    page.unroute("**/studies/plan")
+    fill(page, {"Distance": "0.25"})
+    expect(plan).to_contain_text("settings: 2 times there and back")

@@ -54,7 +54,7 @@ export function WishCard({ device, axis, changes, busy }: Props) {
           <Text size="sm">A study of this axis runs. A stop, or any other command to it, ends it.</Text>
         ) : (
           <>
-            {plan.data && <WhatHappens plan={plan.data} />}
+            {plan.data && <WhatHappens plan={plan.data} stale={plan.isPlaceholderData} />}
             {connected && <ProblemAlert error={plan.error} doing="Planning" />}
           </>
         )}
@@ -93,9 +93,9 @@ function namedOnce(registers: string[]): string {
 }
 
 /** The plan, in words: what moves, how far, how fast, how long; and what is missing. */
-function WhatHappens({ plan }: { plan: Plan }) {
+function WhatHappens({ plan, stale }: { plan: Plan; stale: boolean }) {
   return (
-    <section aria-label="What it will do" data-testid="plan">
+    <section aria-label="What it will do" data-testid="plan" className={stale ? "stale" : undefined} aria-busy={stale}>
       {plan.missing.length > 0 && (
         <>
           <Text size="sm" fw={600}>

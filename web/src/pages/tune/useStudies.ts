@@ -22,14 +22,15 @@ export function useStudy(id: string | null) {
   });
 }
 
-/** What a study would do, asked anew as the form changes. Nothing moves by it. */
+/** What a study would do, asked anew as the form changes; of another goal or axis nothing is shown meanwhile. */
 export function usePlan(wish: Wish, enabled: boolean) {
+  const of = `${wish.device} ${wish.axis} ${wish.study.kind}`;
   return useQuery({
-    queryKey: ["study plan", wish],
+    queryKey: ["study plan", of, wish],
     queryFn: () => api.POST("/api/v1/studies/plan", { body: wish }),
     enabled,
     refetchInterval: 3000,
-    placeholderData: (before) => before,
+    placeholderData: (before, query) => (query?.queryKey[1] === of ? before : undefined),
     retry: false,
   });
 }

@@ -27,7 +27,7 @@ function Found({ found }: { found: ChopperFound }) {
           { label: "before", color: colorOf("residual", scheme), dots: 9, line: false },
         ]}
         x={{ label: "hysteresis" }}
-        scales={{ y: { label: "ripple", unit: "full steps", include: [0] } }}
+        scales={{ y: { label: "ripple", unit: "full steps" } }}
         data={rippleOf(found)}
       />
       <FiguresTable
