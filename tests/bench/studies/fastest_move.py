@@ -1,8 +1,8 @@
 """The fastest move on plants drawn from a seed that it does not know; the judge reads the ground truth afterwards.
 
-It is compared with the best of a grid of speeds and accelerations on the same plant, each tried three
-times with the study's margin: the first that holds, in order of the time that its ramp takes. Time is the emulator's
-own, so a busy machine changes nothing but how long this takes.
+It is compared with the best of a grid of speeds and accelerations on the same plant, in order of the time that its ramp
+takes: the first that holds with the study's margin as often as the study's own proof asks, after three tries that rule
+out most. Time is the emulator's own, so a busy machine changes nothing but how long this takes.
 """
 
 from __future__ import annotations
@@ -42,8 +42,10 @@ FULL = replace(START, irun=31, ihold=16)
 """At the rated current while it moves."""
 BUDGET: dict[str, Any] = {"trials": 25, "time_s": 3600.0}
 GRID = 16
-HOLDS_THRICE = (0, 341, 683)
-"""Places of the electrical period that a setting of the grid begins at."""
+THRICE = (0, 341, 683)
+PROOF = tuple(random.Random(0).sample(range(1024), 10))
+"""Places of the electrical period that moves with a setting of the grid begin at: of many settings that hold three moves
+the fastest does so by luck, too."""
 WITHIN, SHARE, LOSS_MAX = 1.1, 0.95, 0.01
 NAMES = ("VMAX", "AMAX", "DMAX", "V1")
 
@@ -52,10 +54,10 @@ async def _set(s: Studied, values: dict[str, float], space: Any) -> None:
     await Transaction(s.device, document_of(s.device, space.registers(values), "grid")).run()
 
 
-async def _holds(s: Studied, moves: MeasuredMoves, distance: int) -> float | None:
+async def _holds(s: Studied, moves: MeasuredMoves, distance: int, places: Sequence[int] = THRICE) -> float | None:
     """The mean time there and back; None where a step was lost."""
     times: list[float] = []
-    for jitter in HOLDS_THRICE:
+    for jitter in places:
         try:
             await moves.go(jitter)
             for target in (jitter + distance, jitter):
@@ -93,7 +95,7 @@ async def _best_of_grid(seed: int, folder: Path) -> tuple[float, float]:
         async def search() -> tuple[float, float]:
             for setting in grid:
                 await _set(s, {name: value * (1 + wanted.margin) for name, value in setting.items()}, space)
-                if await _holds(s, moves, wanted.distance) is not None:
+                if await _holds(s, moves, wanted.distance, (*THRICE, *PROOF)) is not None:
                     await _set(s, setting, space)
                     time_s = await _holds(s, moves, wanted.distance)
                     if time_s is not None:
