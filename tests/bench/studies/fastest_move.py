@@ -44,8 +44,8 @@ BUDGET: dict[str, Any] = {"trials": 25, "time_s": 3600.0}
 GRID = 16
 THRICE = (0, 341, 683)
 PROOF = tuple(random.Random(0).sample(range(1024), 10))
-"""Places of the electrical period that moves with a setting of the grid begin at: of many settings that hold three moves
-the fastest does so by luck, too."""
+"""Places of the electrical period that moves with a setting of the grid begin at: of many settings that hold three of
+them the fastest does so by luck, too."""
 WITHIN, SHARE, LOSS_MAX = 1.1, 0.95, 0.01
 NAMES = ("VMAX", "AMAX", "DMAX", "V1")
 
