@@ -10,10 +10,13 @@ import pytest
 
 from app.devices.core.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
+from app.emulators.tmc5xxx import Tmc5xxxOptions
 from app.studies.chopper.plan import look
 from app.studies.document import CalmChopper
 from app.studies.kinds import KINDS
 from app.studies.report import html_of
+from tests.bench.studies.chopper import SPEEDS, shaken
+from tests.plants.choppers import drawn
 from tests.studies.harness import START, Studied, studied
 
 FULL = replace(START, vmax=51_200, amax=256_000, irun=31, ihold=31)
@@ -34,10 +37,10 @@ STUDY: dict[str, Any] = {
 NAMES = ("CHOPCONF", "GCONF", "VMAX", "AMAX")
 
 
-async def with_hysteresis(s: Studied, hysteresis: int) -> None:
+async def with_hysteresis(s: Studied, hysteresis: int, off: int = 3, blank: int = 2) -> None:
     start = min(8, hysteresis + 3)
     (chopconf,) = await s.settings("CHOPCONF")
-    chopconf = chopconf & ~0x1FFFF | 3 | (start - 1) << 4 | (hysteresis - start + 3) << 7 | 2 << 15
+    chopconf = chopconf & ~0x1FFFF | off | (start - 1) << 4 | (hysteresis - start + 3) << 7 | blank << 15
     await s.passing(_write(s, chopconf))
 
 
@@ -81,6 +84,25 @@ async def test_a_search_that_asks_for_the_same_again_goes_on_to_its_last_trial(t
         assert record.chopper is not None
         tried = [(one.off, one.blank, one.hysteresis) for one in record.chopper.tried]
         assert sorted(tried) == sorted((each.off, each.blank, each.hysteresis) for each in ground.allowed)
+
+
+@pytest.mark.parametrize(("seed", "off", "blank", "hysteresis"), [(27, 6, 3, -1), (27, 10, 2, -1), (40, 10, 0, 2)])
+async def test_what_counts_of_a_run_is_the_shaft_when_its_resonance_has_built_up(
+    tmp_path: Path, seed: int, off: int, blank: int, hysteresis: int
+) -> None:
+    """It was looked at as soon as it had come to its speed, and some settings were still calm by luck."""
+    plant = drawn(seed)
+    start = replace(FULL, irun=plant.irun, ihold=plant.irun, counts_per_rev=4 * plant.options["encoder"]["lines"])
+    async with studied(tmp_path, start, **plant.options) as s:
+        await with_hysteresis(s, hysteresis, off, blank)
+        chopconf, current, scaler = await s.settings("CHOPCONF", "IHOLD_IRUN", "GLOBAL_SCALER")
+        study = {"kind": "chopper", "speeds_rps": list(SPEEDS), **plant.told}
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 2})), 600)
+        assert record.chopper is not None, record.message
+        assert record.chopper.before is not None
+        registers = {"CHOPCONF": chopconf, "IHOLD_IRUN": current, "GLOBALSCALER": scaler}
+        settled = shaken(Tmc5xxxOptions.model_validate(plant.options), registers)
+        assert record.chopper.before.ripple_fullsteps == pytest.approx(settled, rel=0.05)
 
 
 async def test_where_nothing_is_calmer_nothing_is_claimed(tmp_path: Path) -> None:

@@ -20,6 +20,9 @@ from .setting import ChopperSetting, ChopperSpace, Coil
 
 SPEED_UP_S = 0.2
 """How long these runs speed up and brake [s]."""
+SETTLES_S = 0.6
+"""What a shaft takes at a constant speed until it shakes as much as it ever will [s]: a resonance builds up, and how
+far it has come before that is luck."""
 RUN_S = 0.4
 """What counts of a run, at constant speed [s]."""
 LEAST_PERIODS = 8
@@ -32,16 +35,17 @@ BASELINE_ROUNDS = 2
 
 @dataclass(frozen=True, slots=True)
 class Cruise:
-    """A run at one speed [microsteps, pps]: `lead` to speed up, `way` that counts, `lead` to brake."""
+    """A run at one speed [microsteps, pps]: `lead` to speed up and settle, `way` that counts, `tail` to brake."""
 
     rps: float
     ramp: dict[str, float]
     lead: int
     way: int
+    tail: int
 
     @property
     def length(self) -> int:
-        return self.way + 2 * self.lead
+        return self.lead + self.way + self.tail
 
     @property
     def time_s(self) -> float:
@@ -129,9 +133,10 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
 def _cruise(rps: float, turn: int, full_step: int, most: tuple[float, float]) -> Cruise:
     speed = min(rps * turn, most[0])
     acceleration = min(speed / SPEED_UP_S, most[1])
-    lead = math.ceil(speed**2 / (2 * acceleration)) + 4 * full_step
+    tail = math.ceil(speed**2 / (2 * acceleration)) + 4 * full_step
+    lead = tail + round(SETTLES_S * speed)
     way = max(round(RUN_S * speed), LEAST_PERIODS * 4 * full_step)
-    return Cruise(rps, {SPEED: speed, ACCELERATION: acceleration}, lead, way)
+    return Cruise(rps, {SPEED: speed, ACCELERATION: acceleration}, lead, way, tail)
 
 
 async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:

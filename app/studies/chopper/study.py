@@ -85,9 +85,10 @@ class ChopperStudy(StudyRun):
         ground = self._ground
         await self.apply(ground.ramp.registers(cruise.ramp), "runs at a constant speed")
         rate_hz = rate_for(cruise.ramp["speed"] / (4 * ground.full_step))
-        low, found = ground.start + cruise.lead, []
-        for target in (ground.start + cruise.length, ground.start):
-            run = await self._moves.sampled(target, rate_hz)
+        found = []
+        for target, low in ((cruise.length, cruise.lead), (0, cruise.tail)):
+            run = await self._moves.sampled(ground.start + target, rate_hz)
+            low += ground.start
             found.append(ripple_of(run, low, low + cruise.way, ground.full_step))
             self.record.runs += 1
         self.record.way_fullsteps = self._moves.way_fullsteps

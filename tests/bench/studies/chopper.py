@@ -33,7 +33,7 @@ LOWEST_HZ = 20e3
 NAMES = ("CHOPCONF", "GCONF", "VMAX", "AMAX")
 UNITS_A_TURN = 53_687.1
 """VMAX of a turn a second."""
-SPEED_UP_S, RUN_S, PERIODS = 0.25, 0.4, 8
+SPEED_UP_S, SETTLES_S, RUN_S, PERIODS = 0.25, 0.7, 0.4, 8
 PLANTS, NULLS, NULL = 100, 100, 1000
 """So many of each kind, and the first seed of those where nothing is to be gained."""
 WITHIN, SHARE, CLAIMED_MAX = 1.03, 0.95, 0.05
@@ -65,7 +65,7 @@ def shaken(options: Tmc5xxxOptions, registers: Mapping[str, int]) -> float:
         drive.write("AMAX", max(round(rps * 51_200 / 0.2 / (16e6**2 / 2**41)), 1))
         drive.write("VMAX", speed)
         drive.write("RAMPMODE", 1)
-        drive.advance(round((0.1 + SPEED_UP_S) * 16e6) + round(4 / (200 * rps) * 16e6))
+        drive.advance(round((0.1 + SPEED_UP_S + SETTLES_S) * 16e6) + round(4 / (200 * rps) * 16e6))
         rate_hz, seen = rate_for(50 * rps), []
         began = drive.clocks
         for index in range(round(max(RUN_S, PERIODS / (50 * rps)) * rate_hz)):
