@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import APIResponse, Page, Route, expect
 
 from tests.e2e.conftest import PHONE, Errors
 from tests.e2e.held import Held
@@ -132,3 +132,28 @@ def test_a_file_of_an_oscilloscope_is_dropped_in_aligned_and_removed(
     file.get_by_role("button", name="Remove").click()
     expect(card.get_by_test_id("added-file")).to_have_count(0)
     assert api.get(f"/recordings/{recording}").raise_for_status().json()["added"] == []
+
+
+def test_figures_that_were_asked_for_before_a_file_was_added_are_asked_for_again(page: Page, recording: str) -> None:
+    """They came after it, without it, and stayed."""
+    held: list[tuple[Route, APIResponse]] = []
+
+    def late(route: Route) -> None:
+        if held:
+            route.continue_()
+        else:
+            held.append((route, route.fetch()))
+
+    page.route("**/figures*", late)
+    with page.expect_request("**/figures*"):
+        page.goto(f"/recordings/{recording}")
+    card = page.get_by_role("region", name="Other instruments")
+    expect(card).to_contain_text("Drop the CSV file")
+    page.evaluate(DROP, [card.element_handle(), RIGOL])
+    expect(card.get_by_role("region", name="dropped.csv")).to_contain_text("100 rows")
+    ((route, before),) = held
+    route.fulfill(response=before)
+    figures = page.get_by_role("region", name="Figures").get_by_test_id("figures")
+    expect(figures).to_contain_text("CH1")
+    card.get_by_role("button", name="Remove").click()
+    expect(figures).not_to_contain_text("CH1")

@@ -84,8 +84,10 @@ export function useChanges() {
       void queries.invalidateQueries({ queryKey: ["recordings"] });
       void queries.invalidateQueries({ queryKey: ["recording"] });
     });
+  const figures = { queryKey: ["figures"] };
+  // Those under way may have been read before, and would count as of now: they are ended first.
   const measured = <T>(answer: Promise<T>): Promise<T> =>
-    done(answer).finally(() => void queries.invalidateQueries({ queryKey: ["figures"] }));
+    done(answer).finally(() => void queries.cancelQueries(figures).then(() => queries.invalidateQueries(figures)));
   const path = (recording: string) => ({ path: { recording } });
   return {
     start: (body: Start) => done(api.POST("/api/v1/recordings", { body })),
