@@ -18,15 +18,11 @@ from ..run import StudyRun
 from ..search import Asked, Searcher, Space
 from ..switch_edge import UNTOLD
 from ..twins.search import look_on_twins
-from .chances import best_prospect
 from .ranges import BASELINE_RUNS, Ranges, look
 from .trials import ON_TWIN, MoveTrials, begun, curve_of, figures_of, told, tried, words_of
 
-PASSED_MOST = 4
-"""So many settings in a row that are not worth trying are asked for: then the one of the best prospect is tried. The
-search is over where none has any."""
-GAIN_LEAST = 0.02
-"""What a ramp of good prospect saves of the best one's time, at the least."""
+ASKED_FOR_ONE = 12
+"""So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
 CANDIDATES = 8
@@ -126,12 +122,7 @@ class FastestMoveStudy(StudyRun):
             if not await searcher.open():
                 await searcher.first(self._ladder())
             passed = 0
-            while self._moved() < budget.trials and not self.spent(share=0.75):
-                if passed >= PASSED_MOST:
-                    likely = None if passed > PASSED_MOST else self._likely()
-                    if likely is None:
-                        break
-                    await searcher.first([likely])
+            while self._moved() < budget.trials and not self.spent(share=0.75) and passed < ASKED_FOR_ONE:
                 tried = self._moved()
                 left = budget.trials - tried
                 each_s = self.since_s / max(1, tried) if tried else 0.0
@@ -201,52 +192,23 @@ class FastestMoveStudy(StudyRun):
         if self.wanted.quiet or baseline is None or baseline.time_s is None:
             return ""
         now = self.record.baseline_setting
-        # Where nothing rings, a move is over a little before its calculated ramp: by the greatest share seen so far.
-        share = min(baseline.time_s / least_time_s(self.wanted.distance, now[SPEED], now[ACCELERATION]), 1.0)
+        # What beside its ramp a move takes until the encoder rests, at the least seen so far.
+        over_s = baseline.time_s - least_time_s(self.wanted.distance, now[SPEED], now[ACCELERATION])
         to_beat_s = baseline.time_s
         if best is not None and best.figures.time_s is not None and best.expected_s is not None:
-            share = min(share, best.figures.time_s / best.expected_s)
+            over_s = min(over_s, best.figures.time_s - best.expected_s)
             to_beat_s = best.figures.time_s
-        if expected_s * share >= to_beat_s:
+        if expected_s + min(over_s, 0.0) >= to_beat_s:
             return "its ramp alone takes longer than the best so far"
-        reached = self._reached(setting)
         worse = [
             trial
             for trial in self.record.trials
-            if trial.state == "infeasible"
-            and all(value <= reached[name] for name, value in self._reached(trial.setting).items())
+            if trial.state == "infeasible" and all(trial.setting[name] <= setting[name] for name in setting)
         ]
         # Two, not one: a setting may sit on a resonance that a faster one passes by.
         if len(worse) >= 2:
             return "two gentler settings lost steps"
         return ""
-
-    def _reached(self, setting: Mapping[str, float]) -> dict[str, float]:
-        """The same with the speed that a move by the distance comes to."""
-        peak = math.sqrt(abs(self.wanted.distance) * setting[ACCELERATION])
-        return {**setting, SPEED: min(setting[SPEED], peak)}
-
-    def _likely(self) -> dict[str, float] | None:
-        """The setting of the best prospect; None where none is worth trying."""
-        record, distance = self.record, self.wanted.distance
-        best = record.trial(record.best)
-        now = record.baseline_setting
-        before_s = least_time_s(distance, now[SPEED], now[ACCELERATION])
-        best_s = before_s if best is None or best.expected_s is None else best.expected_s
-
-        def gain(values: Mapping[str, float]) -> float:
-            if self._reached(values) != values:  # another one is the same move
-                return 0.0
-            setting = self._ranges.space.rounded(values)
-            expected_s = least_time_s(distance, setting[SPEED], setting[ACCELERATION])
-            saved = math.log(best_s / expected_s)
-            return saved if saved >= GAIN_LEAST and not self._hopeless(setting, expected_s) else 0.0
-
-        held, lost = (
-            [self._reached(trial.setting) for trial in record.trials if trial.state == state]
-            for state in ("feasible", "infeasible")
-        )
-        return best_prospect(self._ranges.dimensions, [self._reached(now), *held], lost, gain)
 
     def _judge(self) -> None:
         """The best so far, and the front of two objectives."""
