@@ -29,7 +29,7 @@ def margin(setting: ChopperSetting, blank: float, decay: float) -> float:
 
 
 def shaken(setting: ChopperSetting, blank: float, decay: float) -> float:
-    """A step up where the hysteresis holds both ripples, and a dip beside it, as a TMC5160 with a stiff motor has."""
+    """A step up where the hysteresis holds both ripples, and a narrow dip there, which is hard to find."""
     at = margin(setting, blank, decay)
     return 1.4 + 0.2 * float(np.tanh(3 * at)) - 0.5 * float(np.exp(-((at / 0.2) ** 2)))
 

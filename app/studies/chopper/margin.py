@@ -1,7 +1,7 @@
 """Margin: the hysteresis of a setting beyond what the ripple of its blank time and its slow decay takes.
 
-How much a shaft shakes changes with the margin above all: it is least where the hysteresis just holds both ripples, and
-may have a narrow dip there. Both ripples are known as well as the coil's figures are. So those shares of them are taken
+How much a shaft shakes changes with the margin above all: it is least about where the hysteresis just holds both
+ripples. Both are known as well as the coil's figures are. So those shares of them are taken
 that make the smoothest curve of what was measured over the margin; and by that curve is told what to try next.
 """
 
@@ -69,7 +69,7 @@ class Margins:
         return self._allowed[untried[int(np.argmin(told))]]
 
     def steepest(self, tried: Mapping[ChopperSetting, float]) -> ChopperSetting:
-        """Of the untried settings that which lies in the middle of the curve's steepest step: a dip would be there."""
+        """Of the untried settings that which lies in the middle of the curve's steepest step."""
         ripple, at, untried = self._known(tried)
         told = np.zeros(len(untried))
         for margins in self._smoothest(ripple, at):
