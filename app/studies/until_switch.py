@@ -9,12 +9,13 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..procedures.procedure import POLL_S, Failed
+from .moves import LONGEST
 
 Side = Literal["left", "right"]
 STANDS_S = 0.5
 """A motor may stand so long on a way [s]: as it sets off, or reverses."""
-LONGEST, UNTOLD_S, STARTS_S = 3.0, 60.0, 2.0
-"""A way may take so many times what is predicted, or `UNTOLD_S` [s], and `STARTS_S` beside."""
+UNTOLD_S, STARTS_S = 60.0, 2.0
+"""What a way is taken for where nothing predicts it, and what it may take beside [s]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,22 +1,21 @@
 """Margin: the hysteresis of a setting beyond what the ripple of its blank time and its slow decay takes.
 
 How much a shaft shakes changes with the margin above all: it is least about where the hysteresis just holds both
-ripples. Both are known as well as the coil's figures are. So those shares of them are taken
-that make the smoothest curve of what was measured over the margin; and by that curve is told what to try next.
+ripples. Both are known as well as the coil's figures are. So those shares of them are taken that make the smoothest
+curve of what was measured over the margin; and by that curve is told what to try next.
 """
 
 from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...telemetry.sampling import FloatArray
 from .setting import ChopperSetting
 
-Reals = NDArray[np.float64]
 SHARES = np.geomspace(0.5, 1.7, 13)
 """So much there may be of a calculated ripple: a data sheet's L is off by 20 %, the rest is the estimate."""
 CURVES = 10
@@ -40,8 +39,8 @@ class Margins:
         self._places = {each: index for index, each in enumerate(self._allowed)}
         hysteresis = np.array([each.hysteresis for each in self._allowed], float)
         blank, decay = np.array([ripples(each) for each in self._allowed]).T
-        self._calculated: Reals = hysteresis - blank - decay
-        self._margins: list[Reals] = [
+        self._calculated: FloatArray = hysteresis - blank - decay
+        self._margins: list[FloatArray] = [
             hysteresis - first * blank - second * decay for first, second in itertools.product(SHARES, SHARES)
         ]
         """Of every setting, by each pair of shares."""
@@ -81,15 +80,12 @@ class Margins:
             told += between * np.abs(height[right] - height[right - 1]) * np.minimum(gap, GAP_MOST)
         return self._allowed[untried[int(np.argmax(told))]]
 
-    def _known(self, tried: Mapping[ChopperSetting, float]) -> tuple[Reals, Sequence[int], Sequence[int]]:
+    def _known(self, tried: Mapping[ChopperSetting, float]) -> tuple[FloatArray, Sequence[int], Sequence[int]]:
         at = [self._places[each] for each in tried]
-        return np.log(list(tried.values())), at, self._others(at)
+        return np.log(list(tried.values())), at, sorted(set(range(len(self._allowed))) - set(at))
 
-    def _others(self, at: Collection[int]) -> Sequence[int]:
-        return sorted(set(range(len(self._allowed))) - set(at))
-
-    def _smoothest(self, ripple: Reals, at: Sequence[int]) -> list[Reals]:
-        def rough(margins: Reals) -> float:
+    def _smoothest(self, ripple: FloatArray, at: Sequence[int]) -> list[FloatArray]:
+        def rough(margins: FloatArray) -> float:
             return float(np.sum(np.diff(ripple[np.argsort(margins[at], kind="stable")]) ** 2))
 
         return sorted(self._margins, key=rough)[:CURVES]

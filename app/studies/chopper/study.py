@@ -153,7 +153,7 @@ class ChopperStudy(StudyRun):
         """Before any that the search asks for: as it is now and as calculated, or the nearest to them that may be
         tried."""
         chopper, allowed = self._ground.chopper, self._ground.allowed
-        return list(dict.fromkeys(nearest(wanted, allowed) for wanted in (chopper.calculated, chopper.now)))
+        return [nearest(wanted, allowed) for wanted in (chopper.calculated, chopper.now)]
 
     async def _trial(self, searcher: Searcher, asked: Asked, known: dict[ChopperSetting, ChopperTried]) -> bool:
         """Try what was asked for; False where that took no run."""
