@@ -31,7 +31,7 @@ def sections(record: StudyRecord) -> list[str]:
 
 
 def _rate(rate: Rate | None) -> str:
-    return "" if rate is None else f"{rate.wrong} of {rate.runs}: below {100 * rate.most:.2g} %"
+    return "not tried" if rate is None else f"{rate.wrong} of {rate.runs}: below {100 * rate.most:.2g} %"
 
 
 def _rates(found: StallFound) -> str:

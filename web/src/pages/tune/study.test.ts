@@ -277,7 +277,7 @@ describe("a study on the page", () => {
 
   it("tells rates with their bounds, and draws what each threshold would do", () => {
     expect(rateText({ wrong: 0, runs: 299, most: 0.00997 })).toBe("0 of 299: below 1.00\u202f%");
-    expect(rateText(null)).toBe("");
+    expect(rateText(null)).toBe("not tried");
     const roc = [
       { level: -90, false: 0, missed: 0.5 },
       { level: 10, false: 0.25, missed: 0 },

@@ -6,9 +6,9 @@ export type StallFound = Schemas["StallFound"];
 export type StallSpeed = StallFound["speeds"][number];
 type Rate = Schemas["Rate"];
 
-/** "0 of 100: below 3 %"; empty where nothing was tried. */
+/** "0 of 100: below 3 %", or that nothing was tried. */
 export function rateText(rate: Rate | null): string {
-  return rate === null ? "" : `${rate.wrong} of ${rate.runs}: below ${compact(100 * rate.most, 2, "%")}`;
+  return rate === null ? "not tried" : `${rate.wrong} of ${rate.runs}: below ${compact(100 * rate.most, 2, "%")}`;
 }
 
 /** Shares over load values: of free runs, and against the stop. */
