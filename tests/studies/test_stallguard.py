@@ -65,6 +65,7 @@ async def test_a_threshold_is_found_and_proved_and_the_axis_is_as_before(tmp_pat
         assert (speed.false.wrong, speed.missed.wrong, speed.missed.runs) == (0, 0, 10)
         assert speed.missed.most == pytest.approx(1 - 0.05 ** (1 / 10))
         assert best.setting["armed from"] == pytest.approx(0.9 * 102_400, rel=0.01)
+        assert "tells a stall at 2 turns/s: " in record.verdict
         assert "TCOOLTHRS was 0" in record.verdict
         report = html_of(record)
         assert report.count("<svg") == 2

@@ -416,10 +416,11 @@ class StallGuardStudy(StudyRun):
                 one.why = one.why or "not with a threshold that does it at the others"
         found.level, found.filtered = self._scale.level(choice.threshold), choice.filtered
         found.from_rps, found.to_rps = proved[0].speed_rps, proved[-1].speed_rps
+        slowest, fastest = plain(found.from_rps), plain(found.to_rps)
         words = (
-            f"threshold {choice.threshold}{' with the filter' if choice.filtered else ''} tells a stall from "
-            f"{plain(found.from_rps)} to {plain(found.to_rps)} turns/s: {_told(proved, 'false')}, "
-            f"{_told(proved, 'missed')}"
+            f"threshold {choice.threshold}{' with the filter' if choice.filtered else ''} tells a stall "
+            f"{f'at {slowest}' if slowest == fastest else f'from {slowest} to {fastest}'} turns/s: "
+            f"{_told(proved, 'false')}, {_told(proved, 'missed')}"
         )
         above = [one for one in found.speeds if one.speed_rps > proved[-1].speed_rps]
         if above:
