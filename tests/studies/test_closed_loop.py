@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from app.calc.motors.position_loop import Gains, Plant, gains_for, margins, worst
+from app.studies.closed_loop.grade import worst_mark
 from app.studies.kinds import KINDS
 from app.studies.ramp_settings import held_of, value_now
 from app.studies.record import Held
@@ -79,11 +80,18 @@ async def test_gains_do_as_asked_and_all_is_as_before(tmp_path: Path) -> None:
         assert found.overshoot is not None
         assert found.overshoot.value == pytest.approx(found.expected_overshoot, rel=0.1)
         assert found.captures == record.runs <= plan.moves_max <= 25
+        # A ramp takes torque: the loop holds the shaft near it, and every thing that is known has its mark.
+        assert found.load is not None
+        assert found.load.acceleration_pps2 == pytest.approx(START.amax, rel=0.01)
+        assert (found.load.lost_fullsteps, len(found.grades)) == (0, 5)
+        assert 0 < found.load.deviation_fullsteps < 0.5
+        assert found.grade == worst_mark(found.grades)
         assert await settings(s, *NAMES) == before
         assert (await s.b.state()).position == 0
         report = html_of(record)
         assert "Bode" in report
         assert "Nichols" in report
+        assert f"How good: {found.grade}" in report
 
 
 async def test_a_loop_that_settles_as_soon_stays_as_it_is(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from ..fitted import Estimate, Ringing
@@ -36,6 +38,25 @@ class LoopEffect(Part):
     significant: bool
 
 
+class LoopLoad(Part):
+    """Ramps there and back with the new gains: the load is what accelerates."""
+
+    acceleration_pps2: float
+    deviation_fullsteps: float = Field(description="of the encoder from the position at the most")
+    lost_fullsteps: float
+
+
+Mark = Literal["good", "fair", "poor"]
+
+
+class Graded(Part):
+    """One thing of a loop, and how good it is."""
+
+    what: str
+    figure: str
+    mark: Mark
+
+
 class LoopFound(Part):
     """A position loop and the plant that it is for. Margins are those of the worst plant that the fit leaves open."""
 
@@ -55,5 +76,8 @@ class LoopFound(Part):
     overshoot: Estimate | None = Field(default=None, description="measured, share of a step")
     settling_s: float | None = Field(default=None, description="mean over the steps [s]")
     step: LoopStep | None = None
+    load: LoopLoad | None = Field(default=None, description="null: it was not shown to do as asked by its steps")
+    grades: list[Graded] = Field(default_factory=list, description="of each thing that is known")
+    grade: Mark | None = Field(default=None, description="the worst of them; null: nothing was shown")
     captures: int = Field(default=0, description="recordings that were made")
     effect: LoopEffect | None = Field(default=None, description="null: nothing regulated before")

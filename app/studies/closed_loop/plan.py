@@ -19,18 +19,21 @@ from .setting import LoopSpace, regulation_now
 STEP_S = 1.0
 SHOWN = 4
 """Steps that show a loop where nothing regulated before."""
+LOADED = 2
+"""Ramps, there and back, that load a loop by what accelerates."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """What is known before the first move [microsteps]. jump_pps : of hops and steps [pps]; moving : shape and speed of
-    the ramp, which these replace until the next move"""
+    """What is known before the first move [microsteps]. span : how far hops and ramps go to positions above; jump_pps :
+    of hops and steps [pps]; moving : shape and speed of the ramp, which these replace until the next move"""
 
     ramp: RampSpace
     loop: LoopSpace
     start: int
     full_step: int
     step: int
+    span: int
     jump_pps: float
     most_pps: float
     moving: list[Held]
@@ -59,7 +62,8 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
     looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     step = round(wanted.step_fullsteps * full_step)
-    far = state.position + max(hop_span(full_step, wanted.hops), 2 * step + full_step)
+    span = hop_span(full_step, wanted.hops)
+    far = state.position + max(span, 2 * step + full_step)
     for end in (state.position - step, far):
         if limits.beyond(end):
             say(f"it would turn to {end}, and the soft limits end before: begin elsewhere")
@@ -67,7 +71,9 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
     most = found.space.allowed(SPEED)
     speed = [each for each in found.space.before if each.name in found.space.names(SPEED)]
     jump_pps = min(HOP_PPS, most)
-    looked.ground = Ground(found.space, loop, state.position, full_step, step, jump_pps, most, [loop.shape, *speed])
+    looked.ground = Ground(
+        found.space, loop, state.position, full_step, step, span, jump_pps, most, [loop.shape, *speed]
+    )
     return looked
 
 
@@ -88,13 +94,13 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: ClosedLoop) -> None:
     steps = 2 * wanted.pairs if ground.loop.on else SHOWN
-    span = hop_span(ground.full_step, wanted.hops)
+    span = ground.span
     told.position_from = ground.start - ground.step
     told.position_to = ground.start + max(span, 2 * ground.step + ground.full_step)
     told.velocity_max_pps = ground.most_pps
-    told.moves_max = wanted.hops + steps + 2
-    told.way_fullsteps = (2 * span + steps * ground.step) / ground.full_step
-    told.time_s = wanted.hops * (RING_S + 0.1) + steps * (STEP_S + 0.2) + 2
+    told.moves_max = wanted.hops + steps + LOADED + 2
+    told.way_fullsteps = ((2 + LOADED) * span + steps * ground.step) / ground.full_step
+    told.time_s = wanted.hops * (RING_S + 0.1) + steps * (STEP_S + 0.2) + LOADED + 2
     told.registers = [f"{each.name} of axis {axis}" for each in ground.loop.before]
     told.registers.append(f"regulation_modus of axis {axis}")
     told.steps = [
@@ -103,11 +109,12 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: ClosedLoop) -> Non
         f"{wanted.pairs} steps with the old gains and as many with the new, in turn"
         if ground.loop.on
         else f"{SHOWN} steps of {plain(wanted.step_fullsteps)} full steps, there and back, with the loop on",
+        "where they do as was asked: a ramp there and back, whose acceleration loads the loop; and a grade",
         "the new gains stay, and the loop on, where they do as was asked; else all goes back"
         if wanted.keep
         else "all goes back, whatever came of it; one click takes the new gains, with the loop off",
     ]
     told.unwatched = [
         "the margins under another load: a greater inertia has a slower resonance, and leaves less of them",
-        "an answer to a load: push it by hand, or let an emulated one push (Closed loop, Disturbance)",
+        "an answer to another load than its own acceleration: push it, by hand or emulated (Closed loop, Disturbance)",
     ]

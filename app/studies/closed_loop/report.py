@@ -23,6 +23,9 @@ def sections(record: StudyRecord) -> list[str]:
         + _curve(loop.frequency_hz, loop.phase_deg, "frequency [Hz]", "phase [deg]", log=True),
         "<h2>Nichols</h2>" + _curve(loop.phase_deg, loop.gain_db, "phase [deg]", "open loop [dB]", log=False),
     ]
+    if found.grade is not None:
+        rows = [(one.what, one.figure, one.mark) for one in found.grades]
+        parts.append(f"<h2>How good: {found.grade}</h2>" + table(("", "", ""), rows))
     if found.step is not None:
         parts.append("<h2>A step</h2>" + _step(found.step))
     return parts

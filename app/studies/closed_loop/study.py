@@ -24,11 +24,13 @@ from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..parts import Interval
 from ..proof import compared_pairs, pair_order
+from ..ramp_settings import ACCELERATION
 from ..record import Figures, Held, Trial
 from ..ringing import BEFORE_S, HOPS, RATE_HZ, ring_after
 from ..run import StudyRun
 from ..sampled import sampling
-from .found import LoopCurves, LoopEffect, LoopFound, LoopStep
+from .found import LoopCurves, LoopEffect, LoopFound, LoopLoad, LoopStep
+from .grade import graded, worst_mark
 from .plan import SHOWN, STEP_S, Ground, look
 from .setting import INTEGRAL, PROPORTIONAL, UNITS
 
@@ -101,6 +103,10 @@ class ClosedLoopStudy(StudyRun):
         record.best = NEW
         await self.keeper.save(record)
         await (self._prove(found) if ground.loop.on else self._show(found))
+        if record.improved:
+            await self._load(found, registers)
+        found.grades = graded(found)
+        found.grade = worst_mark(found.grades)
         await self.back()
         await self.device.need(VelocityJumps).stand_ready(self.axis)
         await self._moves.go(ground.start)
@@ -275,6 +281,32 @@ class ClosedLoopStudy(StudyRun):
             significant=better,
         )
         self._decide(found, as_asked=self._as_asked(found), better=better)
+
+    async def _load(self, found: LoopFound, registers: Sequence[Held]) -> None:
+        """The new gains against the torque of an acceleration: ramps there and back, as far as the hops went."""
+        ground = self._ground
+        self.tell("proof", 0.95, "ramps with the new gains")
+        self.keeper.mark("ramps with the new gains")
+        await self.device.need(VelocityJumps).stand_ready(self.axis)
+        await self._regulate(registers)
+        await self._moves.go(ground.start)
+        moved = []
+        for target in (ground.start + ground.span, ground.start):
+            moved.append(await self._moves.measured(target))
+            self._count(ground.span)
+        found.load = LoopLoad(
+            acceleration_pps2=ground.ramp.now()[ACCELERATION],
+            deviation_fullsteps=max(each.deviation_fullsteps or 0.0 for each in moved),
+            lost_fullsteps=max(each.lost_fullsteps for each in moved),
+        )
+        found.captures = self.record.runs
+        if found.load.lost_fullsteps:
+            self.record.improved, self.record.best = False, None
+            self.record.verdict = (
+                f"the loop does as was asked in steps, and lost {plain(found.load.lost_fullsteps)} full steps as the "
+                "axis accelerated by its ramp: it stays as it was"
+            )
+            self.record.next = "a gentler ramp, or more current"
 
     def _place(self, index: int, beyond: int = 0) -> int:
         """Where the step of that number ends, or `beyond` that [microsteps]."""

@@ -3,6 +3,7 @@ import { compact } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
+import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./curves";
 
@@ -48,6 +49,16 @@ function Found({ found }: { found: Loop }) {
           overlays={[{ x: nichols.phase, y: nichols.gain, color, dots: 3 }]}
         />
       </Card>
+      {found.grade && (
+        <Card title="How good" note={`${found.grade}: as its worst`}>
+          <FiguresTable
+            label="Marks of the loop"
+            minWidth={420}
+            heads={["Of the loop", "Measured", "Mark"]}
+            rows={found.grades.map(({ what, figure, mark }) => [what, figure, mark])}
+          />
+        </Card>
+      )}
       {found.step && (
         <Card title="A step" note={overshoot}>
           <Plot
