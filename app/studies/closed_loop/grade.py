@@ -14,7 +14,7 @@ from .found import Graded, LoopFound, Mark
 MARKS: tuple[Mark, ...] = ("good", "fair", "poor")
 """From the best to the worst."""
 PHASE_DEG, GAIN = (45.0, 30.0), (2.0, 1.5)
-OVERSHOOT = (0.25, 0.5)
+OVERSHOOT = (0.3, 0.5)
 SETTLING_CYCLES = (2.0, 4.0)
 """Of the bandwidth."""
 LOAD_FULLSTEPS = (0.25, 1.0)
@@ -32,7 +32,7 @@ def worst_mark(of: list[Graded]) -> Mark:
 
 
 def _marks(found: LoopFound) -> Iterator[tuple[str, str, Mark]]:
-    phase, gain, overshoot = found.phase_margin_deg, found.gain_margin, found.overshoot
+    phase, gain, overshoot = round(found.phase_margin_deg, 1), round(found.gain_margin, 2), found.overshoot
     yield "phase margin of the worst plant", f"{plain(phase, 3)} deg", _mark(-phase, *(-each for each in PHASE_DEG))
     yield "gain margin of the worst plant", plain(gain, 3), _mark(-gain, *(-each for each in GAIN))
     if overshoot is not None:

@@ -289,15 +289,11 @@ class ClosedLoopStudy(StudyRun):
         self.keeper.mark("ramps with the new gains")
         await self.device.need(VelocityJumps).stand_ready(self.axis)
         await self._regulate(registers)
-        await self._moves.go(ground.start)
-        moved = []
-        for target in (ground.start + ground.span, ground.start):
-            moved.append(await self._moves.measured(target))
-            self._count(ground.span)
+        moved = [await self._ramp(target) for target in (ground.start + ground.span, ground.start)]
         found.load = LoopLoad(
             acceleration_pps2=ground.ramp.now()[ACCELERATION],
-            deviation_fullsteps=max(each.deviation_fullsteps or 0.0 for each in moved),
-            lost_fullsteps=max(each.lost_fullsteps for each in moved),
+            deviation_fullsteps=max(deviation for deviation, _ in moved),
+            lost_fullsteps=max(lost for _, lost in moved),
         )
         found.captures = self.record.runs
         if found.load.lost_fullsteps:
@@ -307,6 +303,27 @@ class ClosedLoopStudy(StudyRun):
                 "axis accelerated by its ramp: it stays as it was"
             )
             self.record.next = "a gentler ramp, or more current"
+
+    async def _ramp(self, target: int) -> tuple[float, float]:
+        """A move by the ramp: how far the encoder was off the position, and steps that it lost [full steps].
+
+        It is given its time, and not waited for: with a loop a chip counts as arrived only where the encoder is.
+        """
+        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
+        start = (await self._moves.state()).position
+        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
+            await self.clock.sleep(BEFORE_S)
+            started = await self.device.motion.move(self.axis, target)
+            await self.clock.sleep((started.predicted_duration_s or STEP_S) + STEP_S)
+            samples.take()
+        state = await self._moves.state()
+        if state.moving or state.position != target:
+            raise Failed(f"a ramp to {target} with the new gains stands at {state.position}: by a switch, or too slow")
+        _, rows = samples.all()
+        off = (rows[:, 1] - rows[:, 0]) / self._ground.full_step
+        self._count(target - start)
+        lost = PERIOD_FULLSTEPS * round(deviation_of(state) / self._ground.full_step / PERIOD_FULLSTEPS)
+        return float(np.nanmax(np.abs(off))), abs(lost)
 
     def _place(self, index: int, beyond: int = 0) -> int:
         """Where the step of that number ends, or `beyond` that [microsteps]."""
