@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, SwitchesChange, Tmc5xxxPatch
+from app.profiles.capture import read_held
 from app.studies.first_look.encoder_fit import fit_encoder
 from app.studies.first_look.faults import Way, pulled
+from app.studies.first_look.plan import plan
 from app.studies.record import Finding, StudyRecord
 from app.studies.store import StudyStore
 from app.telemetry.sampling import FloatArray
@@ -62,7 +64,7 @@ async def test_a_wrong_resolution_is_set_right_by_the_cure_that_it_names(
         remedy = found["encoder"].remedy
         assert remedy is not None
         assert f"{4 * lines:,} counts a turn" in remedy.label
-        assert ("polarity" in found) == backwards
+        assert found["polarity"].value == (-1 if backwards else 1)
         body = remedy.body
         assert body is not None
         for write in body["writes"]:
@@ -147,6 +149,93 @@ async def test_a_chip_that_reads_no_encoder_is_not_told_to_be_given_one(tmp_path
         s = Studied(b, StudyStore(tmp_path, aside=False))
         record = await looked(s)
         assert (named(record)["encoder"].sure, record.verdict) == ("cannot be told", "all is well")
+
+
+UNSET = replace(START, counts_per_rev=0)
+ENCODERS = ("tmc5062", "tmc5072", "tmc5130", "tmc5160", "tmc5240")
+
+
+async def held(s: Studied) -> dict[Any, int | None]:
+    """All that is configuration, as it is set now."""
+    return dict((await read_held(s.device)).words)
+
+
+async def finds_one(s: Studied, counts: int) -> dict[str, Finding]:
+    """Nobody has set what a count is: a look finds `counts` a turn, sets nothing, and its cure makes the next one
+    find it right. What the first look found."""
+    before = await held(s)
+    found = named(await looked(s))
+    assert await held(s) == before
+    assert (await s.b.state()).encoder_position is None
+    told, remedy = found["encoder"], found["encoder"].remedy
+    assert told.value == counts
+    assert told.interval is not None
+    assert told.interval.low <= counts <= told.interval.high
+    assert f"{counts:,} counts a turn ({counts // 4:,} lines)" in told.text
+    assert remedy is not None
+    assert remedy.body is not None
+    for write in remedy.body["writes"]:
+        await s.device.registers.write(write["name"], write["axis"], write.get("value"), write.get("fields"))
+    again = named(await looked(s))
+    assert (again["encoder"].remedy, again["polarity"].value) == (None, 1)
+    assert again["encoder"].value == pytest.approx(1, abs=2e-3)
+    return found
+
+
+@pytest.mark.parametrize("model", ENCODERS)
+async def test_an_encoder_that_nobody_has_set_is_found(tmp_path: Path, model: str) -> None:
+    async with studied(tmp_path, UNSET, model=model, encoder={"lines": 1000, "reversed": True}) as s:
+        found = await finds_one(s, 4000)
+        assert found["polarity"].value == -1
+        assert found["eccentricity"].value == pytest.approx(0, abs=0.02)
+
+
+@pytest.mark.parametrize("lines", [128, 10_000, 1 << 20])
+async def test_an_encoder_that_nobody_has_set_is_found_however_fine_it_is(tmp_path: Path, lines: int) -> None:
+    async with studied(tmp_path, UNSET, encoder={"lines": lines}) as s:
+        assert (await finds_one(s, 4 * lines))["polarity"].value == 1
+
+
+async def test_an_encoder_that_nobody_has_set_is_found_by_its_resolution_alone(tmp_path: Path) -> None:
+    start = replace(START_4361, counts_per_rev=0, stops=False)
+    async with bench_4361(start, encoder={"lines": 2500, "eccentricity_deg": 0.3}) as b:
+        found = await finds_one(Studied(b, StudyStore(tmp_path, aside=False)), 10_000)
+        assert found["eccentricity"].value == pytest.approx(0.3, abs=0.05)
+
+
+async def test_no_encoder_that_answers_is_told_to_be_missing(tmp_path: Path) -> None:
+    """The chip waits for A and B lines, and one that speaks SSI is connected."""
+    async with bench_4361(replace(START_4361, counts_per_rev=0, stops=False), encoder={"kind": "ssi"}) as b:
+        s = Studied(b, StudyStore(tmp_path, aside=False))
+        before = await held(s)
+        record = await looked(s)
+        told = named(record)["encoder"]
+        assert (told.sure, told.remedy, record.verdict) == ("missing", None, "1 to be set right: encoder")
+        assert "nothing answers" in told.text
+        assert await held(s) == before
+
+
+async def test_an_encoder_whose_pins_serve_something_else_is_told_to_be_untold(tmp_path: Path) -> None:
+    async with studied(tmp_path, UNSET, model="tmc5072") as s:
+        await s.device.registers.write("GCONF", None, fields={"poscmp_enable": 1})
+        told = named(await looked(s))["encoder"]
+        assert told.sure == "cannot be told"
+        assert "position compare has the pins of encoder 1" in told.text
+
+
+async def test_a_chip_without_an_encoder_input_says_so(tmp_path: Path) -> None:
+    async with studied(tmp_path, UNSET, model="tmc5031") as s:
+        told = named(await looked(s))["encoder"]
+        assert told.sure == "cannot be told"
+        assert "this chip reads none" in told.text
+
+
+async def test_the_plan_tells_that_an_encoder_is_looked_for(tmp_path: Path) -> None:
+    async with studied(tmp_path, UNSET) as s:
+        told = await plan(s.device, 0, s.document({"kind": "first_look"}))
+        assert told.missing == []
+        assert "4,000 counts a turn" in told.steps[0]
+        assert {"ENC_CONST of axis 0", "ENCMODE of axis 0"} <= set(told.registers)
 
 
 async def test_a_shaft_that_is_clamped_is_named(tmp_path: Path) -> None:

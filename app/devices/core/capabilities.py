@@ -329,6 +329,19 @@ class EncoderSetting(Protocol):
         """Raises WrongState where no encoder shows the way of `axis`; UnknownThing for the axis."""
         ...
 
+    def has_encoder(self, axis: int, /) -> bool:
+        """Whether `axis` has an encoder, or an input for one, set up or not. Raises UnknownThing for the axis."""
+        ...
+
+
+class UnsetEncoder(Protocol):
+    """Has an input for an encoder that shows nothing until somebody has set what a count of it is."""
+
+    def provisional_encoder(self, axis: int, counts: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """Registers of `axis` by name, or fields of them, by which an encoder shows its way as if it had `counts` a
+        turn. Asks nothing of the chip. Raises WrongState where none can count as the axis is set; UnknownThing."""
+        ...
+
 
 class PositionFromEncoder(Protocol):
     """Can take its position from an encoder."""

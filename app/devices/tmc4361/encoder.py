@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ...calc.positions.encoder_resolution import constant_of, measured_encoder
-from ..core.capabilities import EncoderSetting
+from ..core.capabilities import EncoderSetting, UnsetEncoder
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
@@ -11,7 +13,7 @@ from . import roles
 from .memory import ChipMemory
 
 
-class Encoder(EncoderSetting):
+class Encoder(EncoderSetting, UnsetEncoder):
     """ENC_IN_RES by the way that was seen, and ENC_POS from the position; nothing where ENC_CONST is not known."""
 
     ENCODER_REGISTERS = frozenset(
@@ -24,6 +26,15 @@ class Encoder(EncoderSetting):
 
     def require_encoder(self, axis: int, /) -> None:
         self._session.axis(axis)
+
+    def has_encoder(self, axis: int, /) -> bool:
+        self._session.axis(axis)
+        return True
+
+    def provisional_encoder(self, axis: int, counts: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENC_IN_RES, from which the chip finds ENC_CONST."""
+        self._session.axis(axis)
+        return {"ENC_IN_RES": {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}}
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         axis = self._session.axis(axis).index

@@ -40,6 +40,10 @@ class DecodedRegisters:
         row = self._memory.rows(axis).enc_const
         if row is None or self._memory.word(row) in (0, row.reset):
             return False
+        return self.has_encoder_pins(axis)
+
+    def has_encoder_pins(self, axis: int) -> bool:
+        """Whether GCONF leaves the encoder its pins: those of the second one are switches' else."""
         if not self._memory.chip.two_axes:
             return True
         return self._gconf("enc2_enable") if axis else not self._gconf("poscmp_enable")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 from ...calc.positions.encoder_resolution import measured_encoder
 from ...errors import WrongState
-from ..core.capabilities import NO_ENCODER, EncoderSetting
+from ..core.capabilities import NO_ENCODER, EncoderSetting, UnsetEncoder
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
@@ -18,8 +19,8 @@ REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "
 """A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
 
 
-class SixPointEncoders(EncoderSetting):
-    """Knows which ENC_CONST fits the way that was seen."""
+class SixPointEncoders(EncoderSetting, UnsetEncoder):
+    """Knows which ENC_CONST fits the way that was seen, and one for an encoder that nobody has set yet."""
 
     ENCODER_REGISTERS = REGISTERS
 
@@ -29,14 +30,33 @@ class SixPointEncoders(EncoderSetting):
         self._decoded = decoded
 
     def require_encoder(self, axis: int, /) -> None:
-        index = self._session.axis(axis).index
-        if self._memory.rows(index).x_enc is None:
+        if not self.has_encoder(axis):
             what, instead = NO_ENCODER
             raise WrongState(f"a {self._session.family.title} {what}", instead)
-        if not self._decoded.counts_encoder(index):
+        if not self._decoded.counts_encoder(axis):
             raise WrongState(
                 "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
             )
+
+    def has_encoder(self, axis: int, /) -> bool:
+        return self._memory.rows(self._session.axis(axis).index).x_enc is not None
+
+    def provisional_encoder(self, axis: int, counts: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENC_CONST and how it counts. Raises WrongState where GCONF gives the pins of this encoder away."""
+        axis = self._session.axis(axis).index
+        if not self._decoded.has_encoder_pins(axis):
+            if axis:
+                raise WrongState(
+                    "the pins of encoder 2 are those of both right switches (GCONF.enc2_enable is off)",
+                    "start the axis up with its counts where an encoder is connected there",
+                )
+            raise WrongState("position compare has the pins of encoder 1", "switch GCONF.poscmp_enable off")
+        rows, mechanics = self._memory.rows(axis), self._decoded.mechanics(axis)
+        assert rows.enc_const is not None
+        assert rows.encoder_mode is not None
+        turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
+        decimal, word = encoder_constant(Fraction(turn, counts))
+        return {rows.encoder_mode.name: {"enc_sel_decimal": int(decimal)}, rows.enc_const.name: word}
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not

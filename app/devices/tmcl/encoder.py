@@ -37,10 +37,14 @@ class ModuleEncoders(EncoderSetting):
 
     def require_encoder(self, axis: int) -> None:
         """Raises WrongState where the firmware has no built-in encoder."""
-        self._session.axis(axis)
-        if self._state.lacking.has(self._state.roles.encoder):
+        if not self.has_encoder(axis):
             what, instead = NO_ENCODER
             raise WrongState(f"a {self._session.family.title} {what}", instead)
+
+    def has_encoder(self, axis: int) -> bool:
+        """Whether the firmware has a built-in one."""
+        self._session.axis(axis)
+        return not self._state.lacking.has(self._state.roles.encoder)
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
         """The resolution of the external encoder; of the built-in one, whose is fixed, the full steps of the motor, by

@@ -9,6 +9,8 @@ from ...number_text import plain
 from ..document import FirstLook, StudyDocument
 from ..plan import Looked, StudyPlan, axis_now, faults_told, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
+from ..record import Held
+from .unset_encoder import EncoderGround, encoder_ground
 
 SPEED_UP_S = 0.25
 """How long these moves speed up and brake [s]."""
@@ -26,6 +28,13 @@ class Ground:
     start: int
     turn: int
     ramp: dict[str, float]
+    encoder: EncoderGround
+
+    @property
+    def before(self) -> list[Held]:
+        """What goes back at the end."""
+        provisional = self.encoder.provisional
+        return self.space.before if provisional is None else [*self.space.before, *provisional.before]
 
 
 async def look(device: Device, axis: int, wanted: FirstLook) -> Looked[Ground]:
@@ -45,7 +54,8 @@ async def look(device: Device, axis: int, wanted: FirstLook) -> Looked[Ground]:
         looked.warnings.append("no soft limits of position are set: it looks for switches as far as it was told")
     speed = min(wanted.velocity_rps * turn, limits.velocity_max_pps or float("inf"), space.most(SPEED))
     acceleration = min(speed / SPEED_UP_S, limits.acceleration_max_pps2 or float("inf"), space.most(ACCELERATION))
-    looked.ground = Ground(space, state.position, turn, {SPEED: speed, ACCELERATION: acceleration})
+    encoder = encoder_ground(device, axis, read=state.encoder_position is not None, turn=turn, held=found.held)
+    looked.ground = Ground(space, state.position, turn, {SPEED: speed, ACCELERATION: acceleration}, encoder)
     return looked
 
 
@@ -79,6 +89,8 @@ def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: Fi
         f"twice {plain(wanted.turns)} turns there and back at {plain(wanted.velocity_rps)} turns a second",
         "no further where the motor does not go where it is told",
     ]
+    if (provisional := ground.encoder.provisional) is not None:
+        told.steps.insert(0, f"an encoder is looked for: {provisional.counts:,} counts a turn are set meanwhile")
     if wanted.travel_turns:
         low, high = travel_of(device, axis, wanted, ground)
         told.position_from, told.position_to = min(low, ground.start), max(high, far)
@@ -90,7 +102,7 @@ def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: Fi
     told.steps.append("the setting as it is now goes back")
     told.way_fullsteps = ways / (ground.turn / device.axes[axis].settings.full_steps_per_rev)
     told.time_s = ways / ground.ramp[SPEED] + told.moves_max * (SPEED_UP_S + 0.3) + edges_s
-    told.registers = [f"{each.name} of axis {axis}" for each in ground.space.before]
+    told.registers = [f"{each.name} of axis {axis}" for each in ground.before]
     told.unwatched = [
         "where a hard stop is, nothing tells: leave the travel out, or set soft limits, where one is near"
     ]

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 
 import numpy as np
 
-from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS
+from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS, measured_encoder
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
-from ...errors import WrongState
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FirstLook
 from ..moves import PERIOD_FULLSTEPS
 from ..parts import Interval
 from ..ramp_settings import ACCELERATION, SPEED, UNITS
-from ..record import Finding, Mend
+from ..record import Finding, Held, Mend
 from ..run import StudyRun
 from ..sampled import sampling
 from ..until_switch import Side, SwitchMet, go_until_switch
@@ -58,10 +58,10 @@ class FirstLookStudy(StudyRun):
         self._stays = False
         self._looks, self._loads = list[dict[str, bool]](), list[float]()
         if not record.baseline:
-            record.baseline, record.baseline_setting = ground.space.before, ground.space.now()
+            record.baseline, record.baseline_setting = ground.before, ground.space.now()
         record.units = {name: UNITS[name] for name in ground.ramp}
         await self.keeper.save(record)
-        await self.apply(ground.space.registers(ground.ramp), "slow moves")
+        await self.apply(self._registers(ground.ramp), "slow moves")
         await self._encoder()
         if self._stays:
             self._find("switches", "not looked for: the motor does not go where it is told", sure="cannot be told")
@@ -88,6 +88,11 @@ class FirstLookStudy(StudyRun):
         self._stays = self._stays or named.fault in ("open phase", "overload")
         self._find(named.fault, f"{named.text}: {TO_DO[named.fault]}", fault=named.fault, sure="measured")
 
+    def _registers(self, ramp: dict[str, float]) -> list[Held]:
+        """A ramp, and what an encoder is taken for that nobody has set."""
+        provisional = self._ground.encoder.provisional
+        return [*self._ground.space.registers(ramp), *([] if provisional is None else provisional.registers)]
+
     @property
     def _full_step(self) -> int:
         return self._ground.turn // self.device.axes[self.axis].settings.full_steps_per_rev
@@ -96,15 +101,12 @@ class FirstLookStudy(StudyRun):
 
     async def _encoder(self) -> None:
         ground, wanted = self._ground, self.wanted
-        state = await self._state()
-        if state.encoder_position is None:
-            try:
-                self.device.need(EncoderSetting).require_encoder(self.axis)
-            except WrongState:
-                text = "this chip reads none: a switch alone can tell of lost steps (fastest move)"
-                self._find("encoder", text, sure="cannot be told")
-                return
-            self._find("encoder", "none is read: connect one, and start the axis up with its counts", sure="missing")
+        if not ground.encoder.exists:
+            text = "this chip reads none: a switch alone can tell of lost steps (fastest move)"
+            self._find("encoder", text, sure="cannot be told")
+            return
+        if ground.encoder.untold:
+            self._find("encoder", f"it cannot be looked for: {ground.encoder.untold}", sure="cannot be told")
             return
         self.tell("look", 0.1, "turning there")
         self.keeper.mark("turning there and back")
@@ -136,27 +138,59 @@ class FirstLookStudy(StudyRun):
             by = "its load turns the shaft" if turned_by_load else "its load value is 0"
             return Named("overload", f"{by}, and {failure}")
         ways.append(way)
-        return open_phase(self._looks) or of_turns(ways, self._full_step, self._load())
+        # Where nobody knows whether an encoder is there, one that stands still says nothing of the shaft.
+        load = self._load() if self._ground.encoder.provisional is None else None
+        return open_phase(self._looks) or of_turns(ways, self._full_step, load)
 
     def _tell_encoder(self, found: EncoderFit, state: AxisState, way: int) -> None:
         if abs(found.ratio) < STANDS:
+            self._find("encoder", self._why_it_stands_still(), value=found.ratio, sure="missing")
+            return
+        right = self._tell_resolution(found, state, way)
+        with_it = "with" if found.ratio > 0 else "against"
+        self._find("polarity", f"it counts {with_it} the motor", value=math.copysign(1.0, found.ratio), sure="certain")
+        # In microsteps of the motor, whatever a count is set to be.
+        scale = 1.0 if right else 1 / found.ratio
+        self._find(
+            "play",
+            "between both ways: friction, backlash before the encoder, and half a count",
+            value=scale * found.play,
+            unit="microsteps",
+            interval=_scaled(scale, found.play_interval),
+        )
+        self._tell_eccentricity(found, abs(scale) * 360 / self._ground.turn)
+        self._find("index", "not looked for: see the encoder page", sure="cannot be told")
+
+    def _why_it_stands_still(self) -> str:
+        if self._ground.encoder.provisional is not None:
+            return (
+                "nothing answers while the motor is told to turn: none is connected, or the motor does not turn at all "
+                "(driver off, no supply); without one a switch alone can tell of lost steps (fastest move)"
+            )
+        return (
+            "it stands still while the motor is told to turn: not connected, not on this shaft, or the motor does "
+            "not turn at all (driver off, no supply, an open phase)"
+        )
+
+    def _tell_resolution(self, found: EncoderFit, state: AxisState, way: int) -> bool:
+        """Whether it is set right."""
+        provisional, turn = self._ground.encoder.provisional, self._ground.turn
+        if provisional is None and abs(found.ratio - 1) <= RIGHT:
             self._find(
                 "encoder",
-                "it stands still while the motor is told to turn: not connected, not on this shaft, or the motor does "
-                "not turn at all (driver off, no supply, an open phase)",
+                "its resolution is set right: it tells the way that the motor goes",
                 value=found.ratio,
-                sure="missing",
+                interval=_between(found.ratio_interval),
             )
-            return
+            return True
+        setting = self.device.part(EncoderSetting)
         seen = EncoderSeen(ratio=found.ratio, way=way, slack=SLACK_MICROSTEPS)
-        turn_deg = 360 / self._ground.turn
-        if abs(found.ratio - 1) > RIGHT:
-            setting = self.device.part(EncoderSetting)
-            remedies = () if setting is None else setting.encoder_remedies(self.axis, state, seen)
-            label, remedy = "no setting that fits is known", None
-            if remedies:
-                label = remedies[0].label
-                remedy = Mend.model_validate(asdict(remedies[0]))
+        remedies = () if setting is None else setting.encoder_remedies(self.axis, state, seen)
+        label, remedy = "no setting that fits is known", None
+        if remedies:
+            label = remedies[0].label
+            remedy = Mend.model_validate(asdict(remedies[0]))
+        if provisional is None:
             self._find(
                 "encoder",
                 f"it tells {plain(found.ratio, 5)} of the way that the motor is told to go: {label}",
@@ -164,36 +198,34 @@ class FirstLookStudy(StudyRun):
                 interval=_between(found.ratio_interval),
                 remedy=remedy,
             )
-            if found.ratio < 0:
-                self._find("polarity", "it counts against the motor", value=-1.0, sure="certain")
-            return
+            return False
+        measured = measured_encoder(found.ratio * way / turn * provisional.counts, way, turn, SLACK_MICROSTEPS)
+        counts, half = measured.counts, measured.uncertainty
+        lines = f" ({counts // 4:,} lines)" if counts % 4 == 0 else ""
+        about = "" if measured.usual else "about "
         self._find(
             "encoder",
-            "its resolution is set right: it tells the way that the motor goes",
-            value=found.ratio,
-            interval=_between(found.ratio_interval),
+            f"one answers, of {about}{counts:,} counts a turn{lines}, and nobody has set what they are: {label}",
+            value=float(counts),
+            unit="counts a turn",
+            interval=_between((abs(measured.counts_per_turn) - half, abs(measured.counts_per_turn) + half)),
+            remedy=remedy,
         )
-        self._find("polarity", "it counts with the motor", value=1.0, sure="certain")
-        self._find(
-            "play",
-            "between both ways: friction, backlash before the encoder, and half a count",
-            value=found.play,
-            unit="microsteps",
-            interval=_between(found.play_interval),
-        )
+        return False
+
+    def _tell_eccentricity(self, found: EncoderFit, scale_deg: float) -> None:
+        """scale_deg : of the shaft, for what the encoder tells [deg/microstep]"""
         if found.eccentricity is None:
             self._find("eccentricity", "less than a turn was looked at", sure="cannot be told")
-        else:
-            assert found.eccentricity_interval is not None
-            low, high = found.eccentricity_interval
-            self._find(
-                "eccentricity",
-                "once a turn: of the encoder or its coupling, which a look from one side cannot tell apart",
-                value=found.eccentricity * turn_deg,
-                unit="deg of the shaft",
-                interval=_between((low * turn_deg, high * turn_deg)),
-            )
-        self._find("index", "not looked for: see the encoder page", sure="cannot be told")
+            return
+        assert found.eccentricity_interval is not None
+        self._find(
+            "eccentricity",
+            "once a turn: of the encoder or its coupling, which a look from one side cannot tell apart",
+            value=found.eccentricity * scale_deg,
+            unit="deg of the shaft",
+            interval=_scaled(scale_deg, found.eccentricity_interval),
+        )
 
     async def _sampled(self, target: int) -> tuple[Way, Failed | None]:
         """A move, position and encoder on its way [microsteps], and why it ended elsewhere."""
@@ -251,12 +283,12 @@ class FirstLookStudy(StudyRun):
         ground, at = self._ground, (await self._state()).position
         far, over = (round(each * self._full_step) for each in (EDGE_FULLSTEPS, PERIOD_FULLSTEPS))
         creep = {SPEED: CREEP_FULLSTEPS * self._full_step, ACCELERATION: ground.ramp[ACCELERATION]}
-        await self.apply(ground.space.registers(creep), "slowly, at the edge of a switch")
+        await self.apply(self._registers(creep), "slowly, at the edge of a switch")
         out, within = (at + far, at - over) if side == "left" else (at - far, at + over)
         out, within = (min(max(place, low), high) for place in (out, within))
         released = await self._creep(side, out, pressed=False)
         pressed = None if released is None else await self._creep(side, within, pressed=True)
-        await self.apply(ground.space.registers(ground.ramp), "slow moves")
+        await self.apply(self._registers(ground.ramp), "slow moves")
         if released is None or pressed is None:
             where = "released" if released is None else "pressed again"
             text = f"the {side} switch is not {where} within {EDGE_FULLSTEPS:g} full steps"
@@ -311,6 +343,11 @@ class FirstLookStudy(StudyRun):
 
 def _between(ends: tuple[float, float]) -> Interval:
     return Interval(low=ends[0], high=ends[1])
+
+
+def _scaled(scale: float, ends: tuple[float, float]) -> Interval:
+    low, high = sorted(scale * end for end in ends)
+    return Interval(low=low, high=high)
 
 
 def _between_switches(state: AxisState) -> bool:
