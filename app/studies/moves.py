@@ -14,6 +14,7 @@ from ..devices.core.results import AxisState
 from ..procedures.procedure import POLL_S, Failed
 from ..procedures.standing import Standing
 from ..telemetry.sampling import FloatArray
+from .driver_faults import state_now
 from .sampled import sampling
 
 RATE_HZ = 500.0
@@ -117,8 +118,8 @@ class MeasuredMoves:
         """The latest that was measured."""
 
     async def state(self) -> AxisState:
-        """The axis now."""
-        return await self._device.monitor.axis_state(self._axis)
+        """The axis now. Raises DriverFault, BenchError."""
+        return await state_now(self._device, self._axis, self._clock)
 
     async def go(self, target: int) -> None:
         """Move without measuring. Raises Failed where the motor rests elsewhere, BenchError."""

@@ -14,6 +14,7 @@ from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import BenchError, WrongState
 from ..profiles.capture import CapturedConfiguration
+from .driver_faults import faults_told
 from .families import ramp_of
 from .parts import Part
 from .ramp_settings import RampSpace, held_of
@@ -89,6 +90,7 @@ async def axis_now(device: Device, axis: int, missing: list[str]) -> AxisNow | N
         return None
     if state.moving:
         missing.append("the axis moves: stop it first")
+    missing += faults_told(device, axis, state)
     return AxisNow(space, held, state, *microsteps)
 
 
@@ -125,11 +127,6 @@ async def axis_at_a_switch(device: Device, axis: int, missing: list[str], switch
     elif pressed:
         missing.append(f"the {switch} switch is pressed: begin a little beside it")
     return found
-
-
-def faults_told(device: Device, axis: int, state: AxisState) -> list[str]:
-    """What is wrong with the axis now: nothing is studied meanwhile."""
-    return [f"{sign.cause}: see the condition of the axis" for sign in device.monitor.signs(axis, state).faults]
 
 
 def room_told(limits: AxisLimits) -> list[str]:

@@ -17,6 +17,7 @@ from ..devices.core.device import Device
 from ..errors import BenchError
 from ..procedures.procedure import Ended, Failed, Procedure
 from ..profiles.apply import Transaction
+from .driver_faults import DriverFault
 from .own_motion import StopWhenBack
 from .ramp_settings import document_of
 from .record import Held, Phase, StudyRecord
@@ -131,7 +132,10 @@ class StudyRun(Procedure):
         """The study itself. Raises Failed or BenchError."""
 
     async def _run(self) -> None:
-        await self._study()
+        try:
+            await self._study()
+        except DriverFault as error:
+            raise Failed(str(error)) from error
 
     def _over(self, how: Ended) -> None:
         self._how = how

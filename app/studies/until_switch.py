@@ -9,6 +9,7 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..procedures.procedure import POLL_S, Failed
+from .driver_faults import state_now
 from .moves import LONGEST
 
 Side = Literal["left", "right"]
@@ -44,7 +45,7 @@ async def go_until_switch(
     longest_s : the device's time that it may take; None: what the device predicts, three times over
     Raises Failed where neither comes within that time, BenchError.
     """
-    state = await device.monitor.axis_state(axis)
+    state = await state_now(device, axis, clock)
     at, since_s = state.position, device.device_time_s()
     met = SwitchMet(at, at, seen=True) if is_pressed(state, side) == pressed else None
     if met is None and state.position != target:
@@ -53,7 +54,7 @@ async def go_until_switch(
     until_s = since_s + (longest_s or STARTS_S)
     while state.moving or (met is None and state.position != target):
         await clock.sleep(POLL_S)
-        before, state = state.position, await device.monitor.axis_state(axis)
+        before, state = state.position, await state_now(device, axis, clock)
         if state.position != at:
             at, since_s = state.position, device.device_time_s()
         seen = is_pressed(state, side) == pressed

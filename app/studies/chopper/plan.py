@@ -14,7 +14,7 @@ from ..current_settings import CurrentSpace
 from ..document import CalmChopper, StudyDocument
 from ..encoder_scale import microsteps_a_count
 from ..families import chopper_of, current_of, identification_of
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from .setting import ChopperSetting, ChopperSpace, Coil
 
@@ -101,7 +101,6 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
     state, full_step = found.state, found.full_step
     if state.encoder_position is None:
         say("no encoder tells its position: nothing else sees the shaft shake, so ripple cannot be measured")
-    looked.missing += faults_told(device, axis, state)
     allowed = chopper.allowed(wanted.lowest_hz)
     if not allowed:
         say(

@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..document import ClosedLoop, StudyDocument
 from ..families import loop_of
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import SPEED, RampSpace
 from ..record import Held
 from ..ringing import HOP_PPS, HOPS, RING_S
@@ -59,7 +59,6 @@ async def look(device: Device, axis: int, wanted: ClosedLoop) -> Looked[Ground]:
         say("no encoder tells its position: nothing could be regulated by it")
     if not (loop.on or loop.off):
         say("another regulation is on (regulation_modus): switch it off on the page Closed loop first")
-    looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     step = round(wanted.step_fullsteps * full_step)
     span = hop_span(full_step, wanted.hops)

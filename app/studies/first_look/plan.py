@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...number_text import plain
 from ..document import FirstLook, StudyDocument
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned
+from ..plan import Looked, StudyPlan, axis_now, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
 from .unset_encoder import EncoderGround, encoder_ground
@@ -45,7 +45,6 @@ async def look(device: Device, axis: int, wanted: FirstLook) -> Looked[Ground]:
     if found is None:
         return looked
     space, state, turn = found.space, found.state, found.turn
-    looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     far = round(wanted.turns * turn)
     if limits.beyond(state.position + far):

@@ -15,6 +15,7 @@ from ...devices.core.signs import EncoderSeen
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FirstLook
+from ..driver_faults import state_now
 from ..moves import PERIOD_FULLSTEPS
 from ..parts import Interval
 from ..ramp_settings import ACCELERATION, SPEED, UNITS
@@ -338,7 +339,7 @@ class FirstLookStudy(StudyRun):
         return (way / self._ground.ramp["speed"] * LONGEST + STARTS_S) / min(scale, 1.0)
 
     async def _state(self) -> AxisState:
-        return await self.device.monitor.axis_state(self.axis)
+        return await state_now(self.device, self.axis, self.clock)
 
 
 def _between(ends: tuple[float, float]) -> Interval:

@@ -11,6 +11,7 @@ from ...calc.motors.ring_down import Fitted
 from ...clock import Clock
 from ...devices.core.device import Device
 from ...procedures.procedure import Failed
+from ..driver_faults import state_now
 from ..field_settings import Place
 from .found import Identified
 
@@ -152,7 +153,7 @@ class AmplitudeRuns:
             until_s = self._clock.now() + longest_s
             while True:
                 await self._clock.sleep(POLL_S)
-                state = await self._device.monitor.axis_state(self._axis)
+                state = await state_now(self._device, self._axis, self._clock)
                 counts = await self._read(self._places.now)
                 if abs(state.position - start - way / 2) < MIDDLE * abs(way):
                     seen.append(counts)

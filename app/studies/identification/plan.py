@@ -13,7 +13,7 @@ from ..document import Identification, StudyDocument
 from ..encoder_scale import microsteps_a_count
 from ..families import current_of, identification_of
 from ..field_settings import FieldSpace
-from ..plan import AxisNow, Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..ringing import HOP_PPS, HOPS, RING_S
 from .coil import SPEED_UP_S, SPEEDS_RPS, TUNES_WITHIN_S, AmplitudePlaces, CoilTold
@@ -88,7 +88,6 @@ async def look(device: Device, axis: int, wanted: Identification) -> Looked[Grou
         return looked
     if state.encoder_position is None:
         say("no encoder tells its position: nothing else sees the rotor ring")
-    looked.missing += faults_told(device, axis, state)
     low = round(wanted.current_share * (current.run_scale + 1)) - 1
     if low < LEAST_SCALE:
         say(f"the run current is set to scale {current.run_scale} of {current.steps - 1}: too little to tell by")

@@ -11,7 +11,7 @@ from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import LeastCurrent, StudyDocument
 from ..families import coolstep_of, current_of
-from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
@@ -83,7 +83,6 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if not all(now.values()):
         say("its speed or acceleration is 0: set the ramp of the load cycle first")
         return looked
-    looked.missing += faults_told(device, axis, state)
     cycle = Cycle(wanted.distance, {name: now[name] for name in (SPEED, ACCELERATION)})
     begin = state.position + cycle.way * 4 * found.full_step
     if limits.beyond(begin + wanted.distance):

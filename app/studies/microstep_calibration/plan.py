@@ -12,7 +12,7 @@ from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
 from ..document import MicrostepCalibration, StudyDocument
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..table_settings import TableSpace
 
@@ -60,7 +60,6 @@ async def look(device: Device, axis: int, wanted: MicrostepCalibration) -> Looke
         return looked
     if state.encoder_position is None:
         say("no encoder tells its position: nothing else sees the angle error")
-    looked.missing += faults_told(device, axis, state)
     if lengths(decode(table.now)).min() < 1:
         say("its table has a place without current: write a sine first (Microsteps)")
         return looked

@@ -16,7 +16,7 @@ from ..current_settings import CurrentSpace
 from ..document import ResonanceMap, StudyDocument
 from ..families import current_of, ripple_of, sets_current
 from ..field_settings import FieldSpace, place_of, word_before
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
 from ..record import Held
 
@@ -103,7 +103,6 @@ async def look(device: Device, axis: int, wanted: ResonanceMap) -> Looked[Ground
     if not all(now.values()):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
         return looked
-    looked.missing += faults_told(device, axis, state)
     travel = round(wanted.travel_turns * found.turn)
     if limits.beyond(state.position + travel):
         say(

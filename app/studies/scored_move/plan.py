@@ -14,7 +14,7 @@ from ...registers.model import Field, Register
 from ..document import ScoredMove, StudyDocument
 from ..families import by_hand_of
 from ..field_settings import place_of
-from ..plan import Looked, StudyPlan, axis_now, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Held
 
@@ -53,7 +53,6 @@ async def look(device: Device, axis: int, wanted: ScoredMove) -> Looked[Ground]:
     if not all(now.values()):
         say("its speed or acceleration is 0: set a ramp at which it moves")
         return looked
-    looked.missing += faults_told(device, axis, state)
     far = state.position + wanted.distance
     if limits.beyond(far):
         say(f"it would go to {far}, and the soft limits end before: begin elsewhere, or by a shorter distance")

@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..document import StallGuard, StudyDocument
 from ..families import stalls_of
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace, held_of
 from .setting import StallPlaces, StallSpace
 
@@ -64,7 +64,6 @@ async def look(device: Device, axis: int, wanted: StallGuard) -> Looked[Ground]:
         return looked
     if not wanted.stop_confirmed:
         say("nobody has said that a hard stop is there which the motor may run into: stop_confirmed")
-    looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     way = -1 if wanted.side == "left" else 1
     limit = state.position + way * round(wanted.within_fullsteps * found.full_step)

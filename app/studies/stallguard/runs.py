@@ -15,6 +15,7 @@ from ...devices.core.results import AxisState
 from ...procedures.procedure import POLL_S, Failed
 from ...procedures.standing import Standing
 from ...telemetry.sampling import FloatArray
+from ..driver_faults import state_now
 from ..moves import LONGEST, LOOK_S, PERIOD_FULLSTEPS, deviation_of
 from ..sampled import sampling
 
@@ -202,4 +203,4 @@ class StallRuns:
         return "nothing says why"
 
     async def _state(self) -> AxisState:
-        return await self._device.monitor.axis_state(self._axis)
+        return await state_now(self._device, self._axis, self._clock)

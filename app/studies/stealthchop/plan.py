@@ -11,7 +11,7 @@ from ...number_text import plain
 from ..current_settings import CurrentSpace
 from ..document import QuietStealthChop, StudyDocument
 from ..families import current_of, stealthchop_of
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from .setting import Motor, StealthSpace
 
@@ -125,7 +125,6 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
     except WrongState as error:
         say(str(error))
         return looked
-    looked.missing += faults_told(device, axis, state)
     limits = device.axes[axis].settings.limits
     fastest, hardest = found.space.allowed(SPEED), found.space.allowed(ACCELERATION)
     if fastest < 0.999 * wanted.velocity_max_rps * turn:

@@ -13,7 +13,6 @@ from ..plan import (
     StudyPlan,
     axis_at_a_switch,
     axis_that_sees_lost_steps,
-    faults_told,
     planned,
     room_told,
 )
@@ -84,7 +83,6 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
     if not all(now.values()):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
         return looked
-    looked.missing += faults_told(device, axis, state)
     if JERK in now:
         say("its ramp is S-shaped: how hard it accelerates is up to its bows too. Set a ramp without them for this")
     way = -1 if switch == "right" else 1

@@ -23,6 +23,7 @@ from ...procedures.procedure import Failed
 from ...profiles.apply import Transaction
 from ...profiles.document import parse
 from ..document import StudyDocument, TwinMotor
+from ..driver_faults import DriverFault
 from ..kinds import KINDS
 from ..record import Figures, Trial
 from ..search import Asked
@@ -38,7 +39,7 @@ def run_job(job: TwinJob) -> dict[str, Any]:
     """The trial that came of it, as JSON: a failed one says why. Blocks."""
     try:
         trial = asyncio.run(_live(job))
-    except (BenchError, Failed, ValueError) as error:
+    except (BenchError, Failed, DriverFault, ValueError) as error:
         setting = dict(job.values)
         trial = Trial(
             number=job.number, setting=setting, registers=[], state="failed", figures=Figures(), why=str(error)
