@@ -40,6 +40,7 @@ def _tell_plan(plan: dict[str, Any]) -> None:
         typer.echo(f"  {line}")
     if plan["position_from"] is not None:
         typer.echo(f"  between {plan['position_from']} and {plan['position_to']}, about {plain(plan['time_s'], 3)} s")
+    typer.echo(f"  cut off and resumed, it {'goes on with the rest' if plan['goes_on'] else 'begins again'}")
     for line in plan["warnings"]:
         typer.secho(f"stepscope: {line}", fg="yellow", err=True)
     for line in plan["missing"]:
@@ -154,7 +155,7 @@ def stop(study: Name, url: Url = None, token: Token = None, as_json: AsJson = Fa
 
 @tune.command(no_args_is_help=True)
 def resume(study: Name, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
-    """Go on with a study that was cut off."""
+    """Go on with a study that was cut off, or begin it again: its plan says which of both its kind does."""
     with connected(url, token) as bench:
         _tell(bench.call("POST", f"/studies/{study}/resume"), as_json=as_json)
 

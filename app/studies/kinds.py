@@ -31,6 +31,8 @@ class StudyKind:
     channels : what its recording has of the axis
     import_parts : imports its modules
     sets_nothing : its setting is that of the axis; what was before is what there is when it is taken
+    goes_on : cut off, it keeps what is whole and goes on with the rest; else its pieces hang on one another, or are
+        few, and it begins anew
     no_twin : why none of its settings is tried on an emulated twin
     """
 
@@ -40,6 +42,7 @@ class StudyKind:
     channels: tuple[str, ...]
     import_parts: Callable[[], StudyParts]
     sets_nothing: bool = False
+    goes_on: bool = False
     no_twin: str = ""
 
     @cached_property
@@ -166,6 +169,7 @@ KINDS: dict[Kind, StudyKind] = {
         "faster: the ramp with the shortest move at which no step is lost, with a margin",
         POSITIONS,
         _fastest_move,
+        goes_on=True,
     ),
     "identification": StudyKind(
         "identification",
@@ -196,6 +200,7 @@ KINDS: dict[Kind, StudyKind] = {
         "quieter: how much it vibrates at each speed, which order meets the resonance, and which setting moves that",
         POSITIONS,
         _resonance_map,
+        goes_on=True,
         no_twin=MEASURES,
     ),
     "chopper": StudyKind(
@@ -204,6 +209,7 @@ KINDS: dict[Kind, StudyKind] = {
         "quieter: hysteresis, TOFF and TBL of SpreadCycle by which the shaft shakes least, by the encoder",
         POSITIONS,
         _chopper,
+        goes_on=True,
         no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "stealthchop": StudyKind(
@@ -245,6 +251,7 @@ KINDS: dict[Kind, StudyKind] = {
         "how much the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost",
         POSITIONS,
         _torque_curve,
+        goes_on=True,
         no_twin=MEASURES,
     ),
 }

@@ -39,6 +39,9 @@ class StudyPlan(Part):
     time_s: float = Field(default=0.0, description="about, at most [s]")
     registers: list[str] = Field(default_factory=list, description="those that it sets, and sets back")
     unwatched: list[str] = Field(default_factory=list, description="what nothing of it would notice")
+    goes_on: bool = Field(
+        default=False, description="cut off, it keeps what is whole and goes on with the rest; else it begins anew"
+    )
     no_twin: str = Field(default="", description="why nothing of it can be tried on an emulated twin; empty: it can")
 
 

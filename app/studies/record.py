@@ -228,6 +228,7 @@ class StudyRecord(Part):
     loop: LoopFound | None = Field(default=None, description="of a study of the closed loop")
     runs: int = 0
     way_fullsteps: float = 0.0
+    ran_s: float = Field(default=0.0, description="how long it has run, all its beginnings together [s]")
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")

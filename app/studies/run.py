@@ -60,7 +60,7 @@ class StudyRun(Procedure):
         super().__init__(device, axis, clock)
         self.record = record
         self.keeper = keeper
-        self._began_s = clock.now()
+        self._began_s = clock.now() - record.ran_s
         self._setting: Transaction | None = None
         self._stop_when_back: StopWhenBack | None = None
         self._touched = False
@@ -75,7 +75,7 @@ class StudyRun(Procedure):
 
     @property
     def since_s(self) -> float:
-        """How long it runs [s]."""
+        """How long it has run, with what came before it was gone on with [s]."""
         return self.clock.now() - self._began_s
 
     def spent(self, share: float = 1.0) -> bool:
@@ -87,6 +87,7 @@ class StudyRun(Procedure):
     def tell(self, phase: Phase, progress: float, message: str, left_s: float | None = None) -> None:
         """How far it is, for whoever looks."""
         record = self.record
+        record.ran_s = self.since_s
         record.phase, record.progress, record.message = phase, min(1.0, progress), message
         record.left_s = left_s
 
@@ -153,7 +154,7 @@ class StudyRun(Procedure):
             assert self._how in ("done", "failed", "aborted")
             record.state = self._how
             record.message = self.message or ("" if self._how == "done" else record.message)
-            record.phase, record.left_s = "over", None
+            record.phase, record.left_s, record.ran_s = "over", None, self.since_s
             if self._how == "done":
                 record.progress = 1.0
             record.ended_unix_s = time.time()

@@ -19,6 +19,8 @@ from .document import Sampler
 T = TypeVar("T")
 STUDY = "study"
 LOST = "lost steps"
+AGAIN = "again"
+"""Of a trial that was cut off once: if it ends the study once more, it is left out."""
 STARTUP_TRIALS = 8
 """Drawn at random before a model of them is made."""
 
@@ -111,8 +113,10 @@ class Searcher:
         )
         known = self._study.get_trials(deepcopy=False)
         for trial in known:
-            if trial.state == TrialState.RUNNING:  # of a process that was cut off
+            if trial.state == TrialState.RUNNING:  # of a process that was cut off: it is tried once more
                 self._study.tell(trial.number, state=TrialState.FAIL, skip_if_finished=True)
+                if trial.params and AGAIN not in trial.user_attrs:
+                    self._study.enqueue_trial(trial.params, {AGAIN: True})
         return len(known)
 
     def _make_sampler(self, optuna: Any) -> Any:

@@ -121,6 +121,7 @@ class StudyService:
         device.session.require_connected()
         kind = KINDS[document.study.kind]
         plan = await kind.plan(device, axis, document)
+        plan.goes_on = kind.goes_on
         plan.no_twin = "" if kind.on_twin else kind.no_twin or "no twin is known to be like the axis in this"
         plan.missing += self._in_the_way(device, axis)
         return plan
@@ -153,16 +154,20 @@ class StudyService:
         return await self._begin(record)
 
     async def resume(self, study: str) -> StudyRecord:
-        """Put the axis back as it was, and go on where it was cut off. Raises UnknownThing, WrongState, BenchError."""
+        """Put the axis back as it was, and go on where it was cut off: with the pieces that are whole where its kind
+        `goes_on`, else anew. Raises UnknownThing, WrongState, BenchError."""
         record = self._store.get(study)
         if record.state in ("running", "done"):
             raise WrongState(f"the study {'runs' if record.state == 'running' else 'is over'}", "start a new one")
-        if record.left:
+        kind = KINDS[record.document.study.kind]
+        if record.left or (not kind.sets_nothing and await self._differences(record)):
             await self.restore(study)
         plan = await self.plan(record.document)
         if plan.missing:
             raise WrongState("; ".join(plan.missing), "see to it first")
         record.state, record.ended_unix_s, record.message = "running", None, ""
+        if not kind.goes_on:
+            record.runs, record.way_fullsteps, record.ran_s = 0, 0.0, 0.0
         return await self._begin(record)
 
     async def _begin(self, record: StudyRecord) -> StudyRecord:
@@ -351,8 +356,10 @@ class StudyService:
     async def left(self, study: str) -> list[str]:
         """What is not as before now, register by register, of a study that was cut off. Raises BenchError."""
         record = self._store.get(study)
-        if not record.left:
-            return []
+        return await self._differences(record) if record.left else []
+
+    async def _differences(self, record: StudyRecord) -> list[str]:
+        """What the axis is set to other than before the study, register by register. Raises BenchError."""
         device, _ = self._of(record.document)
         held = await held_of(device)
         told = []

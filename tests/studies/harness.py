@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,6 +87,27 @@ class Studied:
             assert self.clock.now() < until_s
             await self.clock.advance(STEP_S)
         await task
+
+    async def killed(self, run: StudyRun) -> StudyRecord:
+        """The study as a server that is killed now leaves it and the next one finds it; the axis is put back."""
+        folder = self.store.folder(run.record.id)
+        kept = {path.name: path.read_bytes() for path in folder.iterdir()}
+        await self.passing(run.abort("killed"))
+        for path in folder.iterdir():
+            path.unlink()
+        for name, content in kept.items():
+            (folder / name).write_bytes(content)
+        self.store = StudyStore(folder.parent.parent, aside=False)
+        self.store.load()
+        return self.store.get(run.record.id)
+
+    async def until(self, run: StudyRun, reached: Callable[[StudyRecord], bool], within_s: float = 600.0) -> None:
+        """Let it run until its record tells that it is so far."""
+        until_s = self.clock.now() + within_s
+        while not reached(run.record):
+            assert run.running, run.record.message
+            assert self.clock.now() < until_s, run.record.message
+            await self.clock.advance(STEP_S)
 
     async def settings(self, *names: str) -> list[int]:
         """What registers hold, also those that cannot be read."""

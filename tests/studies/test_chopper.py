@@ -14,7 +14,9 @@ from app.emulators.tmc5xxx import Tmc5xxxOptions
 from app.studies.chopper.plan import look
 from app.studies.document import CalmChopper
 from app.studies.kinds import KINDS
+from app.studies.record import StudyRecord
 from app.studies.report import html_of
+from app.studies.run import StudyRun
 from tests.bench.studies.chopper import SPEEDS, shaken
 from tests.plants.choppers import drawn
 from tests.studies.harness import START, Studied, studied
@@ -135,6 +137,58 @@ async def test_a_stop_in_the_search_puts_the_chopper_back(tmp_path: Path) -> Non
         record = await s.finish(run, 60)
         assert (record.state, record.left) == ("aborted", [])
         assert await s.settings(*NAMES) == before
+
+
+async def cut_off(s: Studied, run: StudyRun, *, by_kill: bool) -> StudyRecord:
+    if by_kill:
+        return await s.killed(run)
+    await s.passing(run.abort("stopped"))
+    return run.record
+
+
+@pytest.mark.parametrize("by_kill", [False, True])
+async def test_it_goes_on_with_the_trials_that_it_had(tmp_path: Path, by_kill: bool) -> None:
+    """They were dropped from the record, and the next one was called the calculated setting."""
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_hysteresis(s, -2)
+        run = s.begin(s.document(STUDY, budget={"trials": 6}))
+        await s.until(run, lambda record: len(record.trials) == 3)
+        await s.clock.advance(1.0)
+        cut = await cut_off(s, run, by_kill=by_kill)
+        assert cut.chopper is not None
+        trials, tried, calculated = list(cut.trials), list(cut.chopper.tried), cut.chopper.calculated
+        assert (len(trials), len(tried)) == (3, 3)
+        record = await s.finish(s.begin(cut.document, cut), 600)
+        found = record.chopper
+        assert (record.state, record.left) == ("done", []), record.message
+        assert found is not None
+        assert record.trials[:3] == trials
+        assert found.tried[:3] == tried
+        assert found.calculated == calculated
+        assert [one.why for one in found.tried] == ["calculated", *[""] * 5]
+        settings = [(one.off, one.blank, one.hysteresis) for one in found.tried]
+        assert len({*settings}) == len(settings) == 6, "the budget has six trials, and none is made twice"
+        assert len({trial.number for trial in record.trials}) == 6
+        assert record.improved, record.verdict
+
+
+async def test_it_goes_on_with_the_pairs_of_its_proof(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_hysteresis(s, -2)
+        run = s.begin(s.document(STUDY, budget={"trials": 3}))
+        await s.until(run, lambda record: record.chopper is not None and len(record.chopper.pairs) == 2)
+        runs = run.record.runs
+        cut = await s.killed(run)
+        assert cut.chopper is not None
+        assert cut.chopper.chosen is not None
+        pairs, chosen = list(cut.chopper.pairs), cut.chopper.chosen
+        record = await s.finish(s.begin(cut.document, cut), 600)
+        assert (record.state, record.improved) == ("done", True), record.message
+        assert record.chopper is not None
+        assert record.chopper.pairs[: len(pairs)] == pairs
+        assert (len(record.chopper.pairs), record.chopper.chosen) == (10, chosen)
+        # Nothing but the pairs that were not made yet, and one way there and back to fall into step.
+        assert record.runs <= runs + 4 * 2 * (10 - len(pairs)) + 2
 
 
 @pytest.mark.parametrize(

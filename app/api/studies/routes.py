@@ -79,7 +79,10 @@ async def _require_speed(bench: ServerState, device: str) -> None:
 @router.get("")
 async def list_studies(bench: CurrentBench) -> StudyList:
     """All studies, the latest first, and which kinds there are."""
-    kinds = [StudyKindInfo(kind=kind.kind, title=kind.title, purpose=kind.purpose) for kind in KINDS.values()]
+    kinds = [
+        StudyKindInfo(kind=kind.kind, title=kind.title, purpose=kind.purpose, goes_on=kind.goes_on)
+        for kind in KINDS.values()
+    ]
     watches = [watch_info(watch) for watch in bench.studies.watches]
     return StudyList(studies=[_info(record) for record in bench.studies.all()], kinds=kinds, watches=watches)
 
@@ -128,7 +131,11 @@ async def stop_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
 @router.post("/{study}/resume", responses=BEGIN)
 @policy(words=wording.named("resume study"))
 async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
-    """Put the axis back as it was, and go on where the study was cut off."""
+    """Put the axis back as it was, and go on with a study that was cut off.
+
+    Kinds that `goes_on` names in the list and in the plan keep what is whole, and spend what is left of the budget;
+    the others begin anew. It goes on from where the axis stands.
+    """
     await _require_speed(bench, bench.studies.get(study).document.device)
     return await bench.studies.resume(study)
 

@@ -19,6 +19,9 @@ class StudyKindInfo(Answer):
     kind: Kind
     title: str
     purpose: str
+    goes_on: bool = Field(
+        description="cut off and resumed, it keeps what is whole and goes on with the rest; else it begins anew"
+    )
 
 
 class StudyInfo(Answer):

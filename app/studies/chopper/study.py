@@ -52,16 +52,24 @@ class ChopperStudy(StudyRun):
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
-        record.findings, record.trials, record.best, record.units = [], [], None, dict(UNITS)
-        record.chopper = ChopperFound(speeds_rps=self.wanted.speeds_rps)
+        self._moves.way_fullsteps = record.way_fullsteps
+        record.units = dict(UNITS)
+        record.chopper = record.chopper or ChopperFound(speeds_rps=self.wanted.speeds_rps)
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.chopper.before]
             record.baseline_setting = ground.chopper.now.told
         await self.keeper.save(record)
         self._touched = True
-        await self._baseline()
-        await self._search()
-        best = await self._best()
+        self.tell("baseline", 0.0, "running with the chopper as it is set now")
+        self.keeper.mark("baseline")
+        # A rotor that stood beside its field when it was switched on falls into step with the first move.
+        await self._there_and_back(ground.cruises[0])
+        if self.found.chosen is None:
+            await self._baseline()  # anew where it goes on: a motor has cooled down meanwhile
+            await self._search()
+            best = await self._best()
+        else:  # it was cut off in the proof
+            best = record.trial(record.best)
         if best is not None:
             await self._prove(best)
         await self.back()
@@ -109,10 +117,6 @@ class ChopperStudy(StudyRun):
 
     async def _baseline(self) -> None:
         ground, found = self._ground, self.found
-        self.tell("baseline", 0.0, "running with the chopper as it is set now")
-        self.keeper.mark("baseline")
-        # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._there_and_back(ground.cruises[0])
         now = await self._shaken(ground.chopper.registers_now(), BASELINE_ROUNDS)
         found.before = self._tried(ground.chopper.now, now, "as it was")
         await self.keeper.save(self.record)
@@ -120,10 +124,9 @@ class ChopperStudy(StudyRun):
     async def _search(self) -> None:
         record, ground, budget = self.record, self._ground, self.record.document.budget
         space = Space(dimensions(ground.allowed), 1, "tpe")
-        searcher = Searcher(
-            self.keeper.folder / "optuna.db", space, record.document.seed, aside=isinstance(self.clock, WallClock)
-        )
-        known: dict[ChopperSetting, ChopperTried] = {}
+        seed = record.document.seed + len(record.trials)
+        searcher = Searcher(self.keeper.folder / "optuna.db", space, seed, aside=isinstance(self.clock, WallClock))
+        known = {_setting(one): one for one in self.found.tried}
         margins = Margins(ground.allowed, ground.chopper.ripples)
         passed = 0
         try:
@@ -141,7 +144,9 @@ class ChopperStudy(StudyRun):
                     ground.round_s * (budget.trials - done + 2 * self.wanted.pairs),
                 )
                 if done > 1 and (done >= MARGINS_FROM * budget.trials or passed >= PASSED_MOST):
-                    tried = {setting: one.ripple_fullsteps for setting, one in known.items()}
+                    # Other limits since it was cut off may leave out some that were tried.
+                    allowed = [setting for setting in known if setting in ground.allowed]
+                    tried = {setting: known[setting].ripple_fullsteps for setting in allowed}
                     told = margins.steepest(tried) if done % 2 else margins.calmest(tried)
                     await searcher.first([told.told])
                 asked = await searcher.ask()
@@ -167,11 +172,11 @@ class ChopperStudy(StudyRun):
             return False
         self.keeper.mark(f"trial {asked.number}: {setting.words}")
         registers = chopper.registers(setting)
-        tried = self._tried(setting, await self._shaken(registers), "calculated" if not known else "")
+        calculated = setting == nearest(chopper.calculated, self._ground.allowed)
+        tried = self._tried(setting, await self._shaken(registers), "calculated" if calculated else "")
         known[setting] = tried
         found.tried.append(tried)
-        found.calculated = found.calculated or tried
-        await searcher.tell(asked, [tried.ripple_fullsteps], 0.0)
+        found.calculated = tried if calculated else found.calculated
         record.trials.append(
             Trial(
                 number=asked.number,
@@ -184,6 +189,7 @@ class ChopperStudy(StudyRun):
             )
         )
         record.best = record.trials[self._calmest(found.tried)].number
+        await searcher.tell(asked, [tried.ripple_fullsteps], 0.0)
         await self.keeper.save(record)
         return True
 
@@ -238,7 +244,7 @@ class ChopperStudy(StudyRun):
         found, wanted = self.found, self.wanted
         settings = {"A": self._ground.chopper.registers_now(), "B": best.registers}
         self.keeper.mark(f"proof of trial {best.number}")
-        for index in range(wanted.pairs):
+        for index in range(len(found.pairs), wanted.pairs):
             if self.spent():
                 break
             self.tell(
@@ -250,6 +256,7 @@ class ChopperStudy(StudyRun):
             order = pair_order(index)
             shaken = {which: together(await self._shaken(settings[which]), self._ground.least) for which in order}
             found.pairs.append(RipplePair(baseline_fullsteps=shaken["A"], winner_fullsteps=shaken["B"], order=order))
+            await self.keeper.save(self.record)
         self._decide(best)
         await self.keeper.save(self.record)
 

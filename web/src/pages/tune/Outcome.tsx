@@ -7,7 +7,7 @@ import { titleOf } from "./kinds";
 import { Phases } from "./Phases";
 import { type Study, sentencesOf } from "./study";
 import classes from "./tune.module.css";
-import type { Changes } from "./useStudies";
+import { type Changes, useStudies } from "./useStudies";
 
 /** How it ended, for the eye: better, failed, or neither. */
 function outcomeOf({ state, improved }: Study): "running" | "better" | "failed" | "same" {
@@ -22,6 +22,7 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
   const running = study.state === "running";
   const best = study.trials.find(({ number }) => number === study.best);
   const [first, ...grounds] = sentencesOf(running ? study.message : study.verdict || study.message || study.state);
+  const goesOn = useStudies().data?.kinds.find(({ kind }) => kind === study.document.study.kind)?.goes_on;
   const failed = [changes.stop, changes.resume, changes.best, changes.undo, changes.keep, changes.remove];
   return (
     <Card
@@ -139,7 +140,7 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
               loading={changes.resume.isPending}
               onClick={() => changes.resume.mutate(id)}
             >
-              Go on (moves)
+              {goesOn ? "Go on (moves)" : "Begin again (moves)"}
             </Button>
           )}
           <Anchor size="sm" href={`/api/v1/studies/${id}/report`} download>

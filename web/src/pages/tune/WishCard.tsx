@@ -137,6 +137,9 @@ function WhatHappens({ plan, stale }: { plan: Plan; stale: boolean }) {
           Not tried on an emulated twin first: {plan.no_twin}.
         </Text>
       )}
+      <Text size="sm" className="dim">
+        Cut off, it {plan.goes_on ? "keeps what is whole and goes on with the rest" : "begins again"}.
+      </Text>
       {plan.unwatched.map((line) => (
         <Text key={line} size="sm" className="dim">
           Not watched: {line}.
