@@ -13,6 +13,7 @@ import pytest
 from app.emulators.tmc5xxx.options import AxisChange, EncoderChange, SwitchesChange, Tmc5xxxPatch
 from app.profiles.capture import read_held
 from app.studies.first_look.encoder_fit import fit_encoder
+from app.studies.first_look.encoder_index import IndexMet, index_findings
 from app.studies.first_look.faults import Way, pulled
 from app.studies.first_look.plan import plan
 from app.studies.record import Finding, StudyRecord
@@ -201,6 +202,71 @@ async def test_an_encoder_that_nobody_has_set_is_found_by_its_resolution_alone(t
     async with bench_4361(start, encoder={"lines": 2500, "eccentricity_deg": 0.3}) as b:
         found = await finds_one(Studied(b, StudyStore(tmp_path, aside=False)), 10_000)
         assert found["eccentricity"].value == pytest.approx(0.3, abs=0.05)
+
+
+@pytest.mark.parametrize("model", ENCODERS)
+async def test_the_index_of_an_encoder_is_found_where_it_is(tmp_path: Path, model: str) -> None:
+    """Its N line is high for four counts from the rotor's 0 on, which is not where the counter begins."""
+    async with studied(tmp_path, model=model, start_fullsteps=60.0) as s:
+        before = await held(s)
+        found = named(await looked(s))
+        index, offset = found["index"], found["offset"]
+        assert index.value == pytest.approx(0, abs=16)
+        assert "seen 4 times in 4 turns" in index.text
+        assert offset.value == pytest.approx(TURN - 60 * 256, abs=16)
+        assert await held(s) == before
+
+
+async def test_the_index_of_an_encoder_that_nobody_has_set_is_found(tmp_path: Path) -> None:
+    async with studied(tmp_path, UNSET, start_fullsteps=60.0, encoder={"lines": 1000, "reversed": True}) as s:
+        found = named(await looked(s, turns=2.0))
+        assert "seen 8 times in 8 turns" in found["index"].text
+        assert found["offset"].value == pytest.approx(TURN - 60 * 256, abs=64)
+
+
+async def test_the_index_of_an_encoder_is_found_by_what_latches_it(tmp_path: Path) -> None:
+    start = replace(START_4361, stops=False)
+    async with bench_4361(start, encoder={"zero_fullsteps": 37.3}) as b:
+        s = Studied(b, StudyStore(tmp_path, aside=False))
+        before = await held(s)
+        found = named(await looked(s))
+        assert found["index"].value == pytest.approx(0, abs=16)
+        assert found["offset"].value == pytest.approx(37.3 * 256, abs=16)
+        assert await held(s) == before
+
+
+async def test_an_index_beside_the_way_is_not_told_to_be_missing(tmp_path: Path) -> None:
+    async with studied(tmp_path, start_fullsteps=60.0) as s:
+        index = named(await looked(s, turns=0.25))["index"]
+        assert (index.sure, index.value) == ("cannot be told", None)
+        assert "0.25 turns" in index.text
+
+
+def met(*latched: Sequence[int], turns: float = 1.0) -> list[IndexMet]:
+    """Ways there and back, and where the index of an encoder that tells twice the way was met on each."""
+    there = np.linspace(0, turns * TURN, 400)
+    ways = [there if not at % 2 else there[::-1] for at in range(len(latched))]
+    return [IndexMet(Way(way, 2 * way), at) for way, at in zip(ways, latched, strict=True)]
+
+
+def test_the_index_is_told_by_the_ways_on_which_it_was_met() -> None:
+    def told(ways: Sequence[IndexMet]) -> dict[str, Finding]:
+        return {one.name: one for one in index_findings(ways, TURN, 256)}
+
+    once = 2 * 1000
+    none = told(met([], [], [], []))
+    assert "none seen in 4 turns" in none["index"].text
+    assert "offset" not in none
+    found = told(met([once], [once + 40], [once + 6], [once + 40]))
+    assert found["index"].value == pytest.approx(3)
+    assert found["offset"].value == pytest.approx(1000 + (1.5 + 20) / 2)
+    # at the end of a turn, and at its beginning
+    found = told(met([2 * (TURN - 3)], [2], [4], [2]))
+    assert found["index"].value == pytest.approx(5)
+    wandering = told(met([once], [once], [3 * once], [once]))
+    assert "no whole turns apart" in wandering["index"].text
+    assert "offset" not in wandering
+    assert told(met([once], [], [], []))["index"].sure == "cannot be told"
 
 
 async def test_no_encoder_that_answers_is_told_to_be_missing(tmp_path: Path) -> None:

@@ -343,6 +343,20 @@ class UnsetEncoder(Protocol):
         ...
 
 
+class EncoderIndex(Protocol):
+    """Latches where its encoder was as the index channel was met."""
+
+    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """Registers of `axis` by name, or fields of them, by which each meeting of the index latches the place of the
+        encoder and clears nothing. Asks nothing of the chip. Raises UnknownThing."""
+        ...
+
+    async def index_met(self, axis: int, /) -> int | None:
+        """Where the encoder was as its index was met since the last call [microsteps]; None where it was not. Takes
+        notice of the flag that tells so. Raises BenchError."""
+        ...
+
+
 class PositionFromEncoder(Protocol):
     """Can take its position from an encoder."""
 
@@ -640,6 +654,7 @@ class ProgramSteps(Protocol):
 NO_ENCODER = ("has no encoder to record", "use a controller with an encoder input")
 MISSING: dict[type, tuple[str, str]] = {
     EncoderSetting: NO_ENCODER,
+    EncoderIndex: ("tells nothing of an index of its encoder", "search its reference by a switch"),
     PositionFromEncoder: ("cannot take its position from an encoder", "search its reference"),
     PositionSetting: ("cannot have its position set", "search its reference"),
     StallStop: ("measures no stall that could stop its motor", "search its reference by a switch"),

@@ -5,24 +5,37 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...calc.positions.encoder_resolution import constant_of, measured_encoder
-from ..core.capabilities import EncoderSetting, UnsetEncoder
+from ..core.capabilities import EncoderIndex, EncoderSetting, Registers, UnsetEncoder
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
 from . import roles
 from .memory import ChipMemory
 
+INDEX_CONF = {
+    "clear_on_n": 0,
+    "clr_latch_cont_on_n": 1,
+    "clr_latch_once_on_n": 0,
+    "pol_n": 1,
+    "n_chan_sensitivity": 1,
+    "ignore_ab": 1,
+    "latch_enc_on_n": 1,
+    "latch_x_on_n": 0,
+}
+"""ENC_IN_CONF by which each N event latches ENC_POS and sets nothing."""
 
-class Encoder(EncoderSetting, UnsetEncoder):
+
+class Encoder(EncoderSetting, UnsetEncoder, EncoderIndex):
     """ENC_IN_RES by the way that was seen, and ENC_POS from the position; nothing where ENC_CONST is not known."""
 
     ENCODER_REGISTERS = frozenset(
         {"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"}
     )
 
-    def __init__(self, session: Session, memory: ChipMemory) -> None:
+    def __init__(self, session: Session, memory: ChipMemory, registers: Registers) -> None:
         self._session = session
         self._memory = memory
+        self._registers = registers
 
     def require_encoder(self, axis: int, /) -> None:
         self._session.axis(axis)
@@ -35,6 +48,17 @@ class Encoder(EncoderSetting, UnsetEncoder):
         """ENC_IN_RES, from which the chip finds ENC_CONST."""
         self._session.axis(axis)
         return {"ENC_IN_RES": {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}}
+
+    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENC_IN_CONF: ENC_POS is latched at each edge of N to active, whatever A and B are then."""
+        self._session.axis(axis)
+        return {roles.ENC_IN_CONF.name: INDEX_CONF}
+
+    async def index_met(self, axis: int, /) -> int | None:
+        status = await self._registers.read(roles.STATUS.name, axis)
+        if not status.fields["ENC_LATCH_F"]:
+            return None
+        return (await self._registers.read("ENC_LATCH", axis)).value  # which ends the flag
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         axis = self._session.axis(axis).index

@@ -81,7 +81,7 @@ def compose(
             moves,
             position,
             DriverBehind(link, memory, cruise, position),
-            Encoder(session, memory),
+            Encoder(session, memory, registers),
             StartPin(link, memory, moves),
             Pace(link, registers, cruise),
             MicrostepTable(link, memory, writes),

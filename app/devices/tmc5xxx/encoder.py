@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from ...calc.positions.encoder_resolution import measured_encoder
 from ...errors import WrongState
-from ..core.capabilities import NO_ENCODER, EncoderSetting, UnsetEncoder
+from ..core.capabilities import NO_ENCODER, EncoderIndex, EncoderSetting, Registers, UnsetEncoder
 from ..core.results import AxisState
 from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
@@ -18,16 +18,21 @@ from .start_up import DECIMAL, encoder_constant
 REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "GCONF"})
 """A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
 
+INDEX_MODE = {"pol_N": 1, "ignore_AB": 1, "clr_cont": 1, "clr_once": 0, "pos_edge": 1, "neg_edge": 0, "clr_enc_x": 0}
+"""ENCMODE by which each event latches X_ENC and clears nothing."""
 
-class SixPointEncoders(EncoderSetting, UnsetEncoder):
-    """Knows which ENC_CONST fits the way that was seen, and one for an encoder that nobody has set yet."""
+
+class SixPointEncoders(EncoderSetting, UnsetEncoder, EncoderIndex):
+    """Knows which ENC_CONST fits the way that was seen, and one for an encoder that nobody has set yet; reads the
+    place of its index."""
 
     ENCODER_REGISTERS = REGISTERS
 
-    def __init__(self, session: Session, memory: ChipMemory, decoded: DecodedRegisters) -> None:
+    def __init__(self, session: Session, memory: ChipMemory, decoded: DecodedRegisters, registers: Registers) -> None:
         self._session = session
         self._memory = memory
         self._decoded = decoded
+        self._registers = registers
 
     def require_encoder(self, axis: int, /) -> None:
         if not self.has_encoder(axis):
@@ -57,6 +62,19 @@ class SixPointEncoders(EncoderSetting, UnsetEncoder):
         turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
         decimal, word = encoder_constant(Fraction(turn, counts))
         return {rows.encoder_mode.name: {"enc_sel_decimal": int(decimal)}, rows.enc_const.name: word}
+
+    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENCMODE: X_ENC is latched at each rising edge of N, whatever A and B are then."""
+        self._session.axis(axis)
+        return {"ENCMODE": INDEX_MODE}
+
+    async def index_met(self, axis: int, /) -> int | None:
+        status = await self._registers.read("ENC_STATUS", axis)
+        if not status.fields["n_event"]:
+            return None
+        if not self._registers.clears_when_read("ENC_STATUS", axis):
+            await self._registers.write("ENC_STATUS", axis, fields={"n_event": 1})
+        return (await self._registers.read("ENC_LATCH", axis)).value
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not

@@ -89,7 +89,7 @@ def compose(
             memory,
             decoded,
             log,
-            SixPointEncoders(session, memory, decoded),
+            SixPointEncoders(session, memory, decoded, registers),
             calls,
             ChipStall(session, memory, decoded, registers, calls),
             FlagClearing(session, link, memory, log, reader, standstill, registers),

@@ -10,7 +10,7 @@ from ..document import FirstLook, StudyDocument
 from ..plan import Looked, StudyPlan, axis_now, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
-from .unset_encoder import EncoderGround, encoder_ground
+from .encoder_ground import EncoderGround, encoder_ground
 
 SPEED_UP_S = 0.25
 """How long these moves speed up and brake [s]."""
@@ -33,8 +33,7 @@ class Ground:
     @property
     def before(self) -> list[Held]:
         """What goes back at the end."""
-        provisional = self.encoder.provisional
-        return self.space.before if provisional is None else [*self.space.before, *provisional.before]
+        return [*self.space.before, *self.encoder.before]
 
 
 async def look(device: Device, axis: int, wanted: FirstLook) -> Looked[Ground]:
@@ -89,7 +88,7 @@ def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: Fi
         "no further where the motor does not go where it is told",
     ]
     if (provisional := ground.encoder.provisional) is not None:
-        told.steps.insert(0, f"an encoder is looked for: {provisional.counts:,} counts a turn are set meanwhile")
+        told.steps.insert(0, f"an encoder is looked for: {provisional:,} counts a turn are set meanwhile")
     if wanted.travel_turns:
         low, high = travel_of(device, axis, wanted, ground)
         told.position_from, told.position_to = min(low, ground.start), max(high, far)

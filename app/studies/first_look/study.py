@@ -9,7 +9,7 @@ from dataclasses import asdict
 import numpy as np
 
 from ...calc.positions.encoder_resolution import SLACK_MICROSTEPS, measured_encoder
-from ...devices.core.capabilities import EncoderSetting
+from ...devices.core.capabilities import EncoderIndex, EncoderSetting
 from ...devices.core.results import AxisState
 from ...devices.core.signs import EncoderSeen
 from ...number_text import plain
@@ -24,6 +24,7 @@ from ..run import StudyRun
 from ..sampled import sampling
 from ..until_switch import Side, SwitchMet, go_until_switch
 from .encoder_fit import EncoderFit, fit_encoder
+from .encoder_index import IndexMet, index_findings
 from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase, pulled
 from .plan import CREEP_FULLSTEPS, EDGE_FULLSTEPS, Ground, look, travel_of
 
@@ -44,6 +45,9 @@ class FirstLookStudy(StudyRun):
     _looks: list[dict[str, bool]]
     """Flags of the driver, of each look under way."""
     _loads: list[float]
+    _latched: list[int] | None
+    """Where the encoder was as its index was met on the way under way [microsteps]; None: it is not looked for."""
+    _ways_met: list[IndexMet]
     _stays: bool
     """Whether the motor had better not be moved on."""
 
@@ -58,6 +62,7 @@ class FirstLookStudy(StudyRun):
         record.findings = []
         self._stays = False
         self._looks, self._loads = list[dict[str, bool]](), list[float]()
+        self._latched, self._ways_met = None, []
         if not record.baseline:
             record.baseline, record.baseline_setting = ground.before, ground.space.now()
         record.units = {name: UNITS[name] for name in ground.ramp}
@@ -90,9 +95,8 @@ class FirstLookStudy(StudyRun):
         self._find(named.fault, f"{named.text}: {TO_DO[named.fault]}", fault=named.fault, sure="measured")
 
     def _registers(self, ramp: dict[str, float]) -> list[Held]:
-        """A ramp, and what an encoder is taken for that nobody has set."""
-        provisional = self._ground.encoder.provisional
-        return [*self._ground.space.registers(ramp), *([] if provisional is None else provisional.registers)]
+        """A ramp, and what is set of the encoder meanwhile."""
+        return [*self._ground.space.registers(ramp), *self._ground.encoder.registers]
 
     @property
     def _full_step(self) -> int:
@@ -160,7 +164,10 @@ class FirstLookStudy(StudyRun):
             interval=_scaled(scale, found.play_interval),
         )
         self._tell_eccentricity(found, abs(scale) * 360 / self._ground.turn)
-        self._find("index", "not looked for: see the encoder page", sure="cannot be told")
+        if untold := self._ground.encoder.index_untold:
+            self._find("index", untold, sure="cannot be told")
+        else:
+            self.record.findings += index_findings(self._ways_met, self._ground.turn, self._full_step)
 
     def _why_it_stands_still(self) -> str:
         if self._ground.encoder.provisional is not None:
@@ -200,7 +207,7 @@ class FirstLookStudy(StudyRun):
                 remedy=remedy,
             )
             return False
-        measured = measured_encoder(found.ratio * way / turn * provisional.counts, way, turn, SLACK_MICROSTEPS)
+        measured = measured_encoder(found.ratio * way / turn * provisional, way, turn, SLACK_MICROSTEPS)
         counts, half = measured.counts, measured.uncertainty
         lines = f" ({counts // 4:,} lines)" if counts % 4 == 0 else ""
         about = "" if measured.usual else "about "
@@ -234,6 +241,9 @@ class FirstLookStudy(StudyRun):
         load = f"load_value.{self.axis}"
         names = [f"position.{self.axis}", f"encoder_position.{self.axis}", *([load] if load in there else [])]
         failure: Failed | None = None
+        if not self._ground.encoder.index_untold:
+            await self._met_index()  # before this way
+            self._latched = []
         with sampling(self.device, names, RATE_HZ, self.clock) as samples:
             try:
                 await self._go(target, samples.take)
@@ -244,7 +254,13 @@ class FirstLookStudy(StudyRun):
         position, encoder, *loads = samples.all()[1].T
         self._loads += [float(value) for each in loads for value in each[np.isfinite(each)]]
         known = np.isfinite(position) & np.isfinite(encoder)
-        return Way(position[known], encoder[known]), failure
+        way, latched, self._latched = Way(position[known], encoder[known]), self._latched, None
+        if latched is not None and len(way.position):
+            self._ways_met.append(IndexMet(way, latched))
+        return way, failure
+
+    async def _met_index(self) -> int | None:
+        return await self.device.need(EncoderIndex).index_met(self.axis)
 
     def _load(self) -> float | None:
         return float(np.median(self._loads)) if self._loads else None
@@ -324,6 +340,8 @@ class FirstLookStudy(StudyRun):
             await self.clock.sleep(POLL_S)
             take()
             state = await self._state()
+            if self._latched is not None and (met := await self._met_index()) is not None:
+                self._latched.append(met)
             if not state.moving and state.position == target:
                 break
             if state.moving:
