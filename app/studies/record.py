@@ -9,6 +9,7 @@ from pydantic import Field
 from .chopper.found import ChopperFound
 from .closed_loop.found import LoopFound
 from .document import StudyDocument
+from .first_look.found import LookFound
 from .identification.found import Identified
 from .least_current.found import LeastCurrentFound
 from .parts import Interval, PairOrder, Part
@@ -223,6 +224,7 @@ class StudyRecord(Part):
     improved: bool | None = Field(default=None, description="null: it did not come to a proof")
     verdict: str = ""
     findings: list[Finding] = Field(default_factory=list)
+    looked: LookFound | None = Field(default=None, description="of a first look: its encoder on the way")
     microsteps: MicrostepFigures | None = Field(default=None, description="of a microstep calibration")
     identified: Identified | None = Field(default=None, description="motor and machine, as a study found them")
     loop: LoopFound | None = Field(default=None, description="of a study of the closed loop")

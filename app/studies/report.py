@@ -10,6 +10,7 @@ from .chopper import report as chopper
 from .closed_loop import report as closed_loop
 from .document import Kind
 from .fastest_move import report as fastest_move
+from .first_look import report as first_look
 from .identification import report as identification
 from .least_current import report as least_current
 from .microstep_calibration import report as microstep_calibration
@@ -23,7 +24,7 @@ from .torque_curve import report as torque_curve
 SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "chopper": chopper.sections,
     "closed_loop": closed_loop.sections,
-    "first_look": lambda _: [],
+    "first_look": first_look.sections,
     "fastest_move": fastest_move.sections,
     "identification": identification.sections,
     "least_current": least_current.sections,

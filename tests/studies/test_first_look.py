@@ -17,6 +17,7 @@ from app.studies.first_look.encoder_index import IndexMet, index_findings
 from app.studies.first_look.faults import Way, pulled
 from app.studies.first_look.plan import plan
 from app.studies.record import Finding, StudyRecord
+from app.studies.report import html_of
 from app.studies.store import StudyStore
 from app.telemetry.sampling import FloatArray
 from tests.devices.harness import bench as controller
@@ -233,6 +234,23 @@ async def test_the_index_of_an_encoder_is_found_by_what_latches_it(tmp_path: Pat
         assert found["index"].value == pytest.approx(0, abs=16)
         assert found["offset"].value == pytest.approx(37.3 * 256, abs=16)
         assert await held(s) == before
+
+
+async def test_the_report_draws_the_encoder_over_the_position_both_ways(tmp_path: Path) -> None:
+    """Of an encoder that counts against the motor, and whose counts are set wrong: neither shows."""
+    start = replace(START_4361, stops=False)
+    async with bench_4361(start, encoder={"lines": 2500, "reversed": True, "eccentricity_deg": 0.4}) as b:
+        record = await looked(Studied(b, StudyStore(tmp_path, aside=False)))
+        assert record.looked is not None
+        assert [way.forward for way in record.looked.ways] == [True, False, True, False]
+        for way in record.looked.ways:
+            assert np.ptp(way.position_fullsteps) == pytest.approx(200, abs=2)
+            assert np.ptp(way.deviation_fullsteps) == pytest.approx(2 * 0.4 / 1.8, abs=0.05)
+        report = html_of(record)
+        assert "Encoder over position" in report
+        assert (report.count("<svg"), report.count("<polyline")) == (1, 4)
+        unread = record.model_copy(update={"looked": None})
+        assert "<svg" not in html_of(unread)
 
 
 async def test_an_index_beside_the_way_is_not_told_to_be_missing(tmp_path: Path) -> None:

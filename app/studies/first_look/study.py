@@ -26,6 +26,7 @@ from ..until_switch import Side, SwitchMet, go_until_switch
 from .encoder_fit import EncoderFit, fit_encoder
 from .encoder_index import IndexMet, index_findings
 from .faults import STANDS, SWITCH_PLAY_FULLSTEPS, TO_DO, Named, Way, of_turns, open_phase, pulled
+from .found import look_found
 from .plan import CREEP_FULLSTEPS, EDGE_FULLSTEPS, Ground, look, travel_of
 
 RATE_HZ = 250.0
@@ -59,7 +60,7 @@ class FirstLookStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        record.findings = []
+        record.findings, record.looked = [], None
         self._stays = False
         self._looks, self._loads = list[dict[str, bool]](), list[float]()
         self._latched, self._ways_met = None, []
@@ -121,6 +122,8 @@ class FirstLookStudy(StudyRun):
             self.tell("look", 0.1 + 0.1 * part, "and back" if part % 2 else "turning there")
             fault = await self._way(ways, target)
             if fault is not None:
+                if ground.encoder.provisional is None:
+                    self._keep(ways, 1.0)
                 self._broken(fault)
                 return
         there, back = ways[:2]
@@ -131,7 +134,13 @@ class FirstLookStudy(StudyRun):
             found = fit_encoder(position, encoder, forward, ground.turn)
         except ValueError as error:
             raise Failed(f"nothing to fit: {error}") from error
+        self._keep(ways, 1 / found.ratio if abs(found.ratio) >= STANDS else 1.0)
         self._tell_encoder(found, await self._state(), far - ground.start)
+
+    def _keep(self, ways: list[Way], scale: float) -> None:
+        """Keep what the encoder told for the report; `scale` makes microsteps of the motor of it."""
+        told = [(way.position, way.encoder) for way in ways]
+        self.record.looked = look_found(told, scale, self._full_step)
 
     async def _way(self, ways: list[Way], target: int) -> Named | None:
         """One more way, and what is broken by all of them. Raises Failed where it ends elsewhere, nothing named."""
