@@ -67,6 +67,7 @@ async def test_a_wrong_resolution_is_set_right_by_the_cure_that_it_names(
         assert remedy is not None
         assert f"{4 * lines:,} counts a turn" in remedy.label
         assert found["polarity"].value == (-1 if backwards else 1)
+        assert f"the encoder goes {'down' if backwards else 'up'}" in found["direction"].text
         body = remedy.body
         assert body is not None
         for write in body["writes"]:
@@ -151,6 +152,7 @@ async def test_a_chip_that_reads_no_encoder_is_not_told_to_be_given_one(tmp_path
         s = Studied(b, StudyStore(tmp_path, aside=False))
         record = await looked(s)
         assert (named(record)["encoder"].sure, record.verdict) == ("cannot be told", "all is well")
+        assert "encoder" not in named(record)["direction"].text
 
 
 UNSET = replace(START, counts_per_rev=0)

@@ -76,11 +76,7 @@ class FirstLookStudy(StudyRun):
             await self._travel()
         else:
             self._find("switches", "not looked for: travel_turns is 0", sure="cannot be told")
-        self._find(
-            "direction",
-            "which way is out, up or closing only eyes can tell: the shaft bit turns the sign where it is wrong",
-            sure="cannot be told",
-        )
+        self._find("direction", self._direction(), sure="cannot be told")
         await self.back()
         wrong = [one for one in record.findings if one.remedy or one.fault or one.sure == "missing"]
         record.verdict = (
@@ -90,6 +86,16 @@ class FirstLookStudy(StudyRun):
 
     def _find(self, name: str, text: str, **more: object) -> None:
         self.record.findings.append(Finding.model_validate({"name": name, "text": text, **more}))
+
+    def _direction(self) -> str:
+        polarity = next((one.value for one in self.record.findings if one.name == "polarity"), None)
+        known = ""
+        if polarity is not None:
+            known = f"as the position counter goes up, the encoder goes {'up' if polarity > 0 else 'down'}; "
+        return (
+            f"{known}which way of the machine that is (out, up, closing) only eyes can tell: where it is the wrong "
+            "one, swap the two wires of one coil, or turn the motor round by its setting"
+        )
 
     def _broken(self, named: Named) -> None:
         self._stays = self._stays or named.fault in ("open phase", "overload")
