@@ -200,6 +200,17 @@ async def test_an_encoder_that_nobody_has_set_is_found_however_fine_it_is(tmp_pa
         assert (await finds_one(s, 4 * lines))["polarity"].value == 1
 
 
+async def test_what_is_set_to_find_an_encoder_goes_back_where_the_look_is_stopped(tmp_path: Path) -> None:
+    async with studied(tmp_path, UNSET) as s:
+        before = await held(s)
+        run = s.begin(s.document({"kind": "first_look"}))
+        await s.clock.advance(1.5)
+        assert (await s.b.state()).encoder_position is not None
+        await s.passing(run.abort("enough"))
+        assert (run.record.state, run.record.left) == ("aborted", [])
+        assert await held(s) == before
+
+
 async def test_an_encoder_that_nobody_has_set_is_found_by_its_resolution_alone(tmp_path: Path) -> None:
     start = replace(START_4361, counts_per_rev=0, stops=False)
     async with bench_4361(start, encoder={"lines": 2500, "eccentricity_deg": 0.3}) as b:

@@ -46,7 +46,8 @@ def index_findings(ways: Sequence[IndexMet], turn: int, full_step: int) -> list[
         if farthest < 1 - full_step / turn:
             text = f"none on the {plain(farthest, 3)} turns that were looked at: it may lie beside them"
             return [Finding(name="index", text=text, sure="cannot be told")]
-        return [Finding(name="index", text=f"none seen in {plain(turns, 3)} turns: none is connected to the chip")]
+        text = f"none seen in {plain(turns, 3)} turns: none is connected, or its pin serves something else"
+        return [Finding(name="index", text=text)]
     first = met[0]
     # Of a turn, around the first one seen: places just below and above a whole turn are near each other.
     folded = [[first + (place - first + turn / 2) % turn - turn / 2 for place in places] for places in by_way]
