@@ -30,6 +30,8 @@ friction rings for seconds."""
 LONGEST = 3.0
 """A move may take so many times what it should."""
 LOOK_S = 0.25
+SAYS_WHY_S = 1.0
+"""How long a driver may take to tell why a motor rests [s]."""
 SAMPLES_LEAST = 2
 """Behind the command of a move: a score needs them."""
 PERIOD_FULLSTEPS = 4.0
@@ -92,6 +94,26 @@ def worst_of(moves: Iterable[MoveFigures]) -> float | None:
     return max((one.deviation_fullsteps for one in moves if one.deviation_fullsteps is not None), default=None)
 
 
+class Stood(Failed):
+    """The motor came to rest on its way, `at` [microsteps]; its move began at `since_s` of the device's time."""
+
+    def __init__(self, at: int, target: int, since_s: float) -> None:
+        super().__init__(f"the motor stands at {at}, not {target}: by a switch, or its ramp is 0")
+        self.at, self.since_s = at, since_s
+
+
+async def stopped_by_a_stall(device: Device, axis: int, clock: Clock, since_s: float) -> bool:
+    """Whether the driver says that a stall ended the move that began at `since_s` of the device's time."""
+    until_s = clock.now() + SAYS_WHY_S
+    while True:
+        ends = device.monitor.motion_ends(axis)
+        if ends and ends[-1].time_s >= since_s:
+            return ends[-1].reason == "stall"
+        if clock.now() >= until_s:
+            return False
+        await clock.sleep(POLL_S)
+
+
 class MeasuredMoves:
     """Moves one axis and looks at its encoder. Positions in microsteps of the counter, all else in full steps."""
 
@@ -116,6 +138,8 @@ class MeasuredMoves:
         """Of all moves so far."""
         self.last: Sampled | None = None
         """The latest that was measured."""
+        self.stalled_at: int | None = None
+        """Where a stall ended that one [microsteps]; None where none did."""
 
     async def state(self) -> AxisState:
         """The axis now. Raises DriverFault, BenchError."""
@@ -131,15 +155,20 @@ class MeasuredMoves:
         await self._arrive(target, started.predicted_duration_s, lambda: None)
         await self.deviation()
 
-    async def measured(self, target: int) -> MoveFigures:
-        """Move to `target` and measure. Raises Failed where it does not arrive, BenchError."""
+    async def measured(self, target: int, *, stalls: bool = False) -> MoveFigures:
+        """Move to `target` and measure; `stalls`: also a move that a stall ends, whose time is not told then.
+
+        Raises Failed where it does not arrive, BenchError.
+        """
         before = await self.deviation()
-        found = await self.sampled(target, RATE_HZ)
-        self.last = found
-        figures = figures_of(found, target, before, self._microsteps, self._band)
+        found = await self.sampled(target, RATE_HZ, stalls=stalls)
+        self.last, at = found, self.stalled_at
+        figures = figures_of(found, target if at is None else at, before, self._microsteps, self._band)
+        if at is not None:
+            figures = replace(figures, time_s=None)
         return figures if self._has_encoder else replace(figures, deviation_fullsteps=None)
 
-    async def sampled(self, target: int, rate_hz: float) -> Sampled:
+    async def sampled(self, target: int, rate_hz: float, *, stalls: bool = False) -> Sampled:
         """Move to `target`, and what was sampled until the shaft rests. Raises as `measured`."""
         own = ("position", "encoder_position") if self._has_encoder else ("position",)
         names = [*(f"{name}.{self._axis}" for name in own), *self._beside]
@@ -147,7 +176,13 @@ class MeasuredMoves:
             start = (await self.state()).position
             self.way_fullsteps += abs(target - start) / self._microsteps
             started = await self._device.motion.move(self._axis, target)
-            await self._arrive(target, started.predicted_duration_s, samples.take)
+            self.stalled_at = None
+            try:
+                await self._arrive(target, started.predicted_duration_s, samples.take)
+            except Stood as stood:
+                if not stalls or not await stopped_by_a_stall(self._device, self._axis, self._clock, stood.since_s):
+                    raise
+                self.stalled_at = stood.at
             after = await self.deviation()
             samples.take()
         times_s, rows = samples.all()
@@ -193,6 +228,6 @@ class MeasuredMoves:
             if state.position_reached and not state.moving and state.position == target:
                 return
             if standing.seen(state) and device.device_time_s() - began_s > POLL_S:
-                raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or its ramp is 0")
+                raise Stood(state.position, target, began_s)
             if device.device_time_s() - began_s > longest_s:
                 raise Failed(f"the motor has not arrived at {target} after {longest_s:.3g} s")

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -31,6 +31,7 @@ from .plan import StudyPlan
 from .ramp_settings import document_of, held_of, value_now
 from .record import Held, StudyRecord
 from .run import StudyRun
+from .scored_move.in_force import as_in_a_move
 from .scored_move.noticed import NoticedMove
 from .scored_move.study import scored, seen, tell
 from .scored_move.watch import MoveWatch, Setting
@@ -295,12 +296,16 @@ class StudyService:
         wanted = ScoredMove(distance=distance, repeats=1)
         record = self._store.begin(StudyDocument(device=device.id, axis=axis, study=wanted, name="Noticed move"))
         record.device_name, record.model, record.noticed, record.state = device.name, device.model, True, "done"
-        figures = figures_of(
-            move.sampled, move.target, move.before, ground.full_step, wanted.band_fullsteps * ground.full_step
-        )
-        tell(record, ground, scored(distance, [seen(figures, move.sampled, move.target, ground.full_step)]))
+        rests_at = move.target if move.stalled_at is None else move.stalled_at
+        band = wanted.band_fullsteps * ground.full_step
+        figures = figures_of(move.sampled, rests_at, move.before, ground.full_step, band)
+        if move.stalled_at is not None:
+            figures = replace(figures, time_s=None)
+        made = seen(figures, move.sampled, move.target, ground.full_step, move.stalled_at)
+        tell(record, ground, scored(distance, [made], ground.stall_level))
         record.phase, record.progress, record.runs = "over", 1.0, 1
-        record.way_fullsteps, record.ended_unix_s = abs(distance) / ground.full_step, time.time()
+        record.way_fullsteps = abs(rests_at - move.sampled.start) / ground.full_step
+        record.ended_unix_s = time.time()
         began_s = float(move.time_s[0] - move.sampled.time_s[0])
         marks = [Mark(began_s, "move", f"to {move.target}", axis)]
         label = Label(f"Noticed move of {device.name}"[:NAME_MAX], f"study {record.id}")
@@ -337,6 +342,7 @@ class StudyService:
         before = record.baseline
         if which == "best" and KINDS[record.document.study.kind].sets_nothing:
             held = await held_of(device)
+            registers = as_in_a_move(device, record.document.axis, held, registers)
             now = [(each, value_now(device, held, each)) for each in registers]
             before = [each.model_copy(update={"value": value}) for each, value in now if value is not None]
         switched = record.switched if which == "baseline" and record.left else None

@@ -231,6 +231,58 @@ async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, cloc
         assert await held(client) == expected
 
 
+async def test_taking_a_move_leaves_what_is_no_setting_of_it(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    """Which switches stop the motor is in one register with whether a stall does."""
+
+    async def switches(**fields: int) -> dict[str, int]:
+        where = f"devices/{slide}/registers/SW_MODE?axis=0"
+        if fields:
+            assert (await client.put(where, json={"fields": fields})).status_code == 200
+        found: dict[str, int] = (await client.get(where)).json()["fields"]
+        return found
+
+    assert (await switches(sg_stop=0))["stop_l_enable"] == 1
+    document = {"device": slide, "study": {"kind": "scored_move", "distance": 6400, "repeats": 1}}
+    done = await over(client, clock, (await client.post("studies", json=document)).json()["id"], 20)
+    assert (done["state"], done["trials"][0]["setting"]["sg_stop"]) == ("done", 0), done["message"]
+    changed = await switches(sg_stop=1, stop_l_enable=0)
+    taken = await client.post(f"studies/{done['id']}/take", json={"which": "best"})
+    assert taken.status_code == 200, taken.text
+    assert await switches() == {**changed, "sg_stop": 0}
+    assert (await client.post(f"studies/{done['id']}/take", json={"which": "baseline"})).status_code == 200
+    assert await switches() == changed
+
+
+async def test_a_noticed_move_that_a_stall_ends_is_scored(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    for name, body in (
+        ("COOLCONF", {"fields": {"sgt": -64}}),
+        ("TCOOLTHRS", {"value": 400}),
+        ("SW_MODE", {"fields": {"sg_stop": 1}}),
+    ):
+        written = await client.put(f"devices/{slide}/registers/{name}?axis=0", json=body)
+        assert written.status_code == 200, written.text
+    assert (await client.put(f"devices/{slide}/axes/0/noticed-moves")).status_code == 200
+    await clock.advance(STEP_S)
+    assert (await client.post(f"devices/{slide}/axes/0/move", json={"target": 51_200})).status_code == 200
+    for _ in range(200):
+        await clock.advance(STEP_S)
+        found = (await client.get("studies")).json()
+        if found["studies"]:
+            break
+    assert (found["watches"][0]["noticed"], found["watches"][0]["missed"]) == (1, 0)
+    (one,) = found["studies"]
+    stands = (await client.get(f"devices/{slide}/axes/0")).json()["position"]
+    assert 0 < stands < 51_200
+    assert (one["scored"]["stalls"], one["scored"]["stalled_at"]) == (1, stands)
+    assert one["scored"]["distance"] == 51_200
+    assert one["scored"]["reached"] == pytest.approx(stands / 51_200)
+    assert one["scored"]["time_s"] is None
+
+
 async def test_moves_of_anybody_are_noticed_recorded_and_scored(
     client: httpx.AsyncClient, clock: VirtualClock, slide: str
 ) -> None:

@@ -26,13 +26,14 @@ LEAST_ROWS = 4
 @dataclass(frozen=True, slots=True)
 class NoticedMove:
     """One move. sampled, target : as of a move that was begun here; before : encoder less position at rest, before it
-    [microsteps]; time_s, columns : all of its samples"""
+    [microsteps]; time_s, columns : all of its samples; stalled_at : where a stall ended it, None where none did"""
 
     sampled: Sampled
     target: int
     before: float
     time_s: FloatArray
     columns: FloatArray
+    stalled_at: int | None = None
 
 
 class MoveFinder:

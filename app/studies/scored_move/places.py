@@ -8,8 +8,17 @@ from ..field_settings import Place
 
 
 @dataclass(frozen=True, slots=True)
+class Only:
+    """While a field of a register that can be read has one of these values."""
+
+    field: Place
+    values: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
 class HandPlace:
-    """One of them, by the name that it has in a table."""
+    """One of them, by the name that it has in a table. only : when it means that, of an address with two meanings"""
 
     name: str
     place: Place
+    only: Only | None = None

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...profiles.capture import CapturedConfiguration
-from ...profiles.items import items_by_key, key_of
-from ...registers.model import Field, Register
 from ..document import ScoredMove, StudyDocument
-from ..families import by_hand_of
-from ..field_settings import place_of
 from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
 from ..record import Held
+from .in_force import in_force, stall_level
 
 AROUND_S = 0.4
 """What a move takes beside its ramp: coming to rest, and looking [s]."""
@@ -25,7 +20,7 @@ AROUND_S = 0.4
 @dataclass(frozen=True, slots=True)
 class Ground:
     """What is known before the first move. start, full_step : [microsteps]; move_s : of one move [s]; setting,
-    registers : what is in force."""
+    registers : what is in force; stall_level : the load value at or below which is a stall, None where nobody knows."""
 
     start: int
     full_step: int
@@ -33,6 +28,7 @@ class Ground:
     ramp: dict[str, float]
     setting: dict[str, float]
     registers: list[Held]
+    stall_level: float | None
 
 
 async def look(device: Device, axis: int, wanted: ScoredMove) -> Looked[Ground]:
@@ -57,33 +53,20 @@ async def look(device: Device, axis: int, wanted: ScoredMove) -> Looked[Ground]:
     if limits.beyond(far):
         say(f"it would go to {far}, and the soft limits end before: begin elsewhere, or by a shorter distance")
     looked.warnings += room_told(limits)
-    setting = {f"{name} [{UNITS[name]}]": value for name, value in now.items()}
-    known = list(_known(device, axis, found.held))
-    setting |= {
-        name: float(row.decode(word) if field is None else field.unpack(word)) for name, row, field, word in known
-    }
-    rows = {key_of(row): (row, word) for _, row, _, word in known}
-    registers = {(each.name, each.axis): each for each in found.space.before}
-    registers |= {
-        (row.name, row.axis): Held(name=row.name, axis=row.axis, value=row.decode(word)) for row, word in rows.values()
-    }
+    hand = await in_force(device, axis, found.held)
+    setting = {f"{name} [{UNITS[name]}]": value for name, value in now.items()} | dict(hand.values)
+    registers = {(each.name, each.axis): each for each in (*found.space.before, *hand.registers)}
     move_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
-    looked.ground = Ground(state.position, found.full_step, move_s, now, setting, list(registers.values()))
+    looked.ground = Ground(
+        state.position,
+        found.full_step,
+        move_s,
+        now,
+        setting,
+        list(registers.values()),
+        stall_level(device, axis, found.held, found.full_step),
+    )
     return looked
-
-
-def _known(device: Device, axis: int, held: CapturedConfiguration) -> Sequence[tuple[str, Register, Field | None, int]]:
-    """Settings that this chip has, of which it is known what they are set to."""
-    items = items_by_key(device.model)
-    found = []
-    for one in by_hand_of(device):
-        at = place_of(device, axis, one.place)
-        if at is None or key_of(at[0]) not in items:
-            continue
-        word = held.words.get(key_of(at[0]))
-        if word is not None:
-            found.append((one.name, *at, word))
-    return found
 
 
 async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
@@ -99,6 +82,7 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
         told.time_s = told.moves_max * (ground.move_s + AROUND_S)
         told.steps = [
             f"by {wanted.distance} microsteps and back, {wanted.repeats} times, with all settings as they are now",
+            "where a stall stops it on the way there, it goes back to where it began, and makes no further move",
             "its figures are kept with these settings: change some, move again, and compare",
         ]
         told.unwatched = ["lost steps are told, and not mended: the encoder shows where it stands"]

@@ -20,6 +20,11 @@ def sections(record: StudyRecord) -> list[str]:
         ("vibration at its end [full steps]", number(found.rest_fullsteps, 3)),
         ("lost [full steps]", number(found.lost_fullsteps, 3)),
         ("least load value", number(found.load_min, 3)),
+        ("that above a stall's", number(found.load_margin, 3)),
+        (
+            "stopped by a stall",
+            f"at {found.stalled_at}, after {number(100 * found.reached, 3)} %" if found.stalls else "no",
+        ),
     )
     settings = [(name, plain(value, 6)) for name, value in trial.setting.items()]
     return ["<h2>Figures</h2>" + table(("", ""), rows), "<h2>Settings in force</h2>" + table(("", ""), settings)]

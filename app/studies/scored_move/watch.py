@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...clock import Clock
@@ -15,7 +15,7 @@ from ...telemetry.feed import Joined
 from ...telemetry.hub import TelemetryHub
 from ...telemetry.reader import Gap
 from ..document import ScoredMove
-from ..moves import RATE_HZ
+from ..moves import RATE_HZ, stopped_by_a_stall
 from .noticed import MoveFinder, NoticedMove
 from .plan import Ground, look
 
@@ -129,7 +129,10 @@ class MoveWatch:
             return own  # else it was over before its setting could be read
         state = await self.device.monitor.axis_state(self.axis)
         if state.position == move.target and not state.position_reached:
-            return False  # stopped on its way, or turned at a speed: no ramp of it is whole
+            meant = state.target_position
+            if meant is None or not await stopped_by_a_stall(self.device, self.axis, self._clock, move.sampled.began_s):
+                return False  # stopped on its way, or turned at a speed: no ramp of it is whole
+            move = replace(move, target=meant, stalled_at=move.target)
         await self._keep(move, setting, joined, channels)
         self.noticed += 1
         return True
