@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { changedIn, differences, distancesOf, type Move, parallelOf, ranked } from "./byHand/moves";
+import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { at, movesOf } from "./fastestMove/moves";
@@ -383,7 +383,7 @@ describe("a study on the page", () => {
         id,
         started_unix_s: Number(id),
         setting: { speed, TOFF: 3 },
-        scored: { time_s: time, lost_fullsteps: lost, distance: Number(id) % 2 ? 512 : -256 },
+        scored: { time_s: time, lost_fullsteps: lost, distance: Number(id) % 2 ? 512 : -256, stalls: 0 },
       }) as unknown as Move;
     const moves = [move("1", 100, 2), move("2", 400, 0.5, 4), move("3", 200, 1), move("4", 300, null)];
     expect(ranked(moves, "time_s").map(({ id }) => id)).toEqual(["3", "1", "4", "2"]);
@@ -399,6 +399,33 @@ describe("a study on the page", () => {
     ]);
     expect(heights(first)).toEqual([0, 1]);
     expect(heights(moves[3] as Move).at(-1)).toBeNull();
+  });
+
+  it("ranks moves by their load, and those that a stall ended by how far they came", () => {
+    const move = (id: string, load: number | null, reached = 1, lost = 0) =>
+      ({
+        id,
+        started_unix_s: Number(id),
+        setting: { SGT: Number(id), ...(id === "1" ? {} : { SEMIN: 3 }) },
+        scored: {
+          time_s: 1,
+          load_min: load,
+          load_margin: load,
+          reached,
+          stalls: reached < 1 ? 1 : 0,
+          lost_fullsteps: lost,
+        },
+      }) as unknown as Move;
+    const moves = [move("1", 90), move("2", 20, 0.3), move("3", 200), move("4", 40, 0.75), move("5", 40, 0.5, 4)];
+    for (const by of ["load_min", "load_margin"] as const)
+      expect(ranked(moves, by).map(({ id }) => id)).toEqual(["3", "1", "4", "2", "5"]);
+    expect(ranked(moves, "reached").map(({ id }) => id)).toEqual(["1", "3", "4", "2", "5"]);
+    expect(moves.map(endedBy)).toEqual(["", "stall at 30 %", "", "stall at 75 %", "stall at 50 %, steps lost"]);
+    // What is not known of an older move was not changed.
+    expect(changedIn(moves)).toEqual(["SGT"]);
+    const [first, second] = moves as [Move, Move];
+    expect(differences(first, second)).toEqual([["SGT", 2, 1]]);
+    expect(parallelOf(moves, "load_min").axes.at(-1)?.name).toBe("load, least");
   });
 
   it("makes a cure's address whole", () => {

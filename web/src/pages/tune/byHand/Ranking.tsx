@@ -9,7 +9,18 @@ import { useScheme } from "../../../lib/useScheme";
 import { Savable } from "../../../plots/Savable";
 import type { Changes } from "../useStudies";
 import classes from "./byHand.module.css";
-import { changedIn, differences, distancesOf, FIGURES, type Figure, type Move, parallelOf, ranked } from "./moves";
+import {
+  changedIn,
+  differences,
+  distancesOf,
+  endedBy,
+  FIGURES,
+  type Figure,
+  type Move,
+  parallelOf,
+  ranked,
+  titleOf,
+} from "./moves";
 
 interface Props {
   moves: readonly Move[];
@@ -18,6 +29,7 @@ interface Props {
   busy: boolean;
 }
 
+const SHOWN = (Object.keys(FIGURES) as Figure[]).filter((figure) => figure !== "reached");
 const OPTIONS = Object.entries(FIGURES).map(([value, { label }]) => ({ value, label }));
 
 /** All moves by hand of an axis, the best first, with what was changed between them, and the way to take one. */
@@ -61,12 +73,11 @@ export function Ranking({ moves, changes, busy }: Props) {
           <Table.Thead>
             <Table.Tr>
               <Table.Th scope="col">Move</Table.Th>
-              {Object.entries(FIGURES).map(([figure, { label, unit }]) => (
+              {SHOWN.map((figure) => (
                 <Table.Th key={figure} scope="col">
-                  {label} [{unit}]
+                  {titleOf(figure)}
                 </Table.Th>
               ))}
-              <Table.Th scope="col">load, least</Table.Th>
               {names.map((name) => (
                 <Table.Th key={name} scope="col">
                   {name}
@@ -79,14 +90,11 @@ export function Ranking({ moves, changes, busy }: Props) {
             {rows.map((move) => (
               <Table.Tr key={move.id} data-testid="move">
                 <Table.Th scope="row">{dateTimeOf(move.started_unix_s * 1000)}</Table.Th>
-                {(Object.keys(FIGURES) as Figure[]).map((figure) => (
+                {SHOWN.map((figure) => (
                   <Table.Td key={figure} className="num">
-                    {move.scored.lost_fullsteps > 0 && figure === "time_s"
-                      ? "steps lost"
-                      : compact(move.scored[figure], 3)}
+                    {(figure === "time_s" && endedBy(move)) || compact(move.scored[figure], 3)}
                   </Table.Td>
                 ))}
-                <Table.Td className="num">{compact(move.scored.load_min, 3)}</Table.Td>
                 {names.map((name) => (
                   <Table.Td key={name} className="num">
                     {compact(move.setting[name] ?? null, 6)}

@@ -8,15 +8,30 @@ export interface Move extends StudyInfo {
   scored: Scored;
 }
 
-/** What moves are ranked by; the less, the better. */
+/** What moves are ranked by: the less, the better, or the more. */
 export const FIGURES = {
-  time_s: { label: "time", unit: "s" },
-  overshoot_fullsteps: { label: "overshoot", unit: "full steps" },
-  peak_fullsteps: { label: "deviation", unit: "full steps" },
-  vibration_fullsteps: { label: "vibration", unit: "full steps" },
-  rest_fullsteps: { label: "vibration at its end", unit: "full steps" },
+  time_s: { label: "time", unit: "s", more: false },
+  overshoot_fullsteps: { label: "overshoot", unit: "full steps", more: false },
+  peak_fullsteps: { label: "deviation", unit: "full steps", more: false },
+  vibration_fullsteps: { label: "vibration", unit: "full steps", more: false },
+  rest_fullsteps: { label: "vibration at its end", unit: "full steps", more: false },
+  load_min: { label: "load, least", unit: "", more: true },
+  load_margin: { label: "load above a stall's, least", unit: "", more: true },
+  reached: { label: "way until a stall", unit: "1", more: true },
 } as const;
 export type Figure = keyof typeof FIGURES;
+
+/** As the head of a column. */
+export function titleOf(figure: Figure): string {
+  const { label, unit } = FIGURES[figure];
+  return unit === "" ? label : `${label} [${unit}]`;
+}
+
+/** Why a move has no time: steps were lost, or a stall ended it; empty where neither is so. */
+export function endedBy({ scored }: Move): string {
+  const stall = scored.stalls > 0 ? `stall at ${Math.round(100 * scored.reached)} %` : "";
+  return [stall, scored.lost_fullsteps > 0 ? "steps lost" : ""].filter(Boolean).join(", ");
+}
 
 export function isMove(study: StudyInfo): study is Move {
   return study.scored !== null;
@@ -28,34 +43,39 @@ export function distancesOf(moves: readonly Move[]): number[] {
   return [...new Set(latest.map(({ scored }) => Math.abs(scored.distance)))];
 }
 
-/** The best first: those that lost steps, and those without that figure, come last. */
+/** The best first: behind them those without that figure, those that a stall ended (the farthest first), and last those that lost steps. */
 export function ranked(moves: readonly Move[], by: Figure): Move[] {
-  const worth = ({ scored }: Move) => (scored.lost_fullsteps > 0 ? Number.POSITIVE_INFINITY : (scored[by] ?? 1e300));
+  const worth = ({ scored }: Move): [group: number, figure: number] => {
+    if (scored.lost_fullsteps > 0) return [3, 0];
+    if (scored.stalls > 0) return [2, -scored.reached];
+    const figure = scored[by];
+    return figure === null ? [1, 0] : [0, FIGURES[by].more ? -figure : figure];
+  };
   return [...moves].sort((one, other) => {
     const [a, b] = [worth(one), worth(other)];
-    return a === b ? one.started_unix_s - other.started_unix_s : a - b;
+    return a[0] - b[0] || a[1] - b[1] || one.started_unix_s - other.started_unix_s;
   });
 }
 
-/** The settings that are not the same in all moves: what somebody has changed. */
+/** The settings that are not the same in all moves of which they are known: what somebody has changed. */
 export function changedIn(moves: readonly Move[]): string[] {
   const names = [...new Set(moves.flatMap(({ setting }) => Object.keys(setting)))];
-  return names.filter((name) => new Set(moves.map(({ setting }) => setting[name])).size > 1);
+  const known = (name: string) => moves.map(({ setting }) => setting[name]).filter((value) => value !== undefined);
+  return names.filter((name) => new Set(known(name)).size > 1);
 }
 
 /** What taking `move` sets other than it was in the latest move: name, from, to. */
-export function differences(move: Move, latest: Move): [name: string, from: number | null, to: number | null][] {
-  return Object.keys({ ...latest.setting, ...move.setting })
-    .filter((name) => latest.setting[name] !== move.setting[name])
-    .map((name) => [name, latest.setting[name] ?? null, move.setting[name] ?? null]);
+export function differences(move: Move, latest: Move): [name: string, from: number | null, to: number][] {
+  return Object.entries(move.setting)
+    .filter(([name, value]) => latest.setting[name] !== value)
+    .map(([name, value]) => [name, latest.setting[name] ?? null, value]);
 }
 
 /** Axes of parallel coordinates, and how high each move crosses them: 0 to 1, null where it has no such figure. */
 export function parallelOf(moves: readonly Move[], by: Figure) {
-  const { label, unit } = FIGURES[by];
   const axes = [
     ...changedIn(moves).map((name) => ({ name, of: ({ setting }: Move) => setting[name] ?? null })),
-    { name: `${label} [${unit}]`, of: ({ scored }: Move) => scored[by] },
+    { name: titleOf(by), of: ({ scored }: Move) => scored[by] },
   ].map(({ name, of }) => {
     const values = moves.map(of).filter((value) => value !== null);
     return { name, of, low: Math.min(...values), high: Math.max(...values) };
