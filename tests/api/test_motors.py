@@ -45,10 +45,12 @@ async def test_the_list_is_searched_and_says_where_it_is_from(client: httpx.Asyn
 
 
 async def test_an_own_motor_is_kept_found_first_and_forgotten(client: httpx.AsyncClient, settings: Settings) -> None:
-    figures = {"rated_current_a": 1.2, "full_steps_per_rev": 400, "resistance_ohm": 2.2}
+    figures = {"rated_current_a": 1.2, "full_steps_per_rev": 400, "resistance_ohm": 2.2, "rotor_inertia_kgm2": 6.8e-6}
     kept = (await client.put("motors/Spindle 42sth48", json=figures)).raise_for_status().json()
     assert (kept["own"], kept["inductance_h"], kept["holding_torque_nm"]) == (True, None, None)
-    assert (await names(client, "42sth48"))[0] == "Spindle 42sth48"
+    first, second = (await client.get("motors", params={"search": "42sth48", "limit": 2})).json()["motors"]
+    assert (first["name"], first["rotor_inertia_kgm2"]) == ("Spindle 42sth48", 6.8e-6)
+    assert second["rotor_inertia_kgm2"] is None  # the public list has none
     assert "Spindle 42sth48" in the_file(settings).read_text()
     (await client.delete("motors/Spindle 42sth48")).raise_for_status()
     assert "Spindle 42sth48" not in await names(client, "42sth48")

@@ -21,6 +21,9 @@ class MotorFigures(Body):
     resistance_ohm: Positive | None = Field(default=None, description="of a coil [ohm]")
     inductance_h: Positive | None = Field(default=None, description="of a coil [H]")
     holding_torque_nm: Positive | None = Field(default=None, description="[N m]")
+    rotor_inertia_kgm2: Annotated[float, Field(strict=True, gt=0, le=1e-2, allow_inf_nan=False)] | None = Field(
+        default=None, description="[kg m2]"
+    )
 
 
 class MotorInfo(Answer):
@@ -34,6 +37,7 @@ class MotorInfo(Answer):
     resistance_ohm: float | None
     inductance_h: float | None
     holding_torque_nm: float | None
+    rotor_inertia_kgm2: float | None = Field(description="of motors of your own alone: the public list has none")
 
 
 class MotorList(Answer):

@@ -22,6 +22,7 @@ class Motor:
     """A motor as its sheet or plate names it; None for what nobody tells.
 
     rated_current_a : of a coil [A]; two coils that carry it at standstill become as hot as with this RMS in motion
+    rotor_inertia_kgm2 : of no motor of the public list, which has none
     source : key of docs/sources.md, or "own"
     """
 
@@ -31,6 +32,7 @@ class Motor:
     resistance_ohm: float | None = None
     inductance_h: float | None = None
     holding_torque_nm: float | None = None
+    rotor_inertia_kgm2: float | None = None
     source: str = OWN
 
 
