@@ -122,6 +122,25 @@ async def test_a_stop_while_a_rotor_is_out_of_step_puts_the_ramp_back(tmp_path: 
         assert await s.settings(*NAMES) == before
 
 
+async def test_it_goes_on_with_the_speeds_that_are_left(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document({**QUICK, "speeds": 3}))
+        await s.until(run, lambda record: record.torque is not None and len(record.torque.points) == 1)
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        assert cut.torque is not None
+        runs, points, speeds = cut.runs, list(cut.torque.points), list(cut.torque.speeds_rps)
+        assert (len(points), len(speeds)) == (1, 3)
+        record = await s.finish(s.begin(cut.document, cut), 300)
+        found = record.torque
+        assert (record.state, record.left) == ("done", []), record.message
+        assert found is not None
+        assert found.points[0] == points[0]
+        assert [point.asked_rps for point in found.points] == found.speeds_rps == speeds
+        assert 4 <= record.runs - runs <= 8, "two slips at each of the two that were left, and no look at the range"
+        assert found.margin is not None
+
+
 async def test_a_motor_that_a_dead_link_has_left_turning_is_told(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
         run = s.begin(s.document(QUICK))

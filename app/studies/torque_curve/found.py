@@ -18,6 +18,7 @@ class TorquePoint(Part):
     )
     torque_nm: float | None = Field(default=None, description="null where the inertia was not told")
     interval_nm: Interval | None = Field(default=None, description="95 %, with that of the inertia")
+    asked_rps: float | None = Field(default=None, description="the one of `speeds_rps` that it was looked for")
     slips: int = Field(description="runs that lost steps")
 
 
@@ -37,6 +38,8 @@ class TorqueFound(Part):
     inertia_kgm2: float | None = Field(description="of rotor and load, as told")
     friction_nm: float = Field(description="of the axis, as told: it is added to the torque")
     points: list[TorquePoint] = Field(default_factory=list)
+    first_radps2: float | None = Field(default=None, description="what there is at the first speed, about")
+    speeds_rps: list[float] = Field(default_factory=list, description="at which it looks, as soon as that is known")
     margin: RampMargin | None = None
     speed_most_rps: float | None = Field(default=None, description="where a gentle acceleration lost steps [turns/s]")
     at_least_radps2: float | None = Field(

@@ -51,7 +51,9 @@ class Ramps:
         self._edge = SwitchEdge(
             run.device, run.axis, run.clock, ground.switch, moves, ground.full_step, ground.far, self._slowly
         )
-        self._latest: tuple[float, float] | None = None
+        moves.way_fullsteps = run.record.way_fullsteps
+        before = run.record.torque.points[-1:] if run.record.torque is not None else []
+        self._latest = next(((one.speed_rps, one.acceleration_radps2) for one in before), None)
         """Speed [turns/s] and acceleration [rad/s^2] of the point before."""
         self._late_s = 0.0
         """By how much the link is later than it should with the parts of an acceleration, at the worst so far."""

@@ -68,7 +68,7 @@ class Slips:
         self._moves = MeasuredMoves(run.device, run.axis, run.clock, ground.full_step, band_fullsteps=1.0)
         self._way = Way(run, ground, self._moves)
         self._positive, self._hard = True, HARD
-        self._way_fullsteps = 0.0
+        self._way_fullsteps = run.record.way_fullsteps
 
     def lowest_rps(self, known: float) -> float:
         """The first speed that can be told of [turns/s]."""

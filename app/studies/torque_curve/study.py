@@ -77,11 +77,13 @@ class TorqueCurveStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        record.findings, record.runs = [], 0
+        record.findings = []
         if not record.baseline:
             record.baseline = ground.space.before
             record.baseline_setting = ground.space.now()
-        found = record.torque = TorqueFound(inertia_kgm2=wanted.inertia_kgm2, friction_nm=wanted.friction_nm)
+        found = record.torque = record.torque or TorqueFound(
+            inertia_kgm2=wanted.inertia_kgm2, friction_nm=wanted.friction_nm
+        )
         self._runs = Slips(self, ground, wanted) if ground.switch is None else Ramps(self, ground, wanted)
         await self.keeper.save(record)
         await self._runs.begin()
@@ -91,6 +93,32 @@ class TorqueCurveStudy(StudyRun):
         self._judge(found)
 
     async def _curve(self, found: TorqueFound) -> None:
+        if not found.speeds_rps:
+            await self._range(found)
+        first = found.first_radps2
+        if first is None:
+            return
+        self._runs.gently(self._ground.pps2(GENTLY * first))
+        many = len(found.speeds_rps)
+        for index, speed_rps in enumerate(found.speeds_rps):
+            if any(one.asked_rps == speed_rps for one in found.points):
+                continue  # it was cut off after this one
+            if self.spent():
+                self.record.next = "more time, or way: not all speeds were looked at"
+                break
+            part = 0.15 + 0.85 * index / many
+            self.tell("look", part, f"at {plain(speed_rps, 3)} turns/s", self._left_s(part))
+            self.keeper.mark(f"at {plain(speed_rps, 3)} turns/s")
+            slower = {one.asked_rps or 0.0: one for one in found.points if (one.asked_rps or 0.0) < speed_rps}
+            known = slower[max(slower)].acceleration_radps2 if slower else first
+            point = await self._runs.at(speed_rps, known)
+            if point is not None:
+                found.points.append(self._with_torque(point.model_copy(update={"asked_rps": speed_rps})))
+                found.points.sort(key=lambda one: one.speed_rps)
+                await self.keeper.save(self.record)
+
+    async def _range(self, found: TorqueFound) -> None:
+        """From which speed to which there is something to be found."""
         ground, wanted, runs = self._ground, self.wanted, self._runs
         self.tell("look", 0.0, f"accelerating from {LOW_RPS:g} turns/s until steps are lost")
         known = await runs.first()
@@ -110,19 +138,8 @@ class TorqueCurveStudy(StudyRun):
                 else f"it comes to {plain(highest, 3)} turns/s, and something can be told from {plain(first, 3)} on: "
                 "more travel, or a higher greatest speed"
             )
-        for index, speed_rps in enumerate(np.linspace(first, last, wanted.speeds).tolist()):
-            if self.spent():
-                self.record.next = "more time, or way: not all speeds were looked at"
-                break
-            part = 0.15 + 0.85 * index / wanted.speeds
-            self.tell("look", part, f"at {plain(speed_rps, 3)} turns/s", self._left_s(part))
-            self.keeper.mark(f"at {plain(speed_rps, 3)} turns/s")
-            point = await runs.at(speed_rps, known)
-            if point is not None:
-                known = point.acceleration_radps2
-                found.points.append(self._with_torque(point))
-                found.points.sort(key=lambda one: one.speed_rps)
-                await self.keeper.save(self.record)
+        found.first_radps2, found.speeds_rps = known, np.linspace(first, last, wanted.speeds).tolist()
+        await self.keeper.save(self.record)
 
     def _left_s(self, part: float) -> float:
         return self.since_s / part * (1 - part)
