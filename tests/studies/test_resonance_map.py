@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from app.studies.document import ResonanceMap
 from app.studies.kinds import KINDS
+from app.studies.pieces import FILE
 from app.studies.report import html_of
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
@@ -87,6 +88,45 @@ async def test_a_stop_puts_everything_back(tmp_path: Path) -> None:
         record = await s.finish(run, 60)
         assert (record.state, record.left) == ("aborted", [])
         assert await s.settings(*NAMES) == before
+
+
+@pytest.mark.parametrize("points", [3, 9])
+async def test_it_goes_on_with_the_speeds_and_changes_that_are_left(tmp_path: Path, points: int) -> None:
+    """Killed in the map, or among the speeds around its resonance."""
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document(MAP))
+        await s.until(run, lambda record: record.resonances is not None and len(record.resonances.points) == points)
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        assert cut.resonances is not None
+        runs, made = cut.runs, list(cut.resonances.points)
+        assert len(made) == points
+        record = await s.finish(s.begin(cut.document, cut), 300)
+        found = record.resonances
+        assert (record.state, record.left) == ("done", []), record.message
+        assert found is not None
+        assert all(point in found.points for point in made)
+        # There and back at each speed of the map that was left, and twice that at each where the change is compared.
+        assert record.runs - runs == 2 * (len(found.points) - points) + 4 * len(found.changes[0].points)
+        assert found.resonance_hz is not None
+        assert found.resonance_hz.value == pytest.approx(HZ, rel=0.02)
+        assert not (s.store.folder(record.id) / FILE).exists()
+
+
+async def test_a_change_that_was_compared_is_not_compared_again(tmp_path: Path) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document({**MAP, "current_shares": [0.7, 0.5]}))
+        await s.until(run, lambda record: len(record.trials) == 1)
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        assert cut.resonances is not None
+        found, trials = cut.resonances.model_copy(deep=True), list(cut.trials)
+        record = await s.finish(s.begin(cut.document, cut), 300)
+        assert record.state == "done", record.message
+        assert record.resonances is not None
+        assert record.resonances.points == found.points
+        assert record.resonances.changes[:1] == found.changes
+        assert (len(record.trials), record.trials[:1]) == (2, trials)
 
 
 async def test_a_plan_tells_what_there_is_no_room_for(tmp_path: Path) -> None:

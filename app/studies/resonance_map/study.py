@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...calc.signals.order_spectrum import order_spectrum
+from ...clock import WallClock
 from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
 from ...procedures.procedure import Failed
@@ -15,6 +16,7 @@ from ..document import ResonanceMap
 from ..fitted import estimate
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, Sampled
 from ..parts import Interval
+from ..pieces import Pieces
 from ..proof import is_better, paired_effect
 from ..ramp_settings import ACCELERATION, SPEED
 from ..record import Figures, Finding, Held, Trial
@@ -37,6 +39,9 @@ class ResonanceMapStudy(StudyRun):
 
     _ground: Ground
     _moves: MeasuredMoves
+    _pieces: Pieces[AtSpeed]
+    _made: dict[float, AtSpeed]
+    """Speeds of the map that were whole before it was cut off."""
 
     @property
     def wanted(self) -> ResonanceMap:
@@ -56,10 +61,12 @@ class ResonanceMapStudy(StudyRun):
         self._apart = 0.0
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         self._mended = 0
-        record.runs, record.trials, record.best, record.findings, record.improved = 0, [], None, [], None
+        self._moves.way_fullsteps = record.way_fullsteps
+        record.best, record.findings, record.improved = None, [], None
+        self._pieces = Pieces(self.keeper.folder, AtSpeed, aside=isinstance(self.clock, WallClock))
         if not record.baseline:
             record.baseline = ground.before
-        record.resonances = ResonanceFound(orders=sorted(ORDERS))
+        record.resonances = record.resonances or ResonanceFound(orders=sorted(ORDERS))
         await self.keeper.save(record)
         self._touched = True
         # A rotor that stood beside its field when it was switched on falls into step with the first move.
@@ -71,6 +78,7 @@ class ResonanceMapStudy(StudyRun):
         await self._home()
         await self.back()
         self._judge()
+        await self._pieces.forget()
 
     # --- runs -------------------------------------------------------------------------------------
 
@@ -127,6 +135,7 @@ class ResonanceMapStudy(StudyRun):
         """All speeds with the setting as it is, and more around what resonates."""
         self.tell("baseline", 0.0, "the map, with the setting as it is")
         speeds: list[AtSpeed] = []
+        self._made = {at.speed_rps: at for at in self._pieces.read()}
         share = MAP_TAKES if self._ground.settings else 0.95
         many = len(self._ground.speeds) + FINER_ORDERS * len(FINER)
         await self._mapped(speeds, self._ground.speeds, share, many)
@@ -140,6 +149,9 @@ class ResonanceMapStudy(StudyRun):
 
     async def _mapped(self, speeds: list[AtSpeed], more: Sequence[float], share: float, many: int) -> None:
         for speed in more:
+            if speed in self._made:  # before it was cut off
+                speeds.append(self._made[speed])
+                continue
             if self.spent(share):
                 return
             at = AtSpeed(speed)
@@ -149,6 +161,7 @@ class ResonanceMapStudy(StudyRun):
             for _ in range(self.wanted.repeats):
                 await self._there_and_back(at, ())
             speeds.append(at)
+            await self._pieces.add(at)
             self.found.points = mapped(speeds, self.found.orders)
             await self.keeper.save(self.record)
 
@@ -168,6 +181,8 @@ class ResonanceMapStudy(StudyRun):
         named = [one.speed_rps.value for one in self.found.crossings[:CROSSINGS]]
         speeds = sorted(_apart([*named, *ground.speeds[::COMPARED_EVERY]], low, high))
         for number, setting in enumerate(ground.settings, 1):
+            if any(change.trial == number for change in self.found.changes):
+                continue  # it was cut off after this one
             until = MAP_TAKES + (1 - MAP_TAKES) * number / many
             before, after = [AtSpeed(speed) for speed in speeds], [AtSpeed(speed) for speed in speeds]
             for index, (old, new) in enumerate(zip(before, after, strict=True)):
