@@ -15,8 +15,8 @@ from app.devices.manager import DeviceChange
 from app.studies.document import LeastCurrent
 from app.studies.kinds import KINDS
 from app.studies.least_current.cycle import Cycle, faster
-from app.studies.least_current.found import CurrentTried
-from app.studies.least_current.plan import look
+from app.studies.least_current.found import CurrentTried, LeastCurrentFound
+from app.studies.least_current.plan import BASELINE_CYCLES, look
 from app.studies.ramp_settings import ACCELERATION, SPEED
 from app.studies.record import StudyRecord
 from app.studies.report import html_of
@@ -101,6 +101,28 @@ async def test_a_stop_in_the_proof_puts_the_current_back(tmp_path: Path) -> None
         record = await s.finish(run, 60)
         assert (record.state, record.left) == ("aborted", [])
         assert await s.settings(*NAMES) == before
+
+
+@pytest.mark.parametrize("phase", ["search", "proof"])
+async def test_it_goes_on_with_the_currents_that_are_left(tmp_path: Path, phase: str) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        run = s.begin(s.document(CYCLE))
+        await s.until(run, lambda record: record.phase == phase and len(found_of(record).tried) >= 3)
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        runs, tried = cut.runs, list(found_of(cut).tried)
+        record = await s.finish(s.begin(cut.document, cut), 300)
+        found = found_of(record)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert found.tried[: len(tried)] == tried
+        keys = [(one.scale, one.speed_times, one.cycles) for one in found.tried]
+        assert len({*keys}) == len(keys)
+        assert record.runs - runs == BASELINE_CYCLES + sum(one.cycles for one in found.tried[len(tried) :])
+
+
+def found_of(record: StudyRecord) -> LeastCurrentFound:
+    assert record.least_current is not None
+    return record.least_current
 
 
 async def test_the_plan_tells_of_cycles_and_of_what_watts_need(tmp_path: Path) -> None:

@@ -37,6 +37,9 @@ class LeastCurrentStudy(StudyRun):
 
     _ground: Ground
     _load: LoadCycles
+    _gone_over: int
+    """So many of those that were tried count: what was tried before it was cut off is gone over step by step, and
+    not tried again."""
 
     @property
     def wanted(self) -> LeastCurrent:
@@ -53,7 +56,7 @@ class LeastCurrentStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        record.runs, record.trials, record.best, record.findings = 0, [], None, []
+        record.trials, record.best, record.findings = [], None, []
         if not record.baseline:
             cool = [] if ground.cool is None else ground.cool.before
             record.baseline = [*ground.current.before, *ground.space.before, *cool]
@@ -63,9 +66,13 @@ class LeastCurrentStudy(StudyRun):
         self._load.before = record.baseline
         self._load.ran, self._load.mark, self._load.spent = self._ran, self.keeper.mark, self.spent
         self._load.left = self._tell_left
+        self._load.moves.way_fullsteps = record.way_fullsteps
+        earlier = [] if record.least_current is None else record.least_current.tried
+        self._gone_over = 0
         self._span = PROOF if ground.cool is None else (PROOF[0], COOL_PROOF[0])
         record.least_current = LeastCurrentFound(
             scale_before=ground.current.run_scale,
+            tried=earlier,
             coolstep=CoolStepFound(why=ground.why_not_cool) if wanted.coolstep else None,
         )
         await self.keeper.save(record)
@@ -90,10 +97,22 @@ class LeastCurrentStudy(StudyRun):
             low, high = self._span
             self.tell("proof", low + (high - low) * done, self.record.message, left_s)
 
+    def _spent(self, share: float = 1.0) -> bool:
+        """Whether that is used up, and nothing is left that was tried before it was cut off."""
+        return self._gone_over == len(self.found.tried) and self.spent(share)
+
     async def _tried(self, scale: int, cycles: int, cycle: Cycle) -> bool:
         """Whether so many cycles at a scale lose no step."""
+        tried = self.found.tried
+        if self._gone_over < len(tried):
+            one = tried[self._gone_over]
+            whole = one.cycles == cycles or not one.held
+            if whole and (one.scale, one.speed_times) == (scale, cycle.times):
+                self._gone_over += 1
+                return one.held
+            del tried[self._gone_over :]  # with other limits than before this is another search
         seen = await self._load.at(scale, cycles, cycle)
-        self.found.tried.append(
+        tried.append(
             CurrentTried(
                 scale=scale,
                 share=self._ground.current.share(scale),
@@ -103,6 +122,7 @@ class LeastCurrentStudy(StudyRun):
                 deviation_fullsteps=seen.worst,
             )
         )
+        self._gone_over += 1
         await self.keeper.save(self.record)
         return seen.held
 
@@ -122,7 +142,7 @@ class LeastCurrentStudy(StudyRun):
         if more is None:
             return False
         self.tell("baseline", 0.04, f"{100 * (more.times - 1):.0f} % more speed, with the current as it is set now")
-        self.found.limited_by_supply = not await self._tried(scale, self.wanted.repeats, more) and not self.spent()
+        self.found.limited_by_supply = not await self._tried(scale, self.wanted.repeats, more) and not self._spent()
         return self.found.limited_by_supply
 
     async def _speed_that_holds(self) -> None:
@@ -133,7 +153,7 @@ class LeastCurrentStudy(StudyRun):
         for index in range(MORE_SEARCHES - 1):
             middle = (low + high) / 2
             cycle = faster(ground.cycle, middle, ground.most, ground.room)
-            if cycle is None or self.spent():
+            if cycle is None or self._spent():
                 break
             self.tell("search", 0.1 + 0.2 * index, f"{100 * (middle - 1):.0f} % more speed")
             if await self._tried(ground.current.run_scale, self.wanted.repeats, cycle):
@@ -166,7 +186,7 @@ class LeastCurrentStudy(StudyRun):
         """The least scale at which no step is lost: near what held on a twin, where one was tried, else by halves."""
         low, high, step = -1, self._ground.current.run_scale, 1
         guesses = [round(one.setting[NAME]) for one in self.record.twin]
-        while high - low > 1 and not self.spent(share=0.5):
+        while high - low > 1 and not self._spent(0.5):
             between = [scale for scale in guesses if low < scale < high]
             if between:
                 scale = between[0]
@@ -209,7 +229,7 @@ class LeastCurrentStudy(StudyRun):
             if await self._held(stressed, cycles):
                 self._decide(chosen, stressed, cycles, share)
                 return chosen
-            if self.spent():
+            if self._spent():
                 break
             edge = max(edge, stressed) + 1
         record.improved, found.chosen, found.proved = None, None, None
