@@ -63,6 +63,10 @@ SeenBy = Literal["encoder", "left switch", "right switch"]
 """What tells of lost steps."""
 
 
+Shape = Literal["six points", "bows"]
+"""A ramp of more than one acceleration or jerk."""
+
+
 class FastestMove(Part):
     """The fastest ramp for a distance at which no step is lost, with a margin: seen by the encoder, or by a switch."""
 
@@ -80,6 +84,12 @@ class FastestMove(Part):
         default=None, description="never faster, margin included [pps]; null: as the soft limit, else ten times as now"
     )
     acceleration_max_pps2: Positive | None = Field(default=None, description="the same of the acceleration [pps^2]")
+    shape: Shape | None = Field(
+        default=None,
+        description="what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates "
+        "and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or "
+        "S-ramps of one jerk where they are set",
+    )
     repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
         default=2, description="moves there and back with each setting that is tried"
     )

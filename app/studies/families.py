@@ -7,9 +7,11 @@ from typing import TypeVar
 
 from ..devices.core.device import Device
 from ..errors import WrongState
+from ..registers.capabilities import Capability
 from .chopper.setting import ChopperPlaces
 from .closed_loop.setting import LoopPlaces
 from .current_settings import CurrentPlaces
+from .document import Shape
 from .identification.places import IdentificationPlaces
 from .least_current.cool_setting import CoolPlaces
 from .ramp_settings import RampRegisters
@@ -23,12 +25,14 @@ from .tmc5xxx.coolstep import COOLSTEP
 from .tmc5xxx.current import CURRENT
 from .tmc5xxx.identification import AMPLITUDE, ENCODER, HOP
 from .tmc5xxx.ramp import RAMP as SIX_POINT
+from .tmc5xxx.ramp import SIX_POINTS
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
 from .tmc5xxx.stealthchop import STEALTHCHOP
 from .tmc428.ramp import RAMP as TICKED_RAMP
 from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
+from .tmc4361.ramp import BOWS
 from .tmc4361.ramp import RAMP as S_RAMP
 from .tmcl.by_hand import BY_HAND as MODULE_BY_HAND
 from .tmcl.chopper import CHOPPER as MODULE_CHOPPER
@@ -36,6 +40,7 @@ from .tmcl.coolstep import COOLSTEP as MODULE_COOLSTEP
 from .tmcl.current import CURRENT as MODULE_CURRENT
 from .tmcl.ramp import HOP as MODULE_HOP
 from .tmcl.ramp import RAMP as MODULE_RAMP
+from .tmcl.ramp import SIX_POINTS as MODULE_SIX_POINTS
 from .tmcl.stall import STALL as MODULE_STALL
 
 T = TypeVar("T")
@@ -46,6 +51,11 @@ RAMPS: Mapping[str, RampRegisters] = {
     "tmc4361": S_RAMP,
     "tmcl": MODULE_RAMP,
 }
+SHAPES: Mapping[Shape, tuple[Capability, Mapping[str, RampRegisters]]] = {
+    "six points": ("ramp.sixpoint", {"tmc5xxx": SIX_POINTS, "tmcl": MODULE_SIX_POINTS}),
+    "bows": ("ramp.s", {"tmc4361": BOWS}),
+}
+"""Ramps whose shape is searched, of devices that can have them."""
 IDENTIFICATIONS: Mapping[str, IdentificationPlaces] = {
     "tmc5xxx": IdentificationPlaces(HOP, ENCODER, AMPLITUDE),
     "tmcl": IdentificationPlaces(MODULE_HOP),
@@ -63,6 +73,15 @@ STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL, "tmcl": MODULE_
 def ramp_of(device: Device) -> RampRegisters:
     """The registers of its ramp. Raises WrongState for a family that no study sets."""
     return _known(RAMPS, device, "no study sets the ramp of a {} yet", "a chip with an encoder input can be tuned")
+
+
+def shapes_of(device: Device) -> Mapping[Shape, RampRegisters]:
+    """The registers of its ramp by the shapes that a study can search."""
+    return {
+        shape: ramps[device.family.family]
+        for shape, (capability, ramps) in SHAPES.items()
+        if device.family.can(capability) and device.family.family in ramps
+    }
 
 
 def stalls_of(device: Device) -> Sequence[StallPlaces]:

@@ -4,9 +4,9 @@ them."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from ..devices.core.device import Device
 from ..errors import WrongState
@@ -20,7 +20,20 @@ from .record import Held
 from .table_settings import with_registers
 
 SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
-UNITS = {SPEED: "pps", ACCELERATION: "pps^2", JERK: "pps^3"}
+KNEE, KNEE_ACCELERATION = "knee speed", "acceleration below the knee"
+REST_JERK, TOP_JERK = "jerk near rest", "jerk near full speed"
+UNITS = {
+    SPEED: "pps",
+    ACCELERATION: "pps^2",
+    JERK: "pps^3",
+    KNEE: "pps",
+    KNEE_ACCELERATION: "pps^2",
+    REST_JERK: "pps^3",
+    TOP_JERK: "pps^3",
+}
+LeastTime: TypeAlias = Callable[[UnitContext, int, float, Mapping[str, float]], float]
+"""The time that a move takes by a ramp [s]: of the units of a device as it is set, the axis, the distance [microsteps]
+and the ramp's settings. Raises ValueError for a ramp that gets nowhere."""
 
 
 class Fitting(Protocol):
@@ -41,6 +54,15 @@ class Fitting(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class Share:
+    """Between which shares of another setting a setting is looked for."""
+
+    of: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
 class RampRegisters:
     """Which registers of an axis make a ramp of one speed and one acceleration, and one jerk where it has S-ramps.
 
@@ -49,6 +71,8 @@ class RampRegisters:
     only : a setting that counts only while a field has a value: (field, value)
     brake : registers of the acceleration that count only as it slows down
     fitting : what is set to fit the acceleration, where the chip has such
+    shares : settings that are looked for as a share of another one
+    time_s : how long a move by it takes; None: as a trapezoid of its speed and acceleration
     """
 
     settings: Mapping[str, tuple[str, ...]]
@@ -56,6 +80,8 @@ class RampRegisters:
     only: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     brake: tuple[str, ...] = ()
     fitting: Fitting | None = None
+    shares: Mapping[str, Share] = field(default_factory=dict)
+    time_s: LeastTime | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +102,8 @@ class RampSpace:
     def __init__(self, device: Device, axis: int, names: RampRegisters, held: CapturedConfiguration) -> None:
         """`held` is what the device was set to before. Raises WrongState for a register whose contents nobody knows."""
         self._device, self._axis = device, axis
-        self._brake, self._fitting = names.brake, names.fitting
+        self._brake, self._fitting, self._time_s = names.brake, names.fitting, names.time_s
+        self.shares = names.shares
         context = self._units = units_of(device, held)
         self._settings = {
             name: self._setting(context, registers)
@@ -128,6 +155,20 @@ class RampSpace:
         """The settings as the axis had them before: of several registers the first."""
         held = {each.name: each.value for each in self.before}
         return {name: held[setting.rows[0].name] * setting.unit for name, setting in self._settings.items()}
+
+    @property
+    def off(self) -> list[str]:
+        """Registers that are 0 with every setting, so that they have no part in the ramp."""
+        return [each.name for each in self._off]
+
+    def least_time_s(self, distance: float, values: Mapping[str, float]) -> float:
+        """The least that a move by `distance` [microsteps] takes with these settings from rest to rest [s].
+
+        Raises ValueError for a ramp that gets nowhere.
+        """
+        if self._time_s is None:
+            return least_time_s(distance, values[SPEED], values[ACCELERATION])
+        return self._time_s(self._units, self._axis, distance, values)
 
     def registers(self, values: Mapping[str, float]) -> list[Held]:
         """What to write for those of them that are given [pps, pps^2, pps^3], each at its nearest number."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...devices.core.device import Device
+from ...errors import WrongState
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
-from ..plan import Looked, StudyPlan, axis_at_a_switch, axis_that_sees_lost_steps, planned, room_told
+from ..families import shapes_of
+from ..plan import AxisNow, Looked, StudyPlan, axis_at_a_switch, axis_that_sees_lost_steps, planned, room_told
 from ..proof import runs_for
-from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace, least_time_s
+from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace
 from ..search import Dimension
 from ..switch_edge import SPANS_MAX, SWITCHES
 from ..until_switch import Side
@@ -36,21 +39,51 @@ class Ranges:
     """Of a full step."""
     period: int
     """An electrical period [microsteps]: runs begin at different places of it."""
+    most: Mapping[str, float]
+    """The greatest of each setting, less the margin [pps, pps^2, pps^3]."""
     near: int
     far: int
     """Where moves go at the most to the other side, where a switch is looked for, and to their own [microsteps]."""
     switch: Side | None
     """The switch that sees lost steps; None: the encoder does."""
+    shapes: tuple[str, ...]
+    """What of a ramp's shape could be searched."""
+
+    def setting(self, asked: Mapping[str, float]) -> dict[str, float]:
+        """The setting of what the search asks for: shares of others in their own units, within what they may be."""
+        found = dict(asked)
+        for name, share in self.space.shares.items():
+            found[name] = min(asked[name] * asked[share.of], self.most[name])
+        return found
+
+    def trapezoid(self, setting: Mapping[str, float]) -> dict[str, float]:
+        """A setting whose shares of others are the least, which is a trapezoid."""
+        return {**setting, **{name: share.low * setting[share.of] for name, share in self.space.shares.items()}}
+
+    def asked(self, setting: Mapping[str, float], times: float = 1.0) -> dict[str, float]:
+        """What the search would ask for to get that setting, `times` as fast, as far as its space goes. The least of
+        all shares, which is a trapezoid, where they have no part in it."""
+        shares = self.space.shares
+        shaped = all(setting[name] for name in shares)
+        found = {}
+        for each in self.dimensions:
+            share = shares.get(each.name)
+            wanted = setting[each.name] * times
+            if share is not None:
+                wanted = setting[each.name] / setting[share.of] if shaped else each.low
+            found[each.name] = min(max(wanted, each.low), each.high)
+        return found
 
 
 def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) -> dict[str, tuple[float, float]]:
+    """The range of each setting that is no share of another [pps, pps^2, pps^3]."""
     soft, now = device.axes[axis].settings.limits, space.now()
     found = {}
     told = {
         SPEED: (soft.velocity_max_pps, wanted.velocity_max_pps),
         ACCELERATION: (soft.acceleration_max_pps2, wanted.acceleration_max_pps2),
     }
-    for name in now:
+    for name in (each for each in now if each not in space.shares):
         limit, asked = told.get(name, (None, None))
         usual = limit if limit is not None else now[name] * FASTER
         most = min(usual if asked is None else asked, space.most(name), limit if limit is not None else float("inf"))
@@ -58,6 +91,26 @@ def _limits(device: Device, axis: int, wanted: FastestMove, space: RampSpace) ->
             most = min(most, device.motion.speed_limit_pps(axis))
         found[name] = (now[name] * SLOWER, most / (1 + wanted.margin))
     return found
+
+
+def _shaped(device: Device, axis: int, wanted: FastestMove, found: AxisNow, missing: list[str]) -> RampSpace | None:
+    """The space of the shape that is wanted; None where there is none, which is told."""
+    ramps = shapes_of(device)
+    if wanted.shape is None:
+        return found.space
+    if wanted.shape not in ramps:
+        known = ", ".join(ramps) or "none"
+        missing.append(f"{wanted.shape} cannot be searched on a {device.family.title} (but {known}): leave shape out")
+        return None
+    try:
+        space = RampSpace(device, axis, ramps[wanted.shape], found.held)
+    except WrongState as error:
+        missing.append(str(error))
+        return None
+    if space.now().keys() != ramps[wanted.shape].settings.keys():
+        missing.append(f"{wanted.shape} have no part in the ramp as it is set: set an S-ramp, or leave shape out")
+        return None
+    return space
 
 
 async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]:
@@ -72,10 +125,17 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     )
     if found is None:
         return looked
-    space, state, microsteps = found.space, found.state, found.full_step
+    space, state, microsteps = _shaped(device, axis, wanted, found, looked.missing), found.state, found.full_step
+    if space is None:
+        return looked
     now = space.now()
-    if not all(now.values()):
+    if not all(value for name, value in now.items() if name not in space.shares):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
+        return looked
+    try:
+        space.least_time_s(wanted.distance, now)
+    except ValueError as error:
+        say(f"its ramp gets nowhere: {error}")
         return looked
     period, limits = 4 * microsteps, device.axes[axis].settings.limits
     way = wanted.distance + (period if wanted.distance > 0 else -period)
@@ -99,7 +159,12 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if space.most(name) < now[name] * FASTER and ranges[name][1] == space.most(name) / (1 + wanted.margin)
     ]
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
-    looked.ground = Ranges(space, dimensions, state.position, microsteps, period, near, far, switch)
+    dimensions += tuple(Dimension(name, share.low, share.high) for name, share in space.shares.items())
+    # A share of a setting may be as much as that itself may be.
+    most = {name: high for name, (_, high) in ranges.items()}
+    most |= {name: min(most[share.of], space.most(name) / (1 + wanted.margin)) for name, share in space.shares.items()}
+    offered = tuple(shapes_of(device))
+    looked.ground = Ranges(space, dimensions, state.position, microsteps, period, most, near, far, switch, offered)
     return looked
 
 
@@ -114,8 +179,8 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 
 def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, axis: int) -> None:
-    now, most = ranges.space.now(), {each.name: each.high * (1 + wanted.margin) for each in ranges.dimensions}
-    step_s = least_time_s(wanted.distance, now[SPEED], now[ACCELERATION])
+    now, most = ranges.space.now(), {name: high * (1 + wanted.margin) for name, high in ranges.most.items()}
+    step_s = ranges.space.least_time_s(wanted.distance, now)
     alone = 0 if wanted.loss_rate_max is None else max(0, runs_for(wanted.loss_rate_max) - wanted.pairs)
     looks = 1 if ranges.switch is None else LOOKS
     runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs + alone
@@ -151,6 +216,7 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
         *on_twin,
         f"up to {budget.trials} settings: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
+        *_shape_told(ranges, wanted),
         "beyond the edge steps will be lost, which is loud",
         f"after lost steps the position is taken from the {wanted.seen_by}, and the motor goes back slowly",
         f"{wanted.pairs} moves with the old and {wanted.pairs} with the best setting, in turn; as many with margin",
@@ -169,3 +235,15 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
             f"a switch that fails: after lost steps it is looked for slowly, {SPANS_MAX} times the whole way at most",
         ]
     )
+
+
+def _shape_told(ranges: Ranges, wanted: FastestMove) -> list[str]:
+    """What becomes of the ramp's shape."""
+    if wanted.shape is not None:
+        return [f"of each setting the shape ({wanted.shape}) is searched too: {', '.join(ranges.space.now())}"]
+    told = []
+    if ranges.space.off:
+        told.append(f"{' and '.join(ranges.space.off)} set to 0 with them: each is a trapezoid")
+    if ranges.shapes:
+        told.append(f"the ramp's shape is not searched; it could be: {', '.join(ranges.shapes)}")
+    return told

@@ -12,7 +12,7 @@ from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
-from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
+from ..ramp_settings import UNITS
 from ..record import Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
@@ -159,15 +159,11 @@ class FastestMoveStudy(StudyRun):
         return sum(trial.state != "pruned" for trial in self.record.trials)
 
     def _ladder(self) -> list[dict[str, float]]:
-        now, dimensions = self.record.baseline_setting, self._ranges.dimensions
         if self.record.twin:
-            inside = [
-                {each.name: min(max(one.setting[each.name], each.low), each.high) for each in dimensions}
-                for one in self.record.twin
-            ]
+            inside = [self._ranges.asked(one.setting) for one in self.record.twin]
             # The slowest of them first: where the twin was too bold, fewer steps are lost on the way.
             return inside[::-1]
-        return [{each.name: min(now[each.name] * times, each.high) for each in dimensions} for times in LADDER]
+        return [self._ranges.asked(self.record.baseline_setting, times) for times in LADDER]
 
     async def _trial(self, searcher: Searcher, asked: Asked) -> Trial:
         trial = begun(asked, self._ranges, self.wanted, self.since_s)
@@ -188,12 +184,12 @@ class FastestMoveStudy(StudyRun):
 
     def _hopeless(self, setting: Mapping[str, float], expected_s: float) -> str:
         """Why a setting need not be tried; empty where it is worth it."""
-        best, baseline = self.record.trial(self.record.best), self.record.baseline_figures
+        record = self.record
+        best, baseline = record.trial(record.best), record.baseline_figures
         if self.wanted.quiet or baseline is None or baseline.time_s is None:
             return ""
-        now = self.record.baseline_setting
         # What beside its ramp a move takes until the encoder rests, at the least seen so far.
-        over_s = baseline.time_s - least_time_s(self.wanted.distance, now[SPEED], now[ACCELERATION])
+        over_s = baseline.time_s - self._ranges.space.least_time_s(self.wanted.distance, record.baseline_setting)
         to_beat_s = baseline.time_s
         if best is not None and best.figures.time_s is not None and best.expected_s is not None:
             over_s = min(over_s, best.figures.time_s - best.expected_s)

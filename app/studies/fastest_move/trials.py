@@ -18,7 +18,7 @@ from ...procedures.procedure import Failed
 from ...profiles.apply import Transaction
 from ..document import FastestMove, StudyDocument
 from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
-from ..ramp_settings import ACCELERATION, SPEED, UNITS, document_of, least_time_s
+from ..ramp_settings import SPEED, UNITS, document_of
 from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
 from ..switch_edge import SLOW_FULLSTEPS, SwitchEdge
@@ -129,7 +129,7 @@ class MoveTrials:
     async def _slowly(self) -> None:
         """Set a ramp that a switch may end at once."""
         now = self._ranges.space.now()
-        slow = {**now, SPEED: min(now[SPEED], SLOW_FULLSTEPS * self._ranges.microsteps)}
+        slow = self._ranges.trapezoid({**now, SPEED: min(now[SPEED], SLOW_FULLSTEPS * self._ranges.microsteps)})
         await self._apply(self._ranges.space.registers(slow), "slowly, into the switch")
 
     async def set_before(self) -> None:
@@ -158,7 +158,7 @@ class MoveTrials:
         return figures_of(runs)
 
     async def set(self, setting: Mapping[str, float]) -> None:
-        """Set speed, acceleration and perhaps jerk. Raises BenchError."""
+        """Set speed, acceleration and what else makes the ramp. Raises BenchError."""
         self._wished = self._ranges.space.registers(setting)
         await self._apply(self._wished, words_of(setting))
 
@@ -203,14 +203,14 @@ def figures_of(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
 
 def begun(asked: Asked, ranges: Ranges, wanted: FastestMove, at_s: float) -> Trial:
     """The trial of what was asked for, before it is tried. at_s : since the study began [s]"""
-    setting = ranges.space.rounded(asked.values)
+    setting = ranges.space.rounded(ranges.setting(asked.values))
     return Trial(
         number=asked.number,
         setting=setting,
         registers=ranges.space.registers(setting),
         state="pruned",
         figures=Figures(),
-        expected_s=least_time_s(wanted.distance, setting[SPEED], setting[ACCELERATION]),
+        expected_s=ranges.space.least_time_s(wanted.distance, setting),
         at_s=round(at_s, 3),
     )
 
