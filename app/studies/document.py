@@ -108,7 +108,19 @@ class FastestMove(Part):
         default=0.01, description="what is less than this share faster is no improvement"
     )
     quiet: Annotated[bool, Field(strict=True)] = Field(
-        default=False, description="look for little deviation under way too: a front of both"
+        default=False,
+        description="look for little deviation under way too: a front of both, of which the setting is proposed that "
+        "is nearest to the best of both",
+    )
+    deviation_max_fullsteps: Positive | None = Field(
+        default=None,
+        description="with quiet: propose the fastest of the front that never deviates by more under way [full steps]; "
+        "null: the one nearest to the best of both",
+    )
+    candidate: dict[str, Positive] | None = Field(
+        default=None,
+        description="search nothing, and prove this setting alone, by the names and units of an earlier study's trial, "
+        "e.g. speed [pps] and acceleration [pps^2]; null: search",
     )
     twin: Twin | None = Field(default=None, description="null: on the axis alone")
     sampler: Sampler | None = Field(default=None, description="null: TPE for one objective, NSGA-II for two")
@@ -119,6 +131,10 @@ class FastestMove(Part):
             raise ValueError("distance is 0: a move goes somewhere")
         if self.quiet and self.sampler == "cmaes":
             raise ValueError("CMA-ES knows one objective: leave quiet out, or take tpe or nsga2")
+        if self.deviation_max_fullsteps is not None and not self.quiet:
+            raise ValueError("deviation_max_fullsteps chooses among a front: set quiet too, or leave it out")
+        if self.candidate is not None and self.twin is not None:
+            raise ValueError("a candidate is proved on the axis, and nothing is searched: leave the twin out")
         if self.seen_by != "encoder":
             if (self.distance > 0) != (self.seen_by == "left switch"):
                 raise ValueError(f"distance leads into the {self.seen_by}: moves go away from it, and back")

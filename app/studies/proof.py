@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,9 +85,15 @@ class Compared:
     better: bool
 
 
-def compared_pairs(old: Sequence[float], new: Sequence[float], smallest_share: float, seed: int) -> Compared:
-    """Compare a new setting with the old one by pairs of runs; less is better. Raises ValueError as `paired_effect`."""
+def compared_pairs(
+    old: Sequence[float], new: Sequence[float], smallest_share: float, seed: int, figures: int = 1
+) -> Compared:
+    """Compare a new setting with the old one by pairs of runs; less is better. Raises ValueError as `paired_effect`.
+
+    figures : so many are compared by the same pairs, any of which may be better: p is taken as often (Bonferroni)
+    """
     effect, mean = paired_effect(old, new, seed), statistics.fmean(old)
+    effect = replace(effect, p=min(figures * effect.p, 1.0))
     return Compared(effect, mean, statistics.fmean(new), is_better(effect, mean, smallest_share))
 
 

@@ -71,6 +71,23 @@ class Pair(Part):
     baseline_s: float
     winner_s: float
     order: PairOrder
+    baseline_deviation_fullsteps: float | None = Field(
+        default=None, description="of two objectives: peak of encoder less position, under way"
+    )
+    winner_deviation_fullsteps: float | None = None
+
+
+class DeviationEvidence(Part):
+    """The deviation under way of the same pairs, where it is an objective [full steps]. Differences are winner less
+    baseline."""
+
+    baseline_fullsteps: float
+    winner_fullsteps: float
+    difference_fullsteps: float
+    interval_fullsteps: Interval = Field(description="of the mean difference, 95 %")
+    share: float = Field(description="difference over the baseline")
+    p: float = Field(description="of the paired test (Wilcoxon), two-sided")
+    significant: bool = Field(description="less deviation is shown")
 
 
 class Evidence(Part):
@@ -88,6 +105,14 @@ class Evidence(Part):
     lost_runs: int = Field(description="of the winner's, margin included")
     runs: int
     loss_rate_max: float = Field(description="upper bound of the winner's loss rate, 95 %: what so many runs can show")
+    deviation: DeviationEvidence | None = Field(default=None, description="of two objectives: the other one")
+
+
+class Taken(Part):
+    """The setting of a study that the axis was set to."""
+
+    trial: int
+    proved: bool = Field(description="whether the study has shown it to be better; false: it held when it was tried")
 
 
 class Mend(Part):
@@ -232,6 +257,7 @@ class StudyRecord(Part):
     way_fullsteps: float = 0.0
     ran_s: float = Field(default=0.0, description="how long it has run, all its beginnings together [s]")
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
+    taken: Taken | None = Field(default=None, description="what the axis was set to of it; null: nothing, or undone")
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")

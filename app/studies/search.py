@@ -23,6 +23,8 @@ AGAIN = "again"
 """Of a trial that was cut off once: if it ends the study once more, it is left out."""
 STARTUP_TRIALS = 8
 """Drawn at random before a model of them is made."""
+WORSE = 1e9
+"""CMA-ES knows no constraint, and goes by the order of its figures alone: what may not be is worse than all else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,19 +161,24 @@ class Searcher:
 
         def work() -> None:
             trial = self._open_trials.pop(asked.number)
+            if self._space.sampler == "cmaes":
+                self._study.tell(trial, WORSE + violation if violation > 0 else values[0])
+                return
             trial.set_constraint(LOST, violation)
             self._study.tell(trial, list(values))
 
         await self._do(work)
 
-    async def prune(self, asked: Asked, value: float) -> None:
-        """It was not tried: it could not be better."""
+    async def prune(self, asked: Asked, value: float, violation: float = 0.0) -> None:
+        """It was not tried: it could not be better than `value`, or above a `violation` of 0 it could not be at all."""
 
         def work() -> None:
             from optuna.trial import TrialState
 
             trial = self._open_trials.pop(asked.number)
-            if self._space.objectives == 1:
+            if self._space.sampler == "cmaes":  # it learns by whole generations, and would ask for the same for ever
+                self._study.tell(trial, WORSE + violation if violation > 0 else value)
+            elif self._space.objectives == 1:
                 trial.report(value, 0)
                 trial.set_constraint(LOST, 0.0)
                 self._study.tell(trial, state=TrialState.PRUNED)

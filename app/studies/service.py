@@ -29,7 +29,7 @@ from .kinds import KINDS
 from .moves import figures_of
 from .plan import StudyPlan
 from .ramp_settings import document_of, held_of, value_now
-from .record import Held, StudyRecord
+from .record import Held, StudyRecord, Taken
 from .run import StudyRun
 from .scored_move.in_force import as_in_a_move
 from .scored_move.noticed import NoticedMove
@@ -47,6 +47,7 @@ NOTICED_MAX = 100
 WATCHES_MAX = 8
 """Axes whose moves are noticed at the same time."""
 Which = Literal["best", "baseline"]
+"""What a study found, or what was before it."""
 
 
 def _import_scipy() -> None:
@@ -317,19 +318,24 @@ class StudyService:
 
     # --- what came of it --------------------------------------------------------------------------
 
-    def _registers(self, record: StudyRecord, which: Which) -> list[Held]:
+    def _registers(self, record: StudyRecord, which: Which | int) -> list[Held]:
         if which == "baseline":
             found = record.baseline
         else:
-            best = record.trial(record.best)
-            found = [] if best is None else best.registers
+            if which != "best" and which not in record.front:
+                front = ", ".join(map(str, sorted(record.front)))
+                told = f"the front has {front}" if front else "it has no front: only its best setting can be taken"
+                raise WrongState(f"trial {which} is not on the front of study {record.id}", told)
+            trial = record.trial(record.best if which == "best" else which)
+            found = [] if trial is None else trial.registers
         if not found:
             raise WrongState(f"study {record.id} has no {which} setting", "its record tells what came of it")
         return found
 
-    async def take(self, study: str, which: Which) -> StudyRecord:
-        """Set the axis to what the study found, or to what it was before: one transaction.
+    async def take(self, study: str, which: Which | int) -> StudyRecord:
+        """Set the axis to what the study found, to a trial of its front, or to what it was before: one transaction.
 
+        which : a number is that of a trial of the front, which held when it was tried; only the best one is proved.
         Raises UnknownThing, WrongState, and what `ProfileService.apply` does.
         """
         record = self._store.get(study)
@@ -348,10 +354,14 @@ class StudyService:
         switched = record.switched if which == "baseline" and record.left else None
         if switched is not None:
             await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.off})
-        await self._profiles.apply(device, document_of(device, registers, f"{which} of study {study}"))
+        name = f"trial {which}" if isinstance(which, int) else which
+        await self._profiles.apply(device, document_of(device, registers, f"{name} of study {study}"))
         if switched is not None:
             await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.before})
         record.left, record.baseline = [], before
+        trial = None if which == "baseline" else record.best if which == "best" else which
+        proved = trial == record.best and record.improved is True
+        record.taken = None if trial is None else Taken(trial=trial, proved=proved)
         await self._store.save(record)
         return record
 

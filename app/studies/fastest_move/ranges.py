@@ -113,6 +113,21 @@ def _shaped(device: Device, axis: int, wanted: FastestMove, found: AxisNow, miss
     return space
 
 
+def _misfit(candidate: Mapping[str, float], space: RampSpace, ranges: Mapping[str, tuple[float, float]]) -> str:
+    """Why a setting cannot be proved on this axis; empty where it can."""
+    if candidate.keys() != ranges.keys():
+        has, asked = ", ".join(sorted(ranges)), ", ".join(sorted(candidate))
+        return f"the candidate has {asked}, and a setting of this axis {has}"
+    most = space.rounded({name: high for name, (_, high) in ranges.items()})
+    for name, value in space.rounded(candidate).items():
+        if value > most[name]:
+            return (
+                f"the candidate's {name} is {plain(value, 6)} {UNITS[name]}, and {plain(most[name], 6)} is the most "
+                "here, by register and limits, less the margin: raise the limit, or take another setting"
+            )
+    return ""
+
+
 async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]:
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
     looked = Looked[Ranges]()
@@ -152,6 +167,11 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if high <= low:
             say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
             return looked
+    if wanted.candidate is not None:
+        wrong = _misfit(wanted.candidate, space, ranges)
+        if wrong:
+            say(wrong)
+            return looked
     looked.warnings += [
         f"{name} ends at {plain(space.most(name), 4)} {UNITS[name]}, as far as its register goes with the clock as "
         "it is divided: start the axis up for a faster ramp to have more room"
@@ -179,16 +199,23 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
 
 
 def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, axis: int) -> None:
-    now, most = ranges.space.now(), {name: high * (1 + wanted.margin) for name, high in ranges.most.items()}
+    now, candidate = ranges.space.now(), wanted.candidate
+    highs = ranges.most
+    if candidate is not None:
+        highs = {name: max(now[name] / (1 + wanted.margin), value) for name, value in candidate.items()}
+    most = {name: high * (1 + wanted.margin) for name, high in highs.items()}
+    trials = budget.trials if candidate is None else 1
     step_s = ranges.space.least_time_s(wanted.distance, now)
     alone = 0 if wanted.loss_rate_max is None else max(0, runs_for(wanted.loss_rate_max) - wanted.pairs)
     looks = 1 if ranges.switch is None else LOOKS
-    runs = BASELINE_RUNS + budget.trials * (wanted.repeats + 1) + 3 * wanted.pairs + alone
+    runs = (
+        BASELINE_RUNS + trials * (wanted.repeats + (wanted.repeats if wanted.quiet else 1)) + 3 * wanted.pairs + alone
+    )
     share = (1 + wanted.margin) * 100
     way = abs(wanted.distance) + ranges.period
     told.moves_max = 2 * looks * runs
     told.way_fullsteps = 2 * looks * runs * way / ranges.microsteps
-    whole_s = looks * runs * (2 * step_s + AROUND_S) + 2 * (budget.trials + wanted.pairs) * WRITING_S
+    whole_s = looks * runs * (2 * step_s + AROUND_S) + 2 * (trials + wanted.pairs) * WRITING_S
     told.time_s = min(budget.time_s, whole_s)
     if alone and budget.time_s < whole_s:
         told.warnings.append(
@@ -215,10 +242,11 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         *by_switch,
         f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
         *on_twin,
-        f"up to {budget.trials} settings: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
-        *_shape_told(ranges, wanted),
+        f"{_tried_told(candidate, trials)}: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
+        *([] if candidate else _shape_told(ranges, wanted)),
         "beyond the edge steps will be lost, which is loud",
         f"after lost steps the position is taken from the {wanted.seen_by}, and the motor goes back slowly",
+        *_proposal_told(wanted),
         f"{wanted.pairs} moves with the old and {wanted.pairs} with the best setting, in turn; as many with margin",
         *([f"{alone} more with the best setting alone, if it is better: none may lose a step"] if alone else []),
         "the setting as it is now goes back, whatever came of it; one click takes the best one",
@@ -247,3 +275,18 @@ def _shape_told(ranges: Ranges, wanted: FastestMove) -> list[str]:
     if ranges.shapes:
         told.append(f"the ramp's shape is not searched; it could be: {', '.join(ranges.shapes)}")
     return told
+
+
+def _tried_told(candidate: Mapping[str, float] | None, trials: int) -> str:
+    if candidate is None:
+        return f"up to {trials} settings"
+    return "the setting " + ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in candidate.items())
+
+
+def _proposal_told(wanted: FastestMove) -> list[str]:
+    """Which setting of the front of two objectives is the best one."""
+    if not wanted.quiet or wanted.candidate is not None:
+        return []
+    if (most := wanted.deviation_max_fullsteps) is not None:
+        return [f"the best is the fastest that never deviates by more than {plain(most, 3)} full steps under way"]
+    return ["the best, of those that are faster, is nearest to the least time and the least deviation of them"]

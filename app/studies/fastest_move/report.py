@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
+from ...html_report import COLOURS, EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, line, mark, number, table
 from ...number_text import plain
-from ..record import Evidence, Figures, StudyRecord, Trial
+from ..record import DeviationEvidence, Evidence, Figures, StudyRecord, Trial
 
 WORDS = {"feasible": "held", "infeasible": "lost steps", "pruned": "not tried", "failed": "failed"}
 
@@ -15,8 +15,12 @@ def sections(record: StudyRecord) -> list[str]:
     if record.evidence is not None:
         differences = [(pair.winner_s - pair.baseline_s) * 1e3 for pair in record.pairs]
         parts.append("<h2>How sure</h2>" + _evidence(record.evidence) + differences_plot(differences, "ms"))
+        if record.evidence.deviation is not None:
+            parts.append(_deviation(record.evidence.deviation) + differences_plot(_off(record), "full steps"))
     if record.baseline_setting and record.baseline_figures is not None:
         parts.append("<h2>Before and best</h2>" + _settings(record, record.trial(record.best)))
+    if record.front:
+        parts.append("<h2>Time and deviation</h2>" + _front(record))
     if record.trials:
         parts.append("<h2>What was tried</h2>" + _history(record) + _scatter(record) + _trials(record))
     return parts
@@ -38,6 +42,59 @@ def _evidence(evidence: Evidence) -> str:
             ("loss rate, 95 % bound", f"below {100 * evidence.loss_rate_max:.2g} %"),
         ),
     )
+
+
+def _deviation(evidence: DeviationEvidence) -> str:
+    low, high = evidence.interval_fullsteps.low, evidence.interval_fullsteps.high
+    return table(
+        ("peak deviation", ""),
+        (
+            ("before, mean", f"{plain(evidence.baseline_fullsteps, 4)} full steps"),
+            ("best, mean", f"{plain(evidence.winner_fullsteps, 4)} full steps"),
+            ("difference", f"{plain(evidence.difference_fullsteps, 3)} full steps ({100 * evidence.share:.3g} %)"),
+            ("its 95 % interval", f"{plain(low, 3)} to {plain(high, 3)} full steps"),
+            ("p", f"{evidence.p:.3g}"),
+        ),
+    )
+
+
+def _off(record: StudyRecord) -> list[float]:
+    """Deviation of each pair, new less old [full steps]."""
+    told = [(pair.baseline_deviation_fullsteps, pair.winner_deviation_fullsteps) for pair in record.pairs]
+    return [new - old for old, new in told if old is not None and new is not None]
+
+
+def _front(record: StudyRecord) -> str:
+    """Deviation over time of what held: the front as a line, the best one and what was before with their names."""
+    held = [
+        (trial, trial.figures.time_s, trial.figures.deviation_fullsteps)
+        for trial in record.trials
+        if trial.state == "feasible"
+    ]
+    known = [(trial, time_s, off) for trial, time_s, off in held if time_s is not None and off is not None]
+    before = record.baseline_figures
+    assert before is not None
+    assert before.time_s is not None
+    assert before.deviation_fullsteps is not None
+    x = PlotAxis([before.time_s, *(time_s for _, time_s, _ in known)], EDGE, WIDTH - 10)
+    y = PlotAxis([before.deviation_fullsteps, *(off for _, _, off in known)], HEIGHT - EDGE, 10)
+    along = sorted((time_s, off) for trial, time_s, off in known if trial.number in record.front)
+    marks = line([(x.at(time_s), y.at(off)) for time_s, off in along], COLOURS["feasible"], "front", dashed=True)
+    for trial, time_s, off in known:
+        said = f"trial {trial.number}: {plain(time_s, 4)} s, {plain(off, 3)} full steps"
+        marks += mark(x.at(time_s), y.at(off), "feasible" if trial.number in record.front else "pruned", said)
+        if trial.number == record.best:
+            marks += _name(x.at(time_s), y.at(off), "best")
+    marks += mark(x.at(before.time_s), y.at(before.deviation_fullsteps), "failed", "before")
+    marks += _name(x.at(before.time_s), y.at(before.deviation_fullsteps), "before")
+    numbers = ", ".join(str(number) for number in sorted(record.front))
+    return frame(x, y, "time [s]", "peak deviation [full steps]", marks) + (
+        f"<p>Trials that none beats in both: {numbers}. Each held when it was tried; only the best one was proved.</p>"
+    )
+
+
+def _name(x: float, y: float, name: str) -> str:
+    return f'<text x="{x + 8:.1f}" y="{y - 6:.1f}">{name}</text>'
 
 
 def _settings(record: StudyRecord, best: Trial | None) -> str:

@@ -13,20 +13,27 @@ from ..document import FastestMove
 from ..parts import Interval
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
 from ..ramp_settings import UNITS
-from ..record import Evidence, Figures, Pair, Trial
+from ..record import DeviationEvidence, Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
 from ..switch_edge import UNTOLD
 from ..twins.search import look_on_twins
+from .effects import effects_told
+from .front import front_of, proposed
 from .ranges import BASELINE_RUNS, Ranges, look
 from .trials import ON_TWIN, MoveTrials, begun, curve_of, figures_of, told, tried, words_of
 
 ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
+STEEP = "two gentler settings lost steps"
+"""Why a setting was not tried: it would lose some too."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
+
+CANDIDATE = 1
+"""Number of the trial of a setting that is to be proved without a search."""
 
 
 class FastestMoveStudy(StudyRun):
@@ -65,7 +72,10 @@ class FastestMoveStudy(StudyRun):
         await self._trials.begin()
         await self._baseline()
         await self._twins()
-        await self._search()
+        if wanted.candidate is None:
+            await self._search()
+        elif not record.trials:
+            await self._alone_tried(wanted.candidate)
         await self._proof()
         await self.back()
         await self._trials.moves.go(ranges.start)
@@ -144,6 +154,20 @@ class FastestMoveStudy(StudyRun):
         finally:
             searcher.close()
 
+    async def _alone_tried(self, candidate: Mapping[str, float]) -> None:
+        """Try the one setting that is to be proved."""
+        self.tell("search", 0.05, "trying the setting that is to be proved")
+        trial = begun(Asked(CANDIDATE, candidate), self._ranges, self.wanted, self.since_s)
+        self.keeper.mark(f"trial {trial.number}: {words_of(trial.setting)}")
+        await tried(self._trials, trial)
+        if trial.state == "failed":
+            await self._trials.home()
+        self.record.trials.append(trial)
+        self._judge()
+        if trial.number == self.record.best:
+            self._draw("best")
+        await self.keeper.save(self.record)
+
     def _space(self) -> Space:
         quiet = self.wanted.quiet
         sampler = self.wanted.sampler or ("nsga2" if quiet else "tpe")
@@ -170,7 +194,7 @@ class FastestMoveStudy(StudyRun):
         assert trial.expected_s is not None
         trial.why = self._hopeless(trial.setting, trial.expected_s)
         if trial.why:
-            await searcher.prune(asked, trial.expected_s)
+            await searcher.prune(asked, trial.expected_s, float(trial.why == STEEP))
             return trial
         self.keeper.mark(f"trial {asked.number}: {words_of(trial.setting)}")
         await tried(self._trials, trial)
@@ -203,43 +227,67 @@ class FastestMoveStudy(StudyRun):
         ]
         # Two, not one: a setting may sit on a resonance that a faster one passes by.
         if len(worse) >= 2:
-            return "two gentler settings lost steps"
+            return STEEP
         return ""
 
     def _judge(self) -> None:
-        """The best so far, and the front of two objectives."""
-        feasible = [trial for trial in self.record.trials if trial.state == "feasible"]
+        """The best so far: the fastest, or of two objectives the one of their front that is proposed."""
+        record, wanted = self.record, self.wanted
+        feasible = [trial for trial in record.trials if trial.state == "feasible"]
         timed = [trial for trial in feasible if trial.figures.time_s is not None]
-        best = min(timed, key=lambda trial: trial.figures.time_s or math.inf, default=None)
-        self.record.best = None if best is None else best.number
-        if self.wanted.quiet:
-            self.record.front = [one.number for one in timed if not any(_beats(other, one) for other in timed)]
+        if wanted.quiet:
+            front = front_of(timed)
+            assert record.baseline_figures is not None
+            best = proposed(front, record.baseline_figures, wanted.smallest_gain, wanted.deviation_max_fullsteps)
+            record.front = [one.number for one in front]
+            if best is None or best.number != record.best:  # another trial's move is no longer the best one's
+                record.moves = [move for move in record.moves if move.which != "best"]
+        else:
+            best = min(timed, key=lambda trial: trial.figures.time_s or math.inf, default=None)
+        record.best = None if best is None else best.number
 
     def _best_text(self) -> str:
         best = self.record.trial(self.record.best)
-        return "" if best is None or best.figures.time_s is None else f", best {plain(best.figures.time_s, 4)} s"
+        if best is None or best.figures.time_s is None:
+            return ""
+        deviation = f", {plain(best.figures.deviation_fullsteps or 0.0, 3)} full steps off" if self.wanted.quiet else ""
+        return f", best {plain(best.figures.time_s, 4)} s{deviation}"
 
     # --- proof ------------------------------------------------------------------------------------
 
     async def _proof(self) -> None:
-        record = self.record
+        record, wanted = self.record, self.wanted
         for _ in range(CANDIDATES):
             best, baseline = record.trial(record.best), record.baseline_figures
             assert baseline is not None
             assert baseline.time_s is not None
-            if best is None or best.figures.time_s is None:
+            if not any(trial.state == "feasible" for trial in record.trials):
                 record.improved, record.verdict = False, "no setting that was tried held its steps: it stays as it is"
                 return
-            if best.figures.time_s >= baseline.time_s * (1 - self.wanted.smallest_gain):
-                record.improved = False
-                record.verdict = "nothing that was tried is faster by more than can be told: it stays as it is"
+            if wanted.quiet:
+                nothing = best is None
+            else:
+                assert best is not None
+                assert best.figures.time_s is not None
+                nothing = best.figures.time_s >= baseline.time_s * (1 - wanted.smallest_gain)
+            if nothing:
+                record.improved, record.verdict = False, f"{self._nothing_gained()}: it stays as it is"
                 record.next = "more room: a higher limit of speed or acceleration, or more current"
                 return
+            assert best is not None
             if await self._pairs(best):
                 return
         record.improved = False
-        record.verdict = f"the best settings, {CANDIDATES} at most, lost steps in the proof: it stays as it is"
+        beyond = "" if wanted.deviation_max_fullsteps is None else ", or deviated by more than asked,"
+        record.verdict = f"the best settings, {CANDIDATES} at most, lost steps{beyond} in the proof: it stays as it is"
         record.next = "a greater margin, more repeats"
+
+    def _nothing_gained(self) -> str:
+        most = self.wanted.deviation_max_fullsteps
+        if most is not None:
+            return f"nothing that deviates by {plain(most, 3)} full steps at most is faster by more than can be told"
+        quiet = ", or deviates less," if self.wanted.quiet else ""
+        return f"nothing that was tried is faster{quiet} by more than can be told"
 
     async def _pairs(self, best: Trial) -> bool:
         """The pairs of one candidate; False where it lost steps."""
@@ -253,6 +301,7 @@ class FastestMoveStudy(StudyRun):
             place = self._trials.place()
             order = pair_order(index)
             times: dict[str, float] = {}
+            deviations: dict[str, float | None] = {}
             for which in order:
                 await self._trials.set_before() if which == "A" else await self._trials.set(best.setting)
                 figures = figures_of([await self._trials.once(place)])
@@ -262,13 +311,27 @@ class FastestMoveStudy(StudyRun):
                         raise Failed("the setting before lost steps, or did not settle, in the proof")
                     return self._refuted(best, figures)
                 times[which] = figures.time_s
+                if wanted.quiet:
+                    deviations[which] = figures.deviation_fullsteps
+                    if which == "B":
+                        self._draw("best")
+                        if self._deviates(figures):
+                            return self._refuted(best, figures)
             if wanted.margin:
                 figures = await self._trials.stress(best.setting, 1)
                 runs += figures.runs
                 if figures.lost_fullsteps:
                     return self._refuted(best, figures)
-            record.pairs.append(Pair(baseline_s=times["A"], winner_s=times["B"], order=order))
-        if self._faster(runs):
+            record.pairs.append(
+                Pair(
+                    baseline_s=times["A"],
+                    winner_s=times["B"],
+                    order=order,
+                    baseline_deviation_fullsteps=deviations.get("A"),
+                    winner_deviation_fullsteps=deviations.get("B"),
+                )
+            )
+        if self._better(runs):
             alone = 0
             if wanted.loss_rate_max is not None:
                 alone, lost = await self._alone(best, runs_for(wanted.loss_rate_max) - len(record.pairs))
@@ -286,20 +349,29 @@ class FastestMoveStudy(StudyRun):
         while held < most and not self.spent():
             self.tell("proof", 0.85 + 0.15 * held / most, f"the new setting alone, move {held + 1} of {most}")
             figures = figures_of([await self._trials.once()])
-            if figures.time_s is None:
+            if figures.time_s is None or self._deviates(figures):
                 return held, figures
             held += 1
         return held, None
 
+    def _deviates(self, figures: Figures) -> bool:
+        """Whether a move deviated by more than is asked for."""
+        most, deviation = self.wanted.deviation_max_fullsteps, figures.deviation_fullsteps
+        return most is not None and deviation is not None and deviation > most
+
     def _refuted(self, best: Trial, figures: Figures) -> bool:
-        best.state, best.figures.lost_fullsteps = "infeasible", figures.lost_fullsteps
-        best.why = "it lost steps, or did not settle, in the proof"
+        if figures.time_s is not None and not figures.lost_fullsteps:  # it held, and another keeps to the deviation
+            best.figures.deviation_fullsteps = figures.deviation_fullsteps
+            best.why = "it deviated by more than asked in the proof"
+        else:
+            best.state, best.figures.lost_fullsteps = "infeasible", figures.lost_fullsteps
+            best.why = "it lost steps, or did not settle, in the proof"
         self.record.evidence = None
         self._judge()
         return False
 
-    def _faster(self, runs: int) -> bool:
-        """Whether the pairs show the new setting to be faster; `runs` of it, margin included, lost no step."""
+    def _better(self, runs: int) -> bool:
+        """Whether the pairs show the new setting to be better; `runs` of it, margin included, lost no step."""
         record, wanted = self.record, self.wanted
         if len(record.pairs) < 10:
             record.improved = None
@@ -307,8 +379,9 @@ class FastestMoveStudy(StudyRun):
             record.next = "more time or way"
             return False
         before, after = [pair.baseline_s for pair in record.pairs], [pair.winner_s for pair in record.pairs]
-        shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed)
+        shown = compared_pairs(before, after, wanted.smallest_gain, record.document.seed, figures=1 + wanted.quiet)
         effect, old = shown.effect, shown.old
+        test = "Wilcoxon signed-rank, two-sided; interval: bootstrap and Student's t over the pairs, the wider"
         record.evidence = Evidence(
             pairs=len(record.pairs),
             baseline_s=old,
@@ -317,15 +390,39 @@ class FastestMoveStudy(StudyRun):
             interval_s=Interval(low=effect.low, high=effect.high),
             share=effect.mean / old,
             p=effect.p,
-            test="Wilcoxon signed-rank, two-sided; interval: bootstrap and Student's t over the pairs, the wider",
+            test=f"{test}; each p counts twice, for two figures" if wanted.quiet else test,
             significant=shown.better,
             lost_runs=0,
             runs=runs,
             loss_rate_max=rate_bound(0, runs),
+            deviation=self._deviation() if wanted.quiet else None,
         )
-        if not shown.better:
-            record.improved, record.verdict = False, "the best setting is not shown to be faster: it stays as it is"
-        return shown.better
+        calmer = record.evidence.deviation is not None and record.evidence.deviation.significant
+        if not shown.better and not calmer:
+            either = ", nor to deviate less" if wanted.quiet else ""
+            record.improved = False
+            record.verdict = f"the best setting is not shown to be faster{either}: it stays as it is"
+        return shown.better or calmer
+
+    def _deviation(self) -> DeviationEvidence | None:
+        """The other objective by the same pairs; None where a move told none."""
+        record, told = self.record, []
+        for pair in record.pairs:
+            if pair.baseline_deviation_fullsteps is None or pair.winner_deviation_fullsteps is None:
+                return None
+            told.append((pair.baseline_deviation_fullsteps, pair.winner_deviation_fullsteps))
+        old, new = zip(*told, strict=True)
+        shown = compared_pairs(old, new, self.wanted.smallest_gain, record.document.seed, figures=2)
+        effect = shown.effect
+        return DeviationEvidence(
+            baseline_fullsteps=shown.old,
+            winner_fullsteps=shown.new,
+            difference_fullsteps=effect.mean,
+            interval_fullsteps=Interval(low=effect.low, high=effect.high),
+            share=effect.mean / shown.old if shown.old else 0.0,
+            p=effect.p,
+            significant=shown.better,
+        )
 
     def _bound(self, runs: int, own: int) -> None:
         """How seldom the new setting loses a step, by `runs` of the proof, `own` of them without the margin."""
@@ -333,23 +430,16 @@ class FastestMoveStudy(StudyRun):
         evidence = record.evidence
         assert evidence is not None
         evidence.runs, evidence.loss_rate_max = runs, rate_bound(0, runs)
-        old, new, less = evidence.baseline_s, evidence.winner_s, evidence.interval_s
         record.improved = True
         record.verdict = (
-            f"{-100 * evidence.share:.3g} % faster ({plain(old, 4)} s to {plain(new, 4)} s; 95 %: "
-            f"{plain(-less.high * 1e3, 3)} to {plain(-less.low * 1e3, 3)} ms less), "
+            f"{effects_told(evidence, self.wanted.smallest_gain)}, "
             f"no step lost in {runs} runs: fewer than {100 * evidence.loss_rate_max:.2g} % lose some"
         )
+        if (most := self.wanted.deviation_max_fullsteps) is not None:
+            record.verdict += f"; no move of {own} deviated by more than {plain(most, 3)} full steps"
         if asked is None:
             record.next = "a loss rate asked for: 299 runs without a lost step show less than 1 %"
         elif own < runs_for(asked):
             record.improved = None
             record.verdict += f"; the budget ended before fewer than {100 * asked:.2g} % were shown"
             record.next = "more time or way"
-
-
-def _beats(one: Trial, other: Trial) -> bool:
-    """Whether it is nowhere worse and somewhere better."""
-    here = (one.figures.time_s or math.inf, one.figures.deviation_fullsteps or 0.0)
-    there = (other.figures.time_s or math.inf, other.figures.deviation_fullsteps or 0.0)
-    return all(a <= b for a, b in zip(here, there, strict=True)) and here != there
