@@ -164,13 +164,18 @@ def resume(study: Name, url: Url = None, token: Token = None, as_json: AsJson = 
 def take(
     study: Name,
     undo: Annotated[bool, typer.Option("--undo", help="What was set before the study instead.")] = False,
+    trial: Annotated[int | None, typer.Option(help="A trial of its front instead, which is not proved.")] = None,
     url: Url = None,
     token: Token = None,
     as_json: AsJson = False,
 ) -> None:
     """Set the axis to what a study found."""
+    if undo and trial is not None:
+        raise typer.BadParameter("either what was before, or a trial")
     with connected(url, token) as bench:
-        body = {"which": "baseline" if undo else "best"}
+        body: dict[str, Any] = {"which": "baseline" if undo else "best"}
+        if trial is not None:
+            body = {"which": "trial", "trial": trial}
         _tell(bench.call("POST", f"/studies/{study}/take", body), as_json=as_json)
 
 

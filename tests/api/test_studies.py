@@ -84,6 +84,38 @@ async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, cl
     assert (await client.get(f"studies/{study}")).status_code == 404
 
 
+async def test_any_setting_of_a_front_is_taken_as_not_proved_and_undone(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    before = await held(client)
+    document = {"device": slide, "study": {**MOVE, "quiet": True}, "budget": {"trials": 5}}
+    study = (await client.post("studies", json=document)).json()["id"]
+    found = await over(client, clock, study)
+    assert (found["state"], found["improved"], found["taken"]) == ("done", True, None), found["message"]
+    take = f"studies/{study}/take"
+    other = next(
+        trial for trial in found["trials"] if trial["number"] in found["front"] and trial["number"] != found["best"]
+    )
+    taken = await client.post(take, json={"which": "trial", "trial": other["number"]})
+    assert taken.status_code == 200, taken.text
+    assert taken.json()["taken"] == {"trial": other["number"], "proved": False}
+    assert await held(client) == {one["name"]: one["value"] for one in other["registers"] if one["name"] in NAMES}
+    assert (await client.get(f"studies/{study}")).json()["taken"] == taken.json()["taken"]
+    for body in ({"which": "best"}, {"which": "trial", "trial": found["best"]}):
+        taken = await client.post(take, json=body)
+        assert taken.json()["taken"] == {"trial": found["best"], "proved": True}
+    off = next((trial["number"] for trial in found["trials"] if trial["number"] not in found["front"]), 77)
+    for number in (off, 77):
+        refused = await client.post(take, json={"which": "trial", "trial": number})
+        assert refused.status_code == 409
+        assert f"the front has {', '.join(map(str, sorted(found['front'])))}" in refused.text
+    for wrong in ({"which": "trial"}, {"which": "best", "trial": found["best"]}, {"which": "best of all"}):
+        assert (await client.post(take, json=wrong)).status_code == 422
+    undone = (await client.post(take, json={"which": "baseline"})).json()
+    assert undone["taken"] is None
+    assert await held(client) == before
+
+
 async def test_the_red_button_ends_it_and_the_setting_goes_back(
     client: httpx.AsyncClient, clock: VirtualClock, slide: str
 ) -> None:

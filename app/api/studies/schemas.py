@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...studies.document import Kind
 from ...studies.record import State
@@ -66,7 +66,18 @@ class StudyList(Answer):
 class StudyTake(Body):
     """Which setting the axis shall have."""
 
-    which: Literal["best", "baseline"] = Field(description="what the study found, or what was before it")
+    which: Literal["best", "baseline", "trial"] = Field(
+        description="what the study found, what was before it, or a trial of its front"
+    )
+    trial: int | None = Field(
+        default=None, description="its number, where a trial is taken: it held when it was tried, and is not proved"
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> StudyTake:
+        if (self.which == "trial") != (self.trial is not None):
+            raise ValueError("trial is its number where which is trial, and is left out elsewhere")
+        return self
 
 
 class StudyLeft(Answer):
