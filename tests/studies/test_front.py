@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from app.studies.document import Sampler, StudyDocument
+from app.studies.document import FastestMove, Sampler, StudyDocument
 from app.studies.fastest_move import ranges
 from app.studies.fastest_move.effects import effects_told
 from app.studies.fastest_move.front import front_of, knee, proposed
@@ -16,7 +17,7 @@ from app.studies.parts import Interval
 from app.studies.record import DeviationEvidence, Evidence, Figures, StudyRecord, Trial
 from app.studies.report import html_of
 from app.studies.search import Dimension, Searcher, Space
-from tests.studies.harness import studied
+from tests.studies.harness import START, studied
 
 MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
 QUIET = {**MOVE, "quiet": True}
@@ -271,6 +272,21 @@ async def test_the_plan_of_a_candidate_tells_its_speed_and_searches_nothing(tmp_
         assert plan.acceleration_max_pps2 == pytest.approx(330_000)
         assert any("the setting 60000 pps, 300000 pps^2: 1 times there and back" in step for step in plan.steps)
         assert plan.moves_max < (await ranges.plan(s.device, 0, s.document(MOVE))).moves_max
+
+
+async def test_a_candidate_with_a_shape_is_the_setting_itself_and_not_shares_of_it(tmp_path: Path) -> None:
+    async with studied(tmp_path, replace(START, v1=20_000, a1=400_000, d1=400_000)) as s:
+        six = {**MOVE, "shape": "six points"}
+        found = (await ranges.look(s.device, 0, FastestMove.model_validate(six))).required()
+        candidate = {name: 1.2 * value for name, value in found.space.now().items()}
+        run = s.begin(s.document({**six, "candidate": candidate}))
+        record = await s.finish(run, 600)
+        assert record.state == "done", record.message
+        (tried,) = record.trials
+        assert tried.setting == pytest.approx(candidate, rel=1e-3)
+        del candidate["speed"]
+        plan = await ranges.plan(s.device, 0, s.document({**six, "candidate": candidate}))
+        assert "a setting of this axis " in plan.missing[0]
 
 
 @pytest.mark.parametrize(

@@ -113,12 +113,12 @@ def _shaped(device: Device, axis: int, wanted: FastestMove, found: AxisNow, miss
     return space
 
 
-def _misfit(candidate: Mapping[str, float], space: RampSpace, ranges: Mapping[str, tuple[float, float]]) -> str:
+def _misfit(candidate: Mapping[str, float], space: RampSpace, highs: Mapping[str, float]) -> str:
     """Why a setting cannot be proved on this axis; empty where it can."""
-    if candidate.keys() != ranges.keys():
-        has, asked = ", ".join(sorted(ranges)), ", ".join(sorted(candidate))
+    if candidate.keys() != highs.keys():
+        has, asked = ", ".join(sorted(highs)), ", ".join(sorted(candidate))
         return f"the candidate has {asked}, and a setting of this axis {has}"
-    most = space.rounded({name: high for name, (_, high) in ranges.items()})
+    most = space.rounded(highs)
     for name, value in space.rounded(candidate).items():
         if value > most[name]:
             return (
@@ -167,11 +167,6 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if high <= low:
             say(f"{name} has no range: from {plain(low)} to {plain(high)}; the limit, less the margin, lies too low")
             return looked
-    if wanted.candidate is not None:
-        wrong = _misfit(wanted.candidate, space, ranges)
-        if wrong:
-            say(wrong)
-            return looked
     looked.warnings += [
         f"{name} ends at {plain(space.most(name), 4)} {UNITS[name]}, as far as its register goes with the clock as "
         "it is divided: start the axis up for a faster ramp to have more room"
@@ -183,6 +178,9 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     # A share of a setting may be as much as that itself may be.
     most = {name: high for name, (_, high) in ranges.items()}
     most |= {name: min(most[share.of], space.most(name) / (1 + wanted.margin)) for name, share in space.shares.items()}
+    if wanted.candidate is not None and (wrong := _misfit(wanted.candidate, space, most)):
+        say(wrong)
+        return looked
     offered = tuple(shapes_of(device))
     looked.ground = Ranges(space, dimensions, state.position, microsteps, period, most, near, far, switch, offered)
     return looked

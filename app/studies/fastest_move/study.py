@@ -157,7 +157,7 @@ class FastestMoveStudy(StudyRun):
     async def _alone_tried(self, candidate: Mapping[str, float]) -> None:
         """Try the one setting that is to be proved."""
         self.tell("search", 0.05, "trying the setting that is to be proved")
-        trial = begun(Asked(CANDIDATE, candidate), self._ranges, self.wanted, self.since_s)
+        trial = begun(CANDIDATE, candidate, self._ranges, self.wanted, self.since_s)
         self.keeper.mark(f"trial {trial.number}: {words_of(trial.setting)}")
         await tried(self._trials, trial)
         if trial.state == "failed":
@@ -190,7 +190,7 @@ class FastestMoveStudy(StudyRun):
         return [self._ranges.asked(self.record.baseline_setting, times) for times in LADDER]
 
     async def _trial(self, searcher: Searcher, asked: Asked) -> Trial:
-        trial = begun(asked, self._ranges, self.wanted, self.since_s)
+        trial = begun(asked.number, self._ranges.setting(asked.values), self._ranges, self.wanted, self.since_s)
         assert trial.expected_s is not None
         trial.why = self._hopeless(trial.setting, trial.expected_s)
         if trial.why:

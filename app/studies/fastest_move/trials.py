@@ -203,11 +203,11 @@ def figures_of(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
     )
 
 
-def begun(asked: Asked, ranges: Ranges, wanted: FastestMove, at_s: float) -> Trial:
-    """The trial of what was asked for, before it is tried. at_s : since the study began [s]"""
-    setting = ranges.space.rounded(ranges.setting(asked.values))
+def begun(number: int, setting: Mapping[str, float], ranges: Ranges, wanted: FastestMove, at_s: float) -> Trial:
+    """The trial of a setting, before it is tried. at_s : since the study began [s]"""
+    setting = ranges.space.rounded(setting)
     return Trial(
-        number=asked.number,
+        number=number,
         setting=setting,
         registers=ranges.space.registers(setting),
         state="pruned",
@@ -250,7 +250,7 @@ async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocum
         await Transaction(device, document_of(device, registers, what)).run()
 
     trials = MoveTrials(device, axis, clock, wanted, ranges, document.seed + asked.number, apply)
-    trial = begun(asked, ranges, wanted, 0.0)
+    trial = begun(asked.number, ranges.setting(asked.values), ranges, wanted, 0.0)
     await trials.begin()
     await tried(trials, trial)
     return trial
