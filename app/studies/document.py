@@ -77,6 +77,12 @@ class FastestMove(Part):
         "looked at after each half of them",
     )
     distance: Int = Field(description="of a move, and back again; its sign says to which side [microsteps]")
+    distances: list[Int] = Field(
+        default_factory=list,
+        max_length=8,
+        description="further ones, to the same side: each run moves by all of them and back, and the time of all "
+        "together counts [microsteps]; empty: by the one distance alone",
+    )
     margin: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
         default=0.1, description="no step may be lost at so much more speed and acceleration either: 0.1 is 10 %"
     )
@@ -129,6 +135,9 @@ class FastestMove(Part):
     def _goes_somewhere(self) -> FastestMove:
         if self.distance == 0:
             raise ValueError("distance is 0: a move goes somewhere")
+        for each in self.distances:
+            if each == 0 or (each > 0) != (self.distance > 0):
+                raise ValueError(f"distances has {each}: all of them go to the same side as distance, {self.distance}")
         if self.quiet and self.sampler == "cmaes":
             raise ValueError("CMA-ES knows one objective: leave quiet out, or take tpe or nsga2")
         if self.deviation_max_fullsteps is not None and not self.quiet:
@@ -143,6 +152,16 @@ class FastestMove(Part):
             if self.twin is not None:
                 raise ValueError("a twin sees lost steps by its encoder: leave it out, or let the encoder see")
         return self
+
+    @property
+    def every_distance(self) -> tuple[int, ...]:
+        """Those of one run, in its order [microsteps]."""
+        return (self.distance, *self.distances)
+
+    @property
+    def farthest(self) -> int:
+        """The one that takes most room [microsteps]."""
+        return max(self.every_distance, key=abs)
 
 
 class FirstLook(Part):

@@ -45,8 +45,14 @@ class Switched(Part):
 class Figures(Part):
     """Of a setting: means over its moves. Null where nothing was measured."""
 
-    time_s: float | None = Field(default=None, description="from the command until the encoder stays in its band [s]")
+    time_s: float | None = Field(
+        default=None,
+        description="from the command until the encoder stays in its band; of several distances: of all together [s]",
+    )
     spread_s: float | None = Field(default=None, description="standard deviation of that [s]")
+    by_distance_s: list[float] = Field(
+        default_factory=list, description="that of each of several distances, in their order [s]; empty of one"
+    )
     deviation_fullsteps: float | None = Field(default=None, description="peak of encoder less position, under way")
     lost_fullsteps: float = Field(default=0.0, description="worst of all moves; multiples of 4 of a whole loss")
     runs: int = Field(default=0, description="moves there and back")

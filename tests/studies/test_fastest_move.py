@@ -8,8 +8,11 @@ from typing import Any
 import pytest
 
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.studies.document import FastestMove
 from app.studies.fastest_move import ranges
+from app.studies.fastest_move.trials import figures_of
 from app.studies.kinds import KINDS
+from app.studies.moves import MoveFigures
 from app.studies.ramp_settings import least_time_s
 from app.studies.report import html_of
 from app.studies.run import MAY_TURN
@@ -53,6 +56,53 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert record.verdict.split(" (")[0] in report
         assert report.count("<svg") == 3
         assert "<script" not in report
+
+
+async def test_several_distances_are_moved_by_in_each_run_and_their_times_added_up(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=HEAVY) as s:
+        document = s.document({**MOVE, "distance": 3_200, "distances": [12_800, 6_400]}, budget={"trials": 5})
+        plan, alone = [
+            await KINDS["fastest_move"].plan(s.device, 0, each)
+            for each in (document, s.document(MOVE, budget={"trials": 5}))
+        ]
+        assert (plan.position_from, plan.position_to) == (alone.position_from, alone.position_to) == (0, 12_800 + 1024)
+        assert plan.moves_max == 3 * alone.moves_max
+        assert any("3200, 12800, 6400 microsteps" in step for step in plan.steps)
+        record = await s.finish(s.begin(document))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        best, before = record.trial(record.best), record.baseline_figures
+        assert best is not None
+        assert before is not None
+        for figures in (best.figures, before):
+            short, far, middle = figures.by_distance_s
+            assert short < middle < far
+            assert figures.time_s == pytest.approx(short + middle + far)
+        assert "all 3 distances together" in record.verdict
+        ends = {move.which: move.fullsteps[-1] for move in record.moves}
+        assert ends["best"] == pytest.approx(12_800 / 256, abs=1), "the longest one is drawn"
+        assert best.expected_s == pytest.approx(
+            sum(
+                least_time_s(each, best.setting["speed"], best.setting["acceleration"]) for each in (3200, 12_800, 6400)
+            )
+        )
+        assert "by 12800 microsteps [s]" in html_of(record)
+        assert (await s.b.state()).position == 0
+
+
+def test_a_run_that_lost_steps_has_no_time_and_one_distance_has_no_parts() -> None:
+    held, gone = MoveFigures(0.5, 1.0, 0.0), MoveFigures(None, 2.0, 4.0)
+    one = figures_of([(held, held), (held, MoveFigures(0.7, 3.0, 0.0))])
+    assert (one.time_s, one.by_distance_s, one.deviation_fullsteps) == (pytest.approx(0.55), [], 3.0)
+    assert one.spread_s == pytest.approx(0.1)
+    lost = figures_of([(held, held, held, held), (held, held, gone)])
+    assert (lost.time_s, lost.spread_s, lost.by_distance_s) == (None, None, [])
+    assert lost.lost_fullsteps == 4.0
+
+
+@pytest.mark.parametrize("distance", [0, -6_400])
+def test_a_further_distance_goes_to_the_same_side(distance: int) -> None:
+    with pytest.raises(ValueError, match=rf"distances has {distance}: all of them go to the same side"):
+        FastestMove(distance=12_800, distances=[distance])
 
 
 async def test_an_asked_loss_rate_is_shown_by_moves_of_the_new_setting_alone(tmp_path: Path) -> None:

@@ -45,6 +45,17 @@ async def test_a_faster_ramp_is_found_and_proved_by_the_switch_alone(tmp_path: P
         assert rotor_fullsteps(s) == pytest.approx(0.0, abs=1.0)
 
 
+async def test_several_distances_are_each_looked_at_by_the_switch(tmp_path: Path) -> None:
+    async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
+        study = {**MOVE, "distances": [6_400], "margin": 0.0}
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 3})))
+        assert (record.state, record.left) == ("done", []), record.message
+        assert any(trial.figures.lost_fullsteps for trial in record.trials)
+        assert all(len(trial.figures.by_distance_s) == 2 for trial in record.trials if trial.state == "feasible")
+        assert (await s.b.state()).position == 0
+        assert rotor_fullsteps(s) == pytest.approx(0.0, abs=1.0)
+
+
 @pytest.mark.parametrize("at_s", [0.4, 5.0, 14.0])
 async def test_a_stop_leaves_the_setting_as_before_and_says_what_nothing_tells(tmp_path: Path, at_s: float) -> None:
     async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:

@@ -82,6 +82,15 @@ async def test_a_setting_comes_to_the_same_wherever_its_twin_runs_and_a_dead_pro
         await processes.close()
 
 
+async def test_a_twin_moves_by_all_distances(tmp_path: Path) -> None:
+    async with studied(tmp_path, load=LOAD) as s:
+        job = await move_job(s, distances=[3_200])
+    figures = Trial.model_validate(await asyncio.to_thread(run_job, job)).figures
+    far, short = figures.by_distance_s
+    assert short < far
+    assert figures.time_s == pytest.approx(far + short)
+
+
 async def test_a_twin_that_cannot_be_made_costs_nothing_on_the_axis(tmp_path: Path) -> None:
     async with studied(tmp_path) as s:
         run = s.begin(s.document({**twinned(), "twin": {"trials": 5}}, budget={"trials": 2}))

@@ -17,8 +17,8 @@ MOVE: dict[str, Any] = {"kind": "fastest_move", "distance": 12_800, "repeats": 1
 HELD = {"speed": 60_000.0, "acceleration": 300_000.0}
 
 
-async def move_job(s: Studied, number: int = 0, distance: int = 12_800) -> TwinJob:
+async def move_job(s: Studied, number: int = 0, distance: int = 12_800, **study: Any) -> TwinJob:
     """A setting that the twin holds."""
-    document = s.document({**MOVE, "distance": distance})
+    document = s.document({**MOVE, "distance": distance, **study})
     motor = TwinMotor.model_validate(MOTOR)
     return job_of(s.device, 0, await capture(s.device), motor, document, Asked(number, HELD))

@@ -128,6 +128,11 @@ def _misfit(candidate: Mapping[str, float], space: RampSpace, highs: Mapping[str
     return ""
 
 
+def ramps_s(wanted: FastestMove, space: RampSpace, setting: Mapping[str, float]) -> float:
+    """The least that moves by all its distances take, one way each [s]."""
+    return sum(space.least_time_s(each, setting) for each in wanted.every_distance)
+
+
 async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]:
     """What there is and what is missing. Nothing moves. Raises BenchError where the device does not answer."""
     looked = Looked[Ranges]()
@@ -153,7 +158,7 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         say(f"its ramp gets nowhere: {error}")
         return looked
     period, limits = 4 * microsteps, device.axes[axis].settings.limits
-    way = wanted.distance + (period if wanted.distance > 0 else -period)
+    way = wanted.farthest + (period if wanted.farthest > 0 else -period)
     near, far = state.position, state.position + way
     if switch is not None:
         near -= way + limits.beyond(near - way)
@@ -196,6 +201,12 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
     return await planned("Fastest move", look(device, axis, wanted), tell)
 
 
+def _distances_told(wanted: FastestMove) -> str:
+    if not wanted.distances:
+        return f"{wanted.distance} microsteps"
+    return f"each of {', '.join(str(each) for each in wanted.every_distance)} microsteps (their times are added up)"
+
+
 def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, axis: int) -> None:
     now, candidate = ranges.space.now(), wanted.candidate
     highs = ranges.most
@@ -203,17 +214,17 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         highs = {name: max(now[name] / (1 + wanted.margin), value) for name, value in candidate.items()}
     most = {name: high * (1 + wanted.margin) for name, high in highs.items()}
     trials = budget.trials if candidate is None else 1
-    step_s = ranges.space.least_time_s(wanted.distance, now)
+    step_s, many = ramps_s(wanted, ranges.space, now), len(wanted.every_distance)
     alone = 0 if wanted.loss_rate_max is None else max(0, runs_for(wanted.loss_rate_max) - wanted.pairs)
     looks = 1 if ranges.switch is None else LOOKS
     runs = (
         BASELINE_RUNS + trials * (wanted.repeats + (wanted.repeats if wanted.quiet else 1)) + 3 * wanted.pairs + alone
     )
     share = (1 + wanted.margin) * 100
-    way = abs(wanted.distance) + ranges.period
-    told.moves_max = 2 * looks * runs
+    way = sum(abs(each) + ranges.period for each in wanted.every_distance)
+    told.moves_max = 2 * looks * runs * many
     told.way_fullsteps = 2 * looks * runs * way / ranges.microsteps
-    whole_s = looks * runs * (2 * step_s + AROUND_S) + 2 * (trials + wanted.pairs) * WRITING_S
+    whole_s = looks * runs * (2 * step_s + many * AROUND_S) + 2 * (trials + wanted.pairs) * WRITING_S
     told.time_s = min(budget.time_s, whole_s)
     if alone and budget.time_s < whole_s:
         told.warnings.append(
@@ -238,7 +249,7 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
     )
     told.steps = [
         *by_switch,
-        f"{BASELINE_RUNS} moves by {wanted.distance} microsteps and back, as the axis is set now: {present}",
+        f"{BASELINE_RUNS} moves by {_distances_told(wanted)} and back, as the axis is set now: {present}",
         *on_twin,
         f"{_tried_told(candidate, trials)}: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
         *([] if candidate else _shape_told(ranges, wanted)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...html_report import COLOURS, EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, line, mark, number, table
 from ...number_text import plain
+from ..document import FastestMove
 from ..record import DeviationEvidence, Evidence, Figures, StudyRecord, Trial
 
 WORDS = {"feasible": "held", "infeasible": "lost steps", "pruned": "not tried", "failed": "failed"}
@@ -108,6 +109,10 @@ def _settings(record: StudyRecord, best: Trial | None) -> str:
 
     found = None if best is None else best.figures
     rows.append(("time [s]", figures(record.baseline_figures, "time_s"), figures(found, "time_s")))
+    before = [] if record.baseline_figures is None else record.baseline_figures.by_distance_s
+    after = found.by_distance_s if found is not None else []
+    for index, distance in enumerate(record.document.wanted(FastestMove).every_distance if before else ()):
+        rows.append((f"by {distance} microsteps [s]", number(before[index]), number(after[index] if after else None)))
     rows.append(
         (
             "peak deviation [full steps]",

@@ -20,7 +20,7 @@ from ..switch_edge import UNTOLD
 from ..twins.search import look_on_twins
 from .effects import effects_told
 from .front import front_of, proposed
-from .ranges import BASELINE_RUNS, Ranges, look
+from .ranges import BASELINE_RUNS, Ranges, look, ramps_s
 from .trials import ON_TWIN, MoveTrials, begun, curve_of, figures_of, told, tried, words_of
 
 ASKED_FOR_ONE = 12
@@ -213,7 +213,7 @@ class FastestMoveStudy(StudyRun):
         if self.wanted.quiet or baseline is None or baseline.time_s is None:
             return ""
         # What beside its ramp a move takes until the encoder rests, at the least seen so far.
-        over_s = baseline.time_s - self._ranges.space.least_time_s(self.wanted.distance, record.baseline_setting)
+        over_s = baseline.time_s - ramps_s(self.wanted, self._ranges.space, record.baseline_setting)
         to_beat_s = baseline.time_s
         if best is not None and best.figures.time_s is not None and best.expected_s is not None:
             over_s = min(over_s, best.figures.time_s - best.expected_s)
@@ -431,8 +431,9 @@ class FastestMoveStudy(StudyRun):
         assert evidence is not None
         evidence.runs, evidence.loss_rate_max = runs, rate_bound(0, runs)
         record.improved = True
+        together = f", all {many} distances together" if (many := len(self.wanted.every_distance)) > 1 else ""
         record.verdict = (
-            f"{effects_told(evidence, self.wanted.smallest_gain)}, "
+            f"{effects_told(evidence, self.wanted.smallest_gain)}{together}, "
             f"no step lost in {runs} runs: fewer than {100 * evidence.loss_rate_max:.2g} % lose some"
         )
         if (most := self.wanted.deviation_max_fullsteps) is not None:

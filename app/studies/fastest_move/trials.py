@@ -23,11 +23,13 @@ from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
 from ..switch_edge import SLOW_FULLSTEPS, SwitchEdge
 from ..twins.on_twin import OnTwin
-from .ranges import Ranges, look
+from .ranges import Ranges, look, ramps_s
 
 CURVE_POINTS = 120
 BEFORE, TRIED = "the setting before the study", "the setting that is tried"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
+Run = Sequence[MoveFigures]
+"""A move by each distance and back, one after the other; up to the one that lost steps."""
 
 
 class MoveTrials:
@@ -53,11 +55,15 @@ class MoveTrials:
         self._set: Sequence[Held] | None = None
         """What the axis is set to, once that was written."""
         self.there: Sampled | None = None
-        """The latest move to the far end."""
+        """The latest move to the far end, by the greatest distance."""
         self.ran: Callable[[], None] = lambda: None
         """Called after each move there and back."""
         self.losing: Callable[[], None] = lambda: None
         """Called where steps were lost, before that is mended."""
+
+    @property
+    def _way(self) -> int:
+        return 1 if self._wanted.distance > 0 else -1
 
     def place(self) -> int:
         """A place of the electrical period, drawn anew [microsteps from where the study began]."""
@@ -66,34 +72,39 @@ class MoveTrials:
     async def begin(self) -> None:
         """A rotor that stood beside its field when it was switched on falls into step with the first move; then the
         edge of the switch is found, where one sees lost steps. Raises Failed, BenchError."""
-        await self.moves.go(self._ranges.start + (1 if self._wanted.distance > 0 else -1) * self._ranges.period)
+        await self.moves.go(self._ranges.start + self._way * self._ranges.period)
         await self.moves.go(self._ranges.start)
         if self._edge is not None:
             await self._edge.learn(self._ranges.near)
 
-    async def once(self, place: int | None = None) -> tuple[MoveFigures, MoveFigures]:
-        """There and back, from a place of the electrical period. Raises Failed, BenchError."""
-        wanted = self._wanted
-        way = 1 if wanted.distance > 0 else -1
-        begin = self._ranges.start + way * (self.place() if place is None else place)
+    async def once(self, place: int | None = None) -> Run:
+        """There and back by each distance, from a place of the electrical period. Raises Failed, BenchError."""
+        begin = self._ranges.start + self._way * (self.place() if place is None else place)
+        moves: list[MoveFigures] = []
+        for distance in self._wanted.every_distance:
+            moves += await self._there_and_back(begin, distance)
+            if lost(moves):
+                break
+        self.ran()
+        return moves
+
+    async def _there_and_back(self, begin: int, distance: int) -> list[MoveFigures]:
         await self._apply(self._wished, TRIED)
         await self.moves.go(begin)
-        there = await self._moved(begin + wanted.distance)
-        self.there = self.moves.last
+        there = await self._moved(begin + distance)
+        if distance == self._wanted.farthest:
+            self.there = self.moves.last
         if there.lost_fullsteps:
             await self._mend()
-            figures = there, there
-        else:
-            if self._edge is not None:
-                await self._apply(self._ranges.space.before, BEFORE)
-                await self.moves.go(begin + wanted.distance)
-                await self._apply(self._wished, TRIED)
-            back = await self._moved(begin)
-            if back.lost_fullsteps:
-                await self._mend()
-            figures = there, back
-        self.ran()
-        return figures
+            return [there]
+        if self._edge is not None:
+            await self._apply(self._ranges.space.before, BEFORE)
+            await self.moves.go(begin + distance)
+            await self._apply(self._wished, TRIED)
+        back = await self._moved(begin)
+        if back.lost_fullsteps:
+            await self._mend()
+        return [there, back]
 
     async def _moved(self, target: int) -> MoveFigures:
         """A half of a move, with what the switch tells of it where no encoder does: gone to with the setting before,
@@ -155,7 +166,7 @@ class MoveTrials:
         runs = []
         for _ in range(repeats):
             runs.append(await self.once())
-            if runs[-1][0].lost_fullsteps or runs[-1][1].lost_fullsteps:
+            if lost(runs[-1]):
                 break
         return figures_of(runs)
 
@@ -188,15 +199,24 @@ def words_of(setting: Mapping[str, float]) -> str:
     return ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in setting.items())
 
 
-def figures_of(runs: Sequence[tuple[MoveFigures, MoveFigures]]) -> Figures:
-    """Means over runs there and back; the worst of what was lost."""
+def lost(run: Run) -> bool:
+    """Whether a step was lost in it."""
+    return any(move.lost_fullsteps for move in run)
+
+
+def figures_of(runs: Sequence[Run]) -> Figures:
+    """Means over runs there and back, the times of several distances added up; the worst of what was lost."""
     moves = [move for run in runs for move in run]
-    times = [move.time_s for move in moves]
-    known = [time_s for time_s in times if time_s is not None]
-    whole = len(known) == len(times) and len(known) > 0
+    timed = [[move.time_s for move in run if move.time_s is not None] for run in runs]
+    whole = len(moves) > 0 and sum(map(len, timed)) == len(moves)
+    # One way by each distance, and the other way.
+    sums = [sum(times[side::2]) for times in timed for side in (0, 1)] if whole else []
+    pairs = range(0, len(timed[0]), 2) if whole else range(0)
+    each = [statistics.fmean(time_s for times in timed for time_s in times[first : first + 2]) for first in pairs]
     return Figures(
-        time_s=statistics.fmean(known) if whole else None,
-        spread_s=statistics.stdev(known) if whole and len(known) > 2 else None,
+        time_s=statistics.fmean(sums) if whole else None,
+        spread_s=statistics.stdev(sums) if len(sums) > 2 else None,
+        by_distance_s=each if len(each) > 1 else [],
         deviation_fullsteps=worst_of(moves),
         lost_fullsteps=max((move.lost_fullsteps for move in moves), default=0.0),
         runs=len(runs),
@@ -212,7 +232,7 @@ def begun(number: int, setting: Mapping[str, float], ranges: Ranges, wanted: Fas
         registers=ranges.space.registers(setting),
         state="pruned",
         figures=Figures(),
-        expected_s=ranges.space.least_time_s(wanted.distance, setting),
+        expected_s=ramps_s(wanted, ranges.space, setting),
         at_s=round(at_s, 3),
     )
 

@@ -2,7 +2,8 @@ import { describe, expect, it } from "vitest";
 import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
-import { at, movesOf } from "./fastestMove/moves";
+import { furtherOf } from "./fastestMove/form";
+import { at, movesOf, timesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { documentOf, firstForms, goalsOf } from "./kinds";
 import { triedOf } from "./leastCurrent/tried";
@@ -22,7 +23,14 @@ function trial(number: number, state: Trial["state"], speed: number, time: numbe
     state,
     setting: { speed, acceleration: speed * 4 },
     registers: [],
-    figures: { time_s: time, spread_s: null, deviation_fullsteps: number, lost_fullsteps: 0, runs: 1 },
+    figures: {
+      time_s: time,
+      spread_s: null,
+      deviation_fullsteps: number,
+      lost_fullsteps: 0,
+      runs: 1,
+      by_distance_s: [],
+    },
     expected_s: 0.5,
     why: "",
     at_s: 0,
@@ -53,6 +61,18 @@ describe("a study on the page", () => {
     expect(documentOf("fastest_move", { ...blind, fastest_move: right }, "slide", 0)).toMatchObject({
       study: { seen_by: "right switch", distance: -2000, quiet: false, twin: null },
     });
+    // Several distances go to the side of the first, which a switch tells.
+    expect([furtherOf(""), furtherOf("1, 0.5 2"), furtherOf("1, x"), furtherOf("0")]).toEqual([
+      [],
+      [1, 0.5, 2],
+      null,
+      null,
+    ]);
+    expect(furtherOf("1 2 3 4 5 6 7 8 9")).toBeNull();
+    const several = { ...right, distance: 4000, distances: [1000.4, -2000] };
+    expect(documentOf("fastest_move", { ...blind, fastest_move: several }, "slide", 0)).toMatchObject({
+      study: { distance: -4000, distances: [-1000, -2000] },
+    });
     // 1 % takes 299 moves to show: fifteen minutes, as for other studies, would end before.
     const bounded = { ...forms.fastest_move, lossPercent: 1 };
     expect(documentOf("fastest_move", { ...forms, fastest_move: bounded }, "slide", 0)).toMatchObject({
@@ -64,6 +84,23 @@ describe("a study on the page", () => {
       axis: 0,
       study: { kind: "first_look", turns: 1, travel_turns: 0 },
     });
+  });
+
+  it("tells what each of several distances takes, and nothing of one alone", () => {
+    const figures = { ...trial(3, "feasible", 1, 0.7).figures, by_distance_s: [0.2, 0.5, 0.2] };
+    const study = {
+      document: { study: { kind: "fastest_move", distance: 400, distances: [900, 400] } },
+      baseline_figures: { ...figures, by_distance_s: [0.3, 0.8, 0.3] },
+      trials: [{ ...trial(3, "feasible", 1, 0.7), figures }],
+      best: 3,
+    } as unknown as Study;
+    expect(timesOf(study)).toEqual([
+      { name: "400", before: 0.3, best: 0.2 },
+      { name: "900", before: 0.8, best: 0.5 },
+      { name: "400 (3)", before: 0.3, best: 0.2 },
+    ]);
+    expect(timesOf({ ...study, best: null })[0]).toEqual({ name: "400", before: 0.3, best: null });
+    expect(timesOf({ ...study, baseline_figures: { ...figures, by_distance_s: [] } } as unknown as Study)).toEqual([]);
   });
 
   it("tries a twin first where the motor is known: by its name, or as identified", () => {

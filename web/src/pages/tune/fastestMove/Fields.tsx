@@ -1,10 +1,11 @@
-import { Switch } from "@mantine/core";
+import { Switch, TextInput } from "@mantine/core";
+import { symbolOf, toSteps, unitsFor } from "../../../lib/units";
 import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
 import { SeenByField } from "../SeenByField";
 import { TwinFields } from "../twin/TwinFields";
-import type { FastestMoveForm } from "./form";
+import { type FastestMoveForm, furtherOf } from "./form";
 
 const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
@@ -41,6 +42,7 @@ export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveFor
   return (
     <>
       <DistanceField form={form} change={change} scale={scale} label="Distance" />
+      <FurtherField form={form} change={change} scale={scale} />
       <SeenByField form={form} change={change} />
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.seenBy === "encoder" && (
@@ -54,5 +56,21 @@ export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveFor
         </>
       )}
     </>
+  );
+}
+
+/** More distances of each run, all typed in one unit. */
+function FurtherField({ form, change, scale }: Pick<FieldsProps<FastestMoveForm>, "form" | "change" | "scale">) {
+  const unit = unitsFor("position", scale).includes("rev") ? "rev" : "microsteps";
+  const type = (further: string) =>
+    change({ further, distances: (furtherOf(further) ?? []).map((each) => toSteps(each, unit, scale, "position")) });
+  return (
+    <TextInput
+      label="Further distances"
+      description={`${symbolOf(unit)}, eight at most: each run moves by all of them, and their times are added up; empty: none`}
+      value={form.further}
+      error={furtherOf(form.further) === null ? "numbers that are not 0, eight at most" : undefined}
+      onChange={({ currentTarget }) => type(currentTarget.value)}
+    />
   );
 }

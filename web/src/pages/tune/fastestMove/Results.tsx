@@ -1,4 +1,5 @@
 import type { Study } from "../study";
+import { Distances } from "./Distances";
 import { Evidence } from "./Evidence";
 import { MovePlot } from "./MovePlot";
 import { TrialPlots } from "./TrialPlots";
@@ -8,6 +9,7 @@ export function Results({ study }: { study: Study }) {
   return (
     <>
       {study.moves.length > 0 && <MovePlot study={study} />}
+      <Distances study={study} />
       {study.evidence && <Evidence study={study} evidence={study.evidence} />}
       {study.trials.length > 0 && <TrialPlots study={study} />}
     </>

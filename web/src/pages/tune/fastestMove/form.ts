@@ -6,6 +6,9 @@ export interface FastestMoveForm {
   seenBy: SeenBy;
   /** of a move [microsteps] */
   distance: number;
+  /** further distances as typed, and what they are [microsteps] */
+  further: string;
+  distances: number[];
   marginPercent: number;
   trials: number;
   /** bound of the share of moves that lose a step; null: what the pairs show */
@@ -22,6 +25,13 @@ const AWAY: Record<SeenBy, (distance: number) => number> = {
   "right switch": (distance) => -Math.abs(distance),
 };
 
+/** Numbers as typed, in their order: "1, 0.5 2" is 1, 0.5, 2; null where something is none, is 0, or there are too many. */
+export function furtherOf(text: string): number[] | null {
+  const typed = text.split(/[\s,;]+/).filter((part) => part !== "");
+  const numbers = typed.map(Number);
+  return numbers.length <= 8 && numbers.every((each) => Number.isFinite(each) && each !== 0) ? numbers : null;
+}
+
 export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
   label: "Faster",
   text: "The shortest move by a distance at which no step is lost, with a margin.",
@@ -29,6 +39,8 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
   first: (microstepsPerTurn, sees) => ({
     seenBy: firstSeenBy(sees),
     distance: 2 * (microstepsPerTurn ?? 51_200),
+    further: "",
+    distances: [],
     marginPercent: 10,
     trials: 30,
     lossPercent: null,
@@ -43,6 +55,8 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
       kind: "fastest_move",
       seen_by: form.seenBy,
       distance: Math.round(AWAY[form.seenBy](form.distance)),
+      // To the side of the first one, whatever their signs: the server takes no others.
+      distances: form.distances.map((each) => Math.sign(AWAY[form.seenBy](form.distance)) * Math.abs(Math.round(each))),
       margin: form.marginPercent / 100,
       loss_rate_max: form.lossPercent === null ? null : form.lossPercent / 100,
       quiet: form.quiet && form.seenBy === "encoder",

@@ -34,3 +34,23 @@ export function movesOf(moves: readonly Move[], wanted: readonly Move["which"][]
   };
   return [times, ...wanted.map(column)];
 }
+
+/** One of several distances, by its place in their order where it is there twice, with its times before and best [s]. */
+export interface DistanceTimes {
+  name: string;
+  before: number | null;
+  best: number | null;
+}
+
+/** What each of several distances takes; none of one alone. */
+export function timesOf({ document, baseline_figures: baseline, trials, best }: Study): DistanceTimes[] {
+  const asked = document.study;
+  if (asked.kind !== "fastest_move" || !baseline?.by_distance_s.length) return [];
+  const found = trials.find(({ number }) => number === best)?.figures.by_distance_s;
+  const every = [asked.distance, ...(asked.distances ?? [])];
+  return every.map((distance, index) => ({
+    name: every.indexOf(distance) === index ? `${distance}` : `${distance} (${index + 1})`,
+    before: baseline.by_distance_s[index] ?? null,
+    best: found?.[index] ?? null,
+  }));
+}
