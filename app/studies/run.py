@@ -30,6 +30,8 @@ log = logging.getLogger("stepscope.studies")
 REST_WITHIN_S = 10.0
 """How long a motor may take to come to rest before its settings go back [s]."""
 POLL_S = 0.02
+TELLS_FROM = 0.03
+"""So much progress tells how fast a study gets on: less is its first move or two."""
 WORKS_WITHIN_S = 300.0
 """The longest fits take 10 s of an idle processor [s]."""
 
@@ -61,6 +63,10 @@ class StudyRun(Procedure):
         self.record = record
         self.keeper = keeper
         self._began_s = clock.now() - record.ran_s
+        self.planned_s: float | None = None
+        """What its plan takes it to last [s]; None: nobody has planned it."""
+        self._from: tuple[float, float] | None = None
+        """When its first phase began, and at which progress: one that is gone on with begins where it was."""
         self._setting: Transaction | None = None
         self._stop_when_back: StopWhenBack | None = None
         self._touched = False
@@ -85,11 +91,23 @@ class StudyRun(Procedure):
         return far or self.since_s > share * budget.time_s
 
     def tell(self, phase: Phase, progress: float, message: str, left_s: float | None = None) -> None:
-        """How far it is, for whoever looks."""
+        """How far it is, for whoever looks. left_s : how long it takes yet [s]; None: as its progress and plan tell"""
         record = self.record
         record.ran_s = self.since_s
         record.phase, record.progress, record.message = phase, min(1.0, progress), message
-        record.left_s = left_s
+        if phase != "preconditions" and (self._from is None or record.progress < self._from[1]):
+            self._from = self.clock.now(), record.progress
+        record.left_s = self._about_left_s() if left_s is None else left_s
+
+    def _about_left_s(self) -> float | None:
+        """How long it takes yet, by how fast it got on so far, or by its plan [s]; None where neither tells."""
+        budget_s = max(0.0, self.record.document.budget.time_s - self.since_s)
+        passed_s, since = (0.0, 0.0) if self._from is None else (self.clock.now() - self._from[0], self._from[1])
+        gone = self.record.progress - since
+        if gone >= TELLS_FROM and passed_s > 0:
+            return min(budget_s, passed_s / gone * (1 - self.record.progress))
+        planned_s = None if self.planned_s is None else self.planned_s * (1 - since) - passed_s
+        return None if planned_s is None or planned_s <= 0 else min(budget_s, planned_s)
 
     async def apply(self, registers: Sequence[Held], what: str) -> None:
         """Set registers as one transaction: all of them, or as before. Raises BenchError.

@@ -153,7 +153,7 @@ class StudyService:
         if plan.missing:
             raise WrongState("; ".join(plan.missing), "see to it first: POST .../studies/plan tells the same")
         record = self._store.begin(document)
-        return await self._begin(record)
+        return await self._begin(record, plan.time_s)
 
     async def resume(self, study: str) -> StudyRecord:
         """Put the axis back as it was, and go on where it was cut off: with the pieces that are whole where its kind
@@ -170,9 +170,9 @@ class StudyService:
         record.state, record.ended_unix_s, record.message = "running", None, ""
         if not kind.goes_on:
             record.runs, record.way_fullsteps, record.ran_s = 0, 0.0, 0.0
-        return await self._begin(record)
+        return await self._begin(record, plan.time_s)
 
-    async def _begin(self, record: StudyRecord) -> StudyRecord:
+    async def _begin(self, record: StudyRecord, planned_s: float) -> StudyRecord:
         await asyncio.to_thread(_import_scipy)
         device, axis = self._of(record.document)
         record.device_name, record.model = device.name, device.model
@@ -181,6 +181,7 @@ class StudyService:
         keeper = _Kept(self._store, record.id, self._note, record.recording)
         run = kind.make(device, axis, self._clock, record, keeper)
         run.over, run.executor = lambda: self._ended(record), self._executor
+        run.planned_s = planned_s
         try:
             await keeper.save(record)
             self._procedures.start(run)

@@ -134,12 +134,7 @@ class FastestMoveStudy(StudyRun):
             passed = 0
             while self._moved() < budget.trials and not self.spent(share=0.75) and passed < ASKED_FOR_ONE:
                 tried = self._moved()
-                left = budget.trials - tried
-                each_s = self.since_s / max(1, tried) if tried else 0.0
-                best = self._best_text()
-                self.tell(
-                    "search", 0.05 + 0.7 * tried / budget.trials, f"trial {tried + 1}{best}", left * each_s or None
-                )
+                self.tell("search", 0.05 + 0.7 * tried / budget.trials, f"trial {tried + 1}{self._best_text()}")
                 asked = await searcher.ask()
                 trial = await self._trial(searcher, asked)
                 passed = passed + 1 if trial.state == "pruned" else 0
