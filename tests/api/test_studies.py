@@ -61,6 +61,7 @@ async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, cl
     profile = (await client.get("devices/slide/profile")).json()
     assert (await client.put("devices/slide/profile", json=profile)).status_code == 409
     assert (await client.post("studies", json=document)).status_code == 409
+    await clock.advance(0.1)
     assert (await client.get(f"studies/{study}")).json()["left_s"] > 0, "as its plan tells, before its first move"
     found = await over(client, clock, study)
     assert (found["state"], found["improved"], found["left"]) == ("done", True, []), found["message"]

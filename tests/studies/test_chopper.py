@@ -57,6 +57,7 @@ async def test_a_calmer_setting_is_found_and_proved_and_the_axis_is_as_before(tm
         record = await s.finish(s.begin(s.document(STUDY, budget={"trials": 8})), 600)
         found = record.chopper
         assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert "resonance map" in record.next
         assert found is not None
         assert found.before is not None
         assert found.chosen is not None
@@ -113,6 +114,7 @@ async def test_where_nothing_is_calmer_nothing_is_claimed(tmp_path: Path) -> Non
         record = await s.finish(s.begin(s.document(STUDY, budget={"trials": 3})), 600)
         assert (record.state, record.improved, record.best) == ("done", False, None), record.message
         assert "stays" in record.verdict
+        assert record.next
 
 
 async def test_what_is_kept_is_the_new_setting_and_nothing_else(tmp_path: Path) -> None:

@@ -45,6 +45,8 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert evidence.pairs == 10
         assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / evidence.runs))
         assert any(trial.state == "infeasible" for trial in record.trials), "its edge was found"
+        assert record.next.startswith("more trials: after the 8 that were made, about "), record.next
+        assert "a loss rate asked for" in record.next
         assert plant(s).lost_fullsteps != 0, "steps were lost on the way there"
         moves = {move.which: move for move in record.moves}
         assert moves.keys() == {"before", "best", "present"}
@@ -121,7 +123,7 @@ async def test_an_asked_loss_rate_is_shown_by_moves_of_the_new_setting_alone(tmp
         assert (evidence.pairs, evidence.runs) == (10, 69)
         assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / 69))
         assert "no step lost in 69 runs: fewer than 4.2 % lose some" in record.verdict
-        assert not record.next
+        assert record.next.endswith("a warmer motor, a lower supply and another load need one")
 
 
 async def test_a_loss_rate_that_the_budget_leaves_open_is_not_claimed(tmp_path: Path) -> None:
@@ -158,6 +160,8 @@ async def test_a_setting_that_cannot_be_beaten_stays(tmp_path: Path) -> None:
         assert (record.state, record.improved) == ("done", False), record.message
         assert "stays as it is" in record.verdict
         assert record.evidence is None or not record.evidence.significant
+        assert record.next
+        assert "trials" not in record.next, "none of so small a space is worth one yet"
 
 
 @pytest.mark.parametrize("at_s", [0.3, 4.0, 9.7, 16.1])

@@ -51,6 +51,7 @@ async def test_a_lower_current_is_found_and_proved_and_the_axis_is_as_before(tmp
         record = await s.finish(s.begin(s.document(CYCLE)), 300)
         found = record.least_current
         assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert record.next.startswith("take it, then StallGuard")
         assert found is not None
         assert found.edge is not None
         assert found.chosen is not None
@@ -86,6 +87,7 @@ async def test_a_current_that_is_no_more_than_needed_stays(tmp_path: Path) -> No
         record = await s.finish(s.begin(s.document({**CYCLE, "margin": 0.5})), 300)
         assert (record.state, record.improved, record.best) == ("done", False, None), record.message
         assert "stays as it is" in record.verdict
+        assert record.next.startswith("a smaller margin")
         assert await s.settings(*NAMES) == before
 
 

@@ -29,6 +29,8 @@ ALIKE = 0.005
 """Settings within this share of the calmest are as calm: of them the least hysteresis has the least ripple."""
 SEARCH_SHARE, PROOF_FROM = 0.7, 0.75
 
+MAP_NEXT = "the resonance map: what shakes the shaft yet is the motor's own, at some speeds more than at others"
+
 
 class ChopperStudy(StudyRun):
     """Looks for the setting of SpreadCycle by which the shaft shakes least."""
@@ -237,6 +239,7 @@ class ChopperStudy(StudyRun):
                 f"nothing that was tried is calmer than {self._ground.chopper.now.words} by more than "
                 f"{100 * self.wanted.smallest_gain:g} %: it stays as it is"
             )
+            record.next = MAP_NEXT
             return None
         return best
 
@@ -290,9 +293,11 @@ class ChopperStudy(StudyRun):
                 f"%, 95 %), the chopper at about {plain(chosen.chopper_hz / 1e3, 3)} kHz; "
                 f"{'it is set' if wanted.keep else 'one click takes it'}"
             )
+            record.next = MAP_NEXT
             return
         record.best = None
         record.verdict = f"{setting.words} is not shown to be calmer: {self._ground.chopper.now.words} stays"
+        record.next = f"more pairs than {wanted.pairs}, or speeds at which the shaft shakes more"
 
 
 def _setting(tried: ChopperTried) -> ChopperSetting:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Mapping
 from typing import Literal
 
@@ -27,6 +28,8 @@ ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
 STEEP = "two gentler settings lost steps"
 """Why a setting was not tried: it would lose some too."""
+DRAWN, WORTH_SHARE = 400, 0.01
+"""So many settings, drawn at random, tell how many are worth a trial yet; less than this share is not told of."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
 CANDIDATES = 8
@@ -41,6 +44,8 @@ class FastestMoveStudy(StudyRun):
 
     _ranges: Ranges
     _trials: MoveTrials
+    _exhausted = False
+    """Whether the search ended because nothing that it asked for was worth a trial."""
 
     @property
     def wanted(self) -> FastestMove:
@@ -79,8 +84,7 @@ class FastestMoveStudy(StudyRun):
         await self._proof()
         await self.back()
         await self._trials.moves.go(ranges.start)
-        if record.next == UNTOLD:
-            record.next = ""
+        record.next = "; ".join(part for part in (self._untried(), record.next.removeprefix(UNTOLD)) if part)
 
     # --- baseline ---------------------------------------------------------------------------------
 
@@ -146,6 +150,7 @@ class FastestMoveStudy(StudyRun):
                     self._draw("best")
                 if trial.state != "pruned":
                     await self.keeper.save(record)
+            self._exhausted = passed >= ASKED_FOR_ONE
         finally:
             searcher.close()
 
@@ -162,6 +167,26 @@ class FastestMoveStudy(StudyRun):
         if trial.number == self.record.best:
             self._draw("best")
         await self.keeper.save(self.record)
+
+    def _untried(self) -> str:
+        """What would let the search go on, where it ended with settings left that were worth trying; else empty."""
+        budget, tried = self.record.document.budget, self._moved()
+        if self._exhausted or self.wanted.candidate is not None:
+            return ""
+        more = "more trials" if tried >= budget.trials else "more time or way"
+        if self.wanted.quiet:  # each is worth a trial: it may lie on the front
+            return more
+        chance, low_high = random.Random(self.record.document.seed), self._ranges.dimensions
+        drawn = [
+            {each.name: each.low * (each.high / each.low) ** chance.random() for each in low_high} for _ in range(DRAWN)
+        ]
+        settings = [self._ranges.setting(each) for each in drawn]
+        share = sum(
+            not self._hopeless(each, ramps_s(self.wanted, self._ranges.space, each)) for each in settings
+        ) / len(settings)
+        if share < WORTH_SHARE:
+            return ""
+        return f"{more}: after the {tried} that were made, about {100 * share:.2g} % of all settings are worth one yet"
 
     def _space(self) -> Space:
         quiet = self.wanted.quiet
@@ -258,6 +283,7 @@ class FastestMoveStudy(StudyRun):
             assert baseline.time_s is not None
             if not any(trial.state == "feasible" for trial in record.trials):
                 record.improved, record.verdict = False, "no setting that was tried held its steps: it stays as it is"
+                record.next = "more current, less load, or a smaller margin"
                 return
             if wanted.quiet:
                 nothing = best is None
@@ -397,6 +423,7 @@ class FastestMoveStudy(StudyRun):
             either = ", nor to deviate less" if wanted.quiet else ""
             record.improved = False
             record.verdict = f"the best setting is not shown to be faster{either}: it stays as it is"
+            record.next = f"more pairs than {wanted.pairs} show less of a gain; more current, or less load, allows more"
         return shown.better or calmer
 
     def _deviation(self) -> DeviationEvidence | None:
@@ -439,3 +466,5 @@ class FastestMoveStudy(StudyRun):
             record.improved = None
             record.verdict += f"; the budget ended before fewer than {100 * asked:.2g} % were shown"
             record.next = "more time or way"
+        else:
+            record.next = "take it, and see to its margin: a warmer motor, a lower supply and another load need one"

@@ -224,6 +224,7 @@ class LeastCurrentStudy(StudyRun):
                     f"{edge + 1}/32 of the current holds, and with {100 * wanted.margin:g} % of margin that is no less "
                     f"than the {before + 1}/32 that are set: it stays as it is"
                 )
+                record.next = "a smaller margin, a gentler ramp or less load leaves room for less current"
                 return before if chosen <= before else None
             self.tell("proof", 0.4, f"{cycles} load cycles at {stressed + 1}/32 of the current")
             if await self._held(stressed, cycles):
@@ -278,6 +279,8 @@ class LeastCurrentStudy(StudyRun):
             record.next = "so little margin holds for the load, warmth and supply of now alone"
         elif more is None:
             record.next = "more speed was not tried: nothing shows what a lower supply does"
+        else:
+            record.next = "take it, then StallGuard and fastest move anew: both depend on the current"
 
     # --- CoolStep ---------------------------------------------------------------------------------
 
