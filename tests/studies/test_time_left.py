@@ -25,24 +25,29 @@ def run_of(s: Studied, budget_s: float = 900.0) -> StudyRun:
     return KINDS["first_look"].make(s.device, 0, s.clock, record, Kept(s.store, record.id))
 
 
+def left_of(run: StudyRun) -> float | None:
+    """How long it says that it takes yet [s]."""
+    return run.record.left_s
+
+
 async def test_progress_tells_once_there_is_some_and_the_plan_before(s: Studied) -> None:
     run = run_of(s)
     run.tell("preconditions", 0.0, "looking")
-    assert run.record.left_s is None, "nobody has planned it"
+    assert left_of(run) is None, "nobody has planned it"
     run.planned_s = 80.0
     run.tell("preconditions", 0.0, "looking")
-    assert run.record.left_s == pytest.approx(80.0)
+    assert left_of(run) == pytest.approx(80.0)
     await s.clock.advance(5)  # what comes before its first phase says nothing of the others
     run.tell("look", 0.0, "first")
     await s.clock.advance(10)
     run.tell("look", 0.02, "a little")
-    assert run.record.left_s == pytest.approx(70.0)
+    assert left_of(run) == pytest.approx(70.0)
     run.tell("look", 0.1, "a tenth in ten seconds")
-    assert run.record.left_s == pytest.approx(90.0)
+    assert left_of(run) == pytest.approx(90.0)
     run.tell("look", 0.2, "told by the study itself", 12.0)
-    assert run.record.left_s == 12.0
+    assert left_of(run) == 12.0
     run.tell("proof", 1.0, "over")
-    assert run.record.left_s == pytest.approx(0.0)
+    assert left_of(run) == pytest.approx(0.0)
 
 
 async def test_a_plan_that_was_exceeded_before_there_was_progress_tells_nothing(s: Studied) -> None:
@@ -51,7 +56,7 @@ async def test_a_plan_that_was_exceeded_before_there_was_progress_tells_nothing(
     run.tell("look", 0.0, "first")
     await s.clock.advance(10)
     run.tell("look", 0.01, "a little")
-    assert run.record.left_s is None
+    assert left_of(run) is None
 
 
 async def test_one_that_is_gone_on_with_began_at_its_progress(s: Studied) -> None:
@@ -59,10 +64,10 @@ async def test_one_that_is_gone_on_with_began_at_its_progress(s: Studied) -> Non
     run.planned_s = 100.0
     run.tell("preconditions", 0.0, "looking")
     run.tell("search", 0.6, "trial 13")
-    assert run.record.left_s == pytest.approx(40.0)
+    assert left_of(run) == pytest.approx(40.0)
     await s.clock.advance(20)
     run.tell("search", 0.7, "trial 15")
-    assert run.record.left_s == pytest.approx(60.0)
+    assert left_of(run) == pytest.approx(60.0)
 
 
 async def test_it_is_never_longer_than_the_budget_is(s: Studied) -> None:
@@ -70,10 +75,10 @@ async def test_it_is_never_longer_than_the_budget_is(s: Studied) -> None:
     run.tell("look", 0.0, "first")
     await s.clock.advance(30)
     run.tell("look", 0.1, "slowly")
-    assert run.record.left_s == pytest.approx(20.0)
+    assert left_of(run) == pytest.approx(20.0)
     await s.clock.advance(30)
     run.tell("look", 0.11, "slowly")
-    assert run.record.left_s == 0.0
+    assert left_of(run) == 0.0
 
 
 async def test_it_begins_anew_where_its_progress_does(s: Studied) -> None:
@@ -81,7 +86,7 @@ async def test_it_begins_anew_where_its_progress_does(s: Studied) -> None:
     run.tell("search", 0.5, "half")
     await s.clock.advance(10)
     run.tell("search", 0.3, "once more")
-    assert run.record.left_s is None
+    assert left_of(run) is None
     await s.clock.advance(10)
     run.tell("search", 0.4, "on")
-    assert run.record.left_s == pytest.approx(60.0)
+    assert left_of(run) == pytest.approx(60.0)

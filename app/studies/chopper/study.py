@@ -28,7 +28,6 @@ what is next, too."""
 ALIKE = 0.005
 """Settings within this share of the calmest are as calm: of them the least hysteresis has the least ripple."""
 SEARCH_SHARE, PROOF_FROM = 0.7, 0.75
-
 MAP_NEXT = "the resonance map: what shakes the shaft yet is the motor's own, at some speeds more than at others"
 
 
