@@ -185,6 +185,7 @@ KINDS: dict[Kind, StudyKind] = {
         "cooler: the least run current at which a load cycle loses no step, with a margin, and what it saves",
         POSITIONS,
         _least_current,
+        goes_on=True,
     ),
     "microstep_calibration": StudyKind(
         "microstep_calibration",
@@ -218,6 +219,7 @@ KINDS: dict[Kind, StudyKind] = {
         "silent: amplitudes that fit the motor, and up to which speed StealthChop works before the change jolts",
         POSITIONS,
         _stealthchop,
+        goes_on=True,
         no_twin="the ripple of this driver and motor decides it, which a twin only models",
     ),
     "scored_move": StudyKind(
@@ -235,6 +237,7 @@ KINDS: dict[Kind, StudyKind] = {
         "holds by its encoder: gains of a position loop for asked margins, by the motor's own resonance",
         POSITIONS,
         _closed_loop,
+        goes_on=True,
         no_twin="gains are worked out from what it measures, and not searched",
     ),
     "stallguard": StudyKind(
@@ -243,6 +246,7 @@ KINDS: dict[Kind, StudyKind] = {
         "reliable homing: the threshold that tells a stall from a free run, with rates of both errors",
         (*POSITIONS, "load_value"),
         _stallguard,
+        goes_on=True,
         no_twin="load values are those of this motor and driver, which no twin knows",
     ),
     "torque_curve": StudyKind(

@@ -162,6 +162,10 @@ class StudyService:
         if record.state in ("running", "done"):
             raise WrongState(f"the study {'runs' if record.state == 'running' else 'is over'}", "start a new one")
         kind = KINDS[record.document.study.kind]
+        budget = record.document.budget
+        far = budget.distance_fullsteps is not None and record.way_fullsteps > budget.distance_fullsteps
+        if kind.goes_on and (far or record.ran_s > budget.time_s):
+            raise WrongState("its budget is used up", "start a new one, with more")
         if record.left or (not kind.sets_nothing and await self._differences(record)):
             await self.restore(study)
         plan = await self.plan(record.document)

@@ -245,6 +245,50 @@ async def test_a_plan_tells_why_nothing_is_tried_on_a_twin(client: httpx.AsyncCl
         assert not (kind.no_twin and kind.on_twin), name
 
 
+async def test_each_kind_tells_whether_it_goes_on(client: httpx.AsyncClient, slide: str) -> None:
+    kinds = {one["kind"]: one["goes_on"] for one in (await client.get("studies")).json()["kinds"]}
+    anew = {"first_look", "scored_move", "identification", "microstep_calibration"}
+    assert {kind for kind, goes_on in kinds.items() if not goes_on} == anew
+    for study in (MOVE, {"kind": "identification"}):
+        plan = await client.post("studies/plan", json={"device": slide, "study": study})
+        assert plan.json()["goes_on"] == kinds[study["kind"]]
+
+
+async def test_what_was_set_meanwhile_goes_back_before_a_study_goes_on(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    before = await held(client)
+    document = {"device": slide, "study": MOVE, "budget": {"trials": 3, "time_s": 60}}
+    study = (await client.post("studies", json=document)).json()["id"]
+    await clock.advance(7.0)
+    await client.post(f"studies/{study}/stop")
+    cut = await over(client, clock, study, 30)
+    assert cut["ran_s"] == pytest.approx(7.0, abs=1.0)
+    await client.put("devices/slide/registers/VMAX?axis=0", json={"value": 20_000})
+    assert await held(client) != before
+    resumed = await client.post(f"studies/{study}/resume")
+    assert resumed.is_success, resumed.text
+    assert {one["name"]: one["value"] for one in resumed.json()["baseline"] if one["name"] in NAMES} == before
+    await client.post(f"studies/{study}/stop")
+    await over(client, clock, study, 30)
+    assert await held(client) == before
+
+
+async def test_a_study_whose_budget_is_used_up_does_not_go_on(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI
+) -> None:
+    study = (await client.post("studies", json={"device": slide, "study": MOVE})).json()["id"]
+    await clock.advance(3.0)
+    await client.post(f"studies/{study}/stop")
+    await over(client, clock, study, 30)
+    record = bench_of(app).studies.get(study)
+    record.ran_s = record.document.budget.time_s + 1
+    refused = await client.post(f"studies/{study}/resume")
+    assert refused.status_code == 409
+    assert "budget is used up" in refused.json()["detail"]
+    assert record.state == "aborted"
+
+
 async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:
     document = {"device": slide, "study": {"kind": "scored_move", "distance": 6400, "repeats": 1}}
     begun = await client.post("studies", json=document)

@@ -13,7 +13,9 @@ import pytest
 
 from app.calc.motors.position_loop import Gains, Plant, gains_for, margins, worst
 from app.studies.closed_loop.grade import worst_mark
+from app.studies.document import ClosedLoop
 from app.studies.kinds import KINDS
+from app.studies.pieces import FILE
 from app.studies.ramp_settings import held_of, value_now
 from app.studies.record import Held
 from app.studies.report import html_of
@@ -116,6 +118,36 @@ async def test_a_loop_that_settles_as_soon_stays_as_it_is(tmp_path: Path) -> Non
         assert better.improved, better.verdict
         assert better.loop is not None
         assert better.loop.captures <= 25
+
+
+async def test_it_goes_on_with_the_steps_that_are_left(tmp_path: Path) -> None:
+    """Of those that show a loop, then of the pairs that compare it with the one before."""
+    async with with_loop(tmp_path) as s:
+        run = s.begin(s.document({**STUDY, "keep": True}))
+        await s.until(run, lambda record: record.message.startswith("steps 3 and 4"))
+        await s.clock.advance(0.5)
+        cut = await s.killed(run)
+        runs, loop = cut.runs, cut.loop
+        assert loop is not None
+        run = s.begin(cut.document, cut)
+        first = await s.finish(run)
+        assert (first.state, first.improved, first.left) == ("done", True, []), first.message or first.verdict
+        assert first.loop is not None
+        assert first.loop.ringing == loop.ringing
+        assert first.loop.overshoot is not None
+        assert first.runs == runs + 2
+        run = s.begin(s.document(STUDY))
+        await s.until(run, lambda record: record.message.startswith("pair 3 "))
+        await s.clock.advance(0.5)
+        cut = await s.killed(run)
+        runs = cut.runs
+        again = await s.finish(s.begin(cut.document, cut))
+        assert (again.state, again.improved, again.left) == ("done", False, []), again.message or again.verdict
+        assert again.loop is not None
+        assert again.loop.effect is not None
+        assert again.loop.effect.pairs == again.document.wanted(ClosedLoop).pairs
+        assert again.runs == runs + 2 * (again.loop.effect.pairs - 2)
+        assert not (s.store.folder(again.id) / FILE).exists()
 
 
 async def test_a_study_begun_at_another_place_of_the_detent_torque_agrees(tmp_path: Path) -> None:

@@ -14,15 +14,18 @@ import pytest
 
 from app.devices.tmc5xxx.start_up import Start
 from app.procedures.procedure import Failed
+from app.studies.pieces import FILE
 from app.studies.plan import StudyPlan
+from app.studies.record import StudyRecord
 from app.studies.report import html_of
 from app.studies.stallguard import plan as stallguard
-from app.studies.stallguard.choice import Choice, Measured, Run, choices, may_do, roc
+from app.studies.stallguard.choice import Choice, Measured, Run, alone, choices, may_do, roc
+from app.studies.stallguard.found import StallFound
 from app.studies.stallguard.runs import StallRuns
 from app.studies.stallguard.scale import Scale
 from app.studies.store import StudyStore
 from tests.devices.tmc5xxx.harness import bench
-from tests.studies.harness import START, Studied, studied
+from tests.studies.harness import START, Kept, Studied, studied
 
 STAGE = {"left_at_fullsteps": -5000, "right_at_fullsteps": 5000, "left_end_fullsteps": -300.0}
 FAST = replace(START, stops=False, vmax=102_400, amax=400_000)
@@ -60,6 +63,10 @@ async def test_a_threshold_is_found_and_proved_and_the_axis_is_as_before(tmp_pat
         assert found.slope == pytest.approx(8, abs=0.1)
         (speed,) = found.speeds
         assert max(speed.stops) < found.level < min(speed.free)
+        assert speed.alone is not None
+        assert (speed.alone.threshold, speed.alone.may_do) == (best.setting["threshold"], True)
+        assert (speed.alone.false, speed.alone.free_runs) == (0, len(speed.free))
+        assert (speed.alone.missed, speed.alone.stops) == (0, len(speed.stops))
         assert speed.false is not None
         assert speed.missed is not None
         assert (speed.false.wrong, speed.missed.wrong, speed.missed.runs) == (0, 0, 10)
@@ -78,6 +85,11 @@ async def test_a_motor_whose_noise_is_above_its_load_has_no_threshold_and_is_tol
         record = await s.finish(s.begin(s.document(SHORT)))
         assert (record.state, record.improved, record.best) == ("done", False, None), record.message
         assert "no threshold does it here: 2 turns/s" in record.verdict
+        assert record.stallguard is not None
+        (speed,) = record.stallguard.speeds
+        assert speed.alone is not None
+        assert not speed.alone.may_do
+        assert speed.alone.false + speed.alone.missed > 0
         assert await s.settings(*NAMES) == before
 
 
@@ -101,6 +113,44 @@ async def test_a_stop_at_any_moment_leaves_the_axis_as_before(tmp_path: Path, at
         await s.finish(run, 20)
         assert (run.record.state, run.record.left) == ("aborted", []), run.record.message
         assert await s.settings(*NAMES) == before
+
+
+def found_of(record: StudyRecord) -> StallFound:
+    assert record.stallguard is not None
+    return record.stallguard
+
+
+async def test_it_goes_on_with_the_speeds_that_are_left(tmp_path: Path) -> None:
+    """Cut off as it measures, then as it proves."""
+    async with axis(tmp_path) as s:
+        run = s.begin(s.document({**SHORT, "speeds_rps": [1.0, 2.0]}))
+        await s.until(run, lambda record: record.stallguard is not None and bool(found_of(record).speeds[0].roc))
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        first = found_of(cut).speeds[0].model_copy(deep=True)
+        assert first.free
+        run = s.begin(cut.document, cut)
+        await s.until(run, lambda record: record.phase == "proof")
+        assert isinstance(run.keeper, Kept)
+        assert "free runs at 2 turns/s" in run.keeper.marks
+        assert "free runs at 1 turns/s" not in run.keeper.marks
+        began = run.record.runs
+        await s.until(run, lambda record: found_of(record).speeds[0].missed is not None)
+        proof = run.record.runs - began
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        assert found_of(cut).speeds[0].free == first.free
+        runs, proved = cut.runs, found_of(cut).speeds[0].model_copy(deep=True)
+        run = s.begin(cut.document, cut)
+        record = await s.finish(run)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert isinstance(run.keeper, Kept)
+        assert not any(mark.startswith("free runs") for mark in run.keeper.marks)
+        assert found_of(record).speeds[0] == proved
+        assert (found_of(record).from_rps, found_of(record).to_rps) == (1, 2)
+        # The stop is looked for anew, and the one speed that was left is proved.
+        assert record.runs - runs < 1.5 * proof + 8
+        assert not (s.store.folder(record.id) / FILE).exists()
 
 
 async def test_an_encoder_that_tells_nothing_is_not_one_that_tells_zero() -> None:
@@ -187,6 +237,30 @@ def test_the_most_speeds_come_first_and_a_speed_that_cannot_is_left_out() -> Non
     first = first_choice(slow, *good)
     assert (first.first, first.last) == (1, 2)
     assert -100 < SGT.level(first.threshold) < 280
+
+
+def test_a_speed_alone_has_its_own_threshold_where_the_span_leaves_it_out_or_takes_another() -> None:
+    rng = np.random.default_rng(4)
+    slow = Measured(0.5, 50.0, runs(rng, 60, 10, 40), runs(rng, -300, 10, 20, 8))
+    fast = Measured(1.0, 100.0, runs(rng, 500, 10, 40), runs(rng, 150, 10, 20, 8))
+    slow = Measured(0.5, 50.0, [Run(one.values, one.speeds_pps / 2) for one in slow.free], slow.stops)
+    own = [alone(one, SGT, 0.9, 0.01) for one in (slow, fast)]
+    assert own[0] is not None
+    assert own[1] is not None
+    assert -300 < SGT.level(own[0].threshold) < 60 < 150 < SGT.level(own[1].threshold) < 500
+    for one in own:
+        assert one is not None
+        assert (one.false, one.free_runs, one.missed, one.stops, one.may_do) == (0, 40, 0, 20, True)
+    assert first_choice(slow, fast).first == first_choice(slow, fast).last
+
+
+def test_where_nothing_does_it_a_speed_is_told_what_gets_least_wrong() -> None:
+    rng = np.random.default_rng(5)
+    one = alone(Measured(1.0, 100.0, runs(rng, 50, 60, 40, 1), runs(rng, 20, 60, 20, 1)), SGT, 0.9, 0.01)
+    assert one is not None
+    assert not one.may_do
+    assert 0 < one.false + one.missed < 40
+    assert alone(Measured(1.0, 100.0, [], []), SGT, 0.9, 0.01) is None
 
 
 def test_one_stall_of_twenty_that_is_like_a_free_run_leaves_it_open_and_two_do_not() -> None:

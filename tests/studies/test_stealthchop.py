@@ -12,11 +12,13 @@ from app.devices.core.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
 from app.studies.document import StudyDocument
 from app.studies.kinds import KINDS
+from app.studies.pieces import FILE
 from app.studies.proof import pair_order
+from app.studies.record import StudyRecord
 from app.studies.report import html_of
 from app.studies.stealthchop.decision import Reach, decide
-from app.studies.stealthchop.found import StealthPair
-from app.studies.stealthchop.plan import LEAST_RPS, PARTS, TIMES, between_of
+from app.studies.stealthchop.found import StealthFound, StealthPair
+from app.studies.stealthchop.plan import LEAST_RPS, PARTS, PLACES, TIMES, between_of
 from tests.devices.tmc5xxx.harness import bench
 from tests.plants.choppers import drawn
 from tests.studies.harness import START, Studied, studied
@@ -108,6 +110,40 @@ async def test_what_it_found_is_kept_and_a_second_study_claims_nothing(tmp_path:
         second = await s.finish(s.begin(s.document(STUDY)), 900)
         assert (second.state, second.improved, second.best) == ("done", False, None), second.verdict
         assert "stays" in second.verdict
+
+
+@pytest.mark.parametrize(("trials", "pairs"), [(2, 0), (0, 2)])
+async def test_it_goes_on_with_its_tuning_its_trials_and_its_pairs(tmp_path: Path, trials: int, pairs: int) -> None:
+    async with studied(tmp_path, FULL, **PLANT) as s:
+        await with_stealthchop(s, pwmconf=conf(90, 0), switch_rps=1.5)
+        run = s.begin(s.document(STUDY))
+        await s.until(
+            run,
+            lambda record: len(record.trials) >= max(trials, 1) and len(found_of(record).pairs) >= pairs,
+        )
+        await s.clock.advance(1.0)
+        cut = await s.killed(run)
+        runs, made = cut.runs, found_of(cut).model_copy(deep=True)
+        before, had = made.tried, list(cut.trials)
+        record = await s.finish(s.begin(cut.document, cut), 900)
+        found = found_of(record)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert (found.offset_auto, found.gradient_auto) == (made.offset_auto, made.gradient_auto)
+        assert found.tried[: len(before)] == before
+        assert record.trials[: len(had)] == had
+        assert found.pairs[: len(made.pairs)] == made.pairs
+        settings = [tuple(sorted(trial.setting.items())) for trial in record.trials]
+        assert len({*settings}) == len(settings), "none is tried twice"
+        # Each setting from so many places there and back, with it and without in turn in the proof; nothing is tuned.
+        baseline = 0 if pairs else 2 * PLACES
+        tried, paired = len(found.tried) - len(before), len(found.pairs) - len(made.pairs)
+        assert record.runs - runs == baseline + 2 * PLACES * tried + 4 * paired
+        assert not (s.store.folder(record.id) / FILE).exists()
+
+
+def found_of(record: StudyRecord) -> StealthFound:
+    assert record.stealthchop is not None
+    return record.stealthchop
 
 
 async def test_an_axis_without_stealthchop_gets_it_up_to_where_it_jolts(tmp_path: Path) -> None:

@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...calc.motors.position_loop import Gains, Margins, Plant, gains_for, open_loop_curves, step_answer, worst
 from ...calc.motors.ring_down import Fitted, RingDown, fit_ring_downs
 from ...calc.signals.step_response import score
+from ...clock import WallClock
 from ...devices.core.capabilities import VelocityJumps
 from ...number_text import plain
 from ...procedures.procedure import Failed
@@ -23,6 +24,7 @@ from ..document import ClosedLoop
 from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..parts import Interval
+from ..pieces import Pieces
 from ..proof import compared_pairs, pair_order
 from ..ramp_settings import ACCELERATION
 from ..record import Figures, Held, Trial
@@ -64,11 +66,32 @@ class Stepped:
     settling_s: float | None
 
 
+@dataclass(frozen=True, slots=True)
+class LoopPiece:
+    """Steps that were whole when the study was cut off: two with the new gains, or a pair.
+
+    start : about which they were made [microsteps]; with_new : time [s], encoder, overshoot, count and settling [s] of
+    each with the new gains, as `Stepped` has them; before_s : how long the one with the old gains took to settle
+    """
+
+    start: int
+    with_new: Sequence[tuple[list[float], list[float], float, float, float | None]]
+    before_s: float | None = None
+
+    @property
+    def steps(self) -> list[Stepped]:
+        """Those with the new gains."""
+        return [Stepped(np.array(time_s), np.array(encoder), *told) for time_s, encoder, *told in self.with_new]
+
+
 class ClosedLoopStudy(StudyRun):
     """Measures, works out, and proves."""
 
     _ground: Ground
     _moves: MeasuredMoves
+    _pieces: Pieces[LoopPiece]
+    _made: list[LoopPiece]
+    """Steps from before it was cut off."""
     _gains: Gains
     _plant: Plant
     _friction: float
@@ -84,15 +107,19 @@ class ClosedLoopStudy(StudyRun):
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
-        record.findings, record.loop, record.trials, record.best, record.units = [], None, [], None, UNITS
+        record.findings, record.units = [], UNITS
+        self._pieces = Pieces(self.keeper.folder, LoopPiece, aside=isinstance(self.clock, WallClock))
+        self._made = self._pieces.read()
         now = ground.loop.now
         record.baseline_setting = {PROPORTIONAL: now.proportional, INTEGRAL: now.integral}
         if not record.baseline:
             record.baseline, record.switched = [*ground.moving, *ground.loop.before], ground.loop.switched
         await self.keeper.save(record)
-        rings = await self._rings()
-        gains, found = await self._worked_out(rings)
-        record.loop = found
+        if record.loop is None:
+            gains, found = await self._worked_out(await self._rings())
+            record.loop = found
+        else:
+            gains, found = self._taken_up(record.loop), record.loop
         registers = ground.loop.registers(gains, ground.most_pps, wanted.tolerance_microsteps)
         setting = {PROPORTIONAL: gains.proportional, INTEGRAL: gains.integral}
         record.trials = [
@@ -113,6 +140,7 @@ class ClosedLoopStudy(StudyRun):
         if record.improved and wanted.keep:
             await self._regulate(registers)
             self._touched = False
+        await self._pieces.forget()
 
     async def back(self) -> None:
         """Gains as before the study, and what regulated then. Raises BenchError."""
@@ -175,10 +203,8 @@ class ClosedLoopStudy(StudyRun):
         middle = plants[4]
         frequency_hz, gain_db, phase_deg = open_loop_curves(gains, middle, SHOWN_POINTS)
         time_s = np.linspace(0.0, STEP_S, PEAK_POINTS)
-        self._gains, self._plant = gains, middle
-        # a share of the holding torque, for which the field leads by as many radians
-        lead_fullsteps = max(0.0, rings.friction.value) / (math.pi / 2)
-        self._friction = lead_fullsteps * self._ground.full_step / self._ground.step
+        self._gains = gains
+        self._loop_of(middle, rings.friction.value)
         found = LoopFound(
             resonance_hz=estimate(rings.resonance_hz),
             damping_ratio=estimate(rings.damping),
@@ -198,6 +224,24 @@ class ClosedLoopStudy(StudyRun):
             captures=self.record.runs,
         )
         return gains, found
+
+    def _taken_up(self, found: LoopFound) -> Gains:
+        """The gains of a loop that was worked out before the study was cut off; steps end at the same places of a full
+        step again."""
+        self._gains = Gains(found.proportional_per_s, found.integral_per_s2)
+        damping = max(found.damping_ratio.value, LEAST_DAMPING)
+        self._loop_of(Plant(found.resonance_hz.value * 2 * math.pi, damping, found.delay_s), found.friction_share.value)
+        ground = self._ground
+        if self._made:
+            beside = (self._made[0].start - ground.start) % ground.full_step
+            self._ground = replace(ground, start=ground.start + beside)
+        return self._gains
+
+    def _loop_of(self, plant: Plant, friction_share: float) -> None:
+        """friction_share : of the holding torque, for which the field leads by as many radians"""
+        self._plant = plant
+        lead_fullsteps = max(0.0, friction_share) / (math.pi / 2)
+        self._friction = lead_fullsteps * self._ground.full_step / self._ground.step
 
     def _expected(self, time_s: FloatArray) -> FloatArray:
         """A step of 1 of the loop that was worked out, at times that are evenly apart."""
@@ -239,14 +283,18 @@ class ClosedLoopStudy(StudyRun):
         """Steps where nothing regulated before: the loop is good where it does as was asked."""
         ground = self._ground
         await self._regulate(self.record.trials[0].registers)
-        steps: list[Stepped] = []
-        for index in range(SHOWN // 2):
+        steps = [step for piece in self._made for step in piece.steps]
+        for index in range(len(self._made), SHOWN // 2):
             self.tell("proof", 0.5 + index / SHOWN, f"steps {2 * index + 1} and {2 * index + 2} of {SHOWN}")
             self.keeper.mark("steps with the new gains")
-            steps += [
+            if index:
+                await self._return(self._place(2 * index - 1))  # where it is already, unless it was cut off
+            made = [
                 await self._step(self._place(2 * index, ground.step)),
                 await self._step(self._place(2 * index + 1)),
             ]
+            await self._keep(made)
+            steps += made
         self._tell_steps(found, steps)
         self._decide(found, as_asked=self._as_asked(found))
 
@@ -254,20 +302,22 @@ class ClosedLoopStudy(StudyRun):
         """The new gains against the old ones, step by step."""
         ground, wanted = self._ground, self.wanted
         sets = {"A": ground.loop.before, "B": self.record.trials[0].registers}
-        settled: dict[str, list[float]] = {"A": [], "B": []}
-        steps: list[Stepped] = []
-        for index in range(wanted.pairs):
+        steps = [step for piece in self._made for step in piece.steps]
+        settled = {"A": [piece.before_s or 0.0 for piece in self._made], "B": [_settled_s(step) for step in steps]}
+        for index in range(len(self._made), wanted.pairs):
             self.tell("proof", 0.5 + 0.5 * index / wanted.pairs, f"pair {index + 1} of {wanted.pairs}")
             self.keeper.mark(f"pair {index + 1} of {wanted.pairs}")
             target, away = self._place(index, ground.step), self._place(index)
             if index % 2:
                 target, away = away, target
+            made = {}
             for which in pair_order(index):
                 await self._regulate(sets[which])
                 await self._return(away)
-                one = await self._step(target)
-                settled[which].append(STEP_S if one.settling_s is None else one.settling_s)
-                steps += [one] if which == "B" else []
+                made[which] = await self._step(target)
+                settled[which].append(_settled_s(made[which]))
+            await self._keep([made["B"]], settled["A"][-1])
+            steps.append(made["B"])
         self._tell_steps(found, steps)
         shown = compared_pairs(settled["A"], settled["B"], wanted.smallest_gain, self.record.document.seed)
         effect, old, new, better = shown.effect, shown.old, shown.new, shown.better
@@ -324,6 +374,14 @@ class ClosedLoopStudy(StudyRun):
         self._count(target - start)
         lost = PERIOD_FULLSTEPS * round(deviation_of(state) / self._ground.full_step / PERIOD_FULLSTEPS)
         return float(np.nanmax(np.abs(off))), abs(lost)
+
+    async def _keep(self, with_new: Sequence[Stepped], before_s: float | None = None) -> None:
+        kept = [
+            (step.time_s.tolist(), step.encoder.tolist(), step.overshoot, step.count, step.settling_s)
+            for step in with_new
+        ]
+        await self._pieces.add(LoopPiece(self._ground.start, kept, before_s))
+        await self.keeper.save(self.record)
 
     def _place(self, index: int, beyond: int = 0) -> int:
         """Where the step of that number ends, or `beyond` that [microsteps]."""
@@ -385,3 +443,7 @@ class ClosedLoopStudy(StudyRun):
     def _count(self, by: float) -> None:
         self.record.runs += 1
         self.record.way_fullsteps += abs(by) / self._ground.full_step
+
+
+def _settled_s(step: Stepped) -> float:
+    return STEP_S if step.settling_s is None else step.settling_s

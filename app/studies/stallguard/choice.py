@@ -84,6 +84,19 @@ class Choice:
         return replace(self, thresholds=left, threshold=left[len(left) // 2]) if left else None
 
 
+@dataclass(frozen=True, slots=True)
+class Alone:
+    """The threshold that suits one speed best, and what it gets wrong of the runs by which it was chosen."""
+
+    threshold: int
+    filtered: bool
+    false: int
+    free_runs: int
+    missed: int
+    stops: int
+    may_do: bool
+
+
 def roc(free: FloatArray, stops: FloatArray) -> list[tuple[float, float, float]]:
     """(level, share of free runs with a false stall, share of stalls missed) for each level that makes a difference."""
     levels = np.unique(np.concatenate((free, stops)))
@@ -128,6 +141,38 @@ def choices(measured: Sequence[Measured], scale: Scale, armed_share: float, rate
             if (one := _choice(measured[first : first + wide], first, scale, armed_share, rate_max, filtered))
         ]
         yield from sorted(found, key=lambda one: (one.filtered, one.rate))
+
+
+def alone(one: Measured, scale: Scale, armed_share: float, rate_max: float) -> Alone | None:
+    """For one speed: what would be tried for it alone; where nothing may do it, what is expected to get least wrong.
+
+    None where fewer than two runs of either kind tell anything.
+    """
+    first = next(choices([one], scale, armed_share, rate_max), None)
+    found: list[tuple[float, bool, int]] = []
+    for filtered in (False, True):
+        free, stops = one.least(armed_share * one.speed_pps, filtered)
+        if min(len(free), len(stops)) >= 2:
+            thresholds = range(scale.low, scale.high + 1)
+            rates = expected(free, stops, np.array([scale.level(threshold) for threshold in thresholds]))
+            at = int(np.argmin(rates))
+            found.append((float(rates[at]), filtered, thresholds[at]))
+    if not found:
+        return None
+    _, filtered, threshold = min(found)
+    if first is not None:
+        filtered, threshold = first.filtered, first.threshold
+    free, stops = one.least(armed_share * one.speed_pps, filtered)
+    level = scale.level(threshold)
+    return Alone(
+        threshold=threshold,
+        filtered=filtered,
+        false=int((free <= level).sum()),
+        free_runs=len(free),
+        missed=int((stops > level).sum()),
+        stops=len(stops),
+        may_do=first is not None,
+    )
 
 
 def _choice(

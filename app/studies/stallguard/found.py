@@ -24,6 +24,19 @@ class RocPoint(Part):
     missed: float = Field(description="share of stalls not told")
 
 
+class StallAlone(Part):
+    """The threshold that suits one speed alone best. Not proved: it is counted in the very runs it was chosen by."""
+
+    threshold: int
+    filtered: bool
+    level: float = Field(description="at it or below a value is a stall")
+    false: int = Field(description="false stalls it would have told in the free runs that were measured")
+    free_runs: int
+    missed: int = Field(description="stalls it would have missed in the runs into the stop that were measured")
+    stops: int
+    may_do: bool = Field(description="whether these runs leave it open that it gets no more wrong than was asked for")
+
+
 class StallSpeed(Part):
     """One speed. Load values are those at threshold 0; least: of each run, with the filter where the choice has it."""
 
@@ -35,6 +48,9 @@ class StallSpeed(Part):
     free_share: list[float] = Field(default_factory=list, description="of all values of free runs, between two edges")
     stop_share: list[float] = Field(default_factory=list, description="the same against the stop")
     roc: list[RocPoint] = Field(default_factory=list)
+    alone: StallAlone | None = Field(
+        default=None, description="what suits this speed alone, not held out; null: too few runs of it were measured"
+    )
     why: str = Field(default="", description="why no threshold does it at this speed; empty where the choice does")
     false: Rate | None = Field(
         default=None, description="false stalls in held-out free runs, the motor stopping by them"

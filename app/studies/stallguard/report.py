@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, table
 from ...number_text import plain
 from ..record import StudyRecord
-from .found import Rate, StallFound, StallSpeed
+from .found import Rate, StallAlone, StallFound, StallSpeed
 
 FREE, STOPS = "#2b8a3e", "#e03131"
 
@@ -19,7 +19,8 @@ def sections(record: StudyRecord) -> list[str]:
         f"<p>StallGuard{found.generation}. Load values are those at threshold 0; one more of the threshold adds "
         f"{plain(found.slope, 3)} to them. A free run is {plain(found.run_fullsteps)} full steps long; a stall that is "
         f"not told {plain(found.push_fullsteps)} full steps into the stop is missed. Rates are of held-out runs, "
-        "their bounds one-sided, 95 % (Clopper and Pearson).</p>"
+        "their bounds one-sided, 95 % (Clopper and Pearson). Alone: the threshold that suits that speed best by the "
+        "runs that were measured, which it was chosen by.</p>"
     )
     parts = ["<h2>How sure</h2>" + about + _rates(found)]
     parts += [
@@ -34,16 +35,35 @@ def _rate(rate: Rate | None) -> str:
     return "not tried" if rate is None else f"{rate.wrong} of {rate.runs}: below {100 * rate.most:.2g} %"
 
 
+def _alone(alone: StallAlone | None) -> str:
+    if alone is None:
+        return ""
+    more = "" if alone.may_do else ", too many"
+    return (
+        f"{alone.threshold}{' with the filter' if alone.filtered else ''}: {alone.false} of {alone.free_runs} false, "
+        f"{alone.missed} of {alone.stops} missed{more}"
+    )
+
+
 def _rates(found: StallFound) -> str:
     rows = [
         (
             plain(one.speed_rps),
             *map(_rate, (one.false, one.missed, one.false_before, one.missed_before)),
             one.why,
+            _alone(one.alone),
         )
         for one in found.speeds
     ]
-    heads = ("turns/s", "false stalls", "stalls missed", "false, before", "missed, before", "why not")
+    heads = (
+        "turns/s",
+        "false stalls",
+        "stalls missed",
+        "false, before",
+        "missed, before",
+        "why not",
+        "alone, not held out",
+    )
     return table(heads, rows)
 
 

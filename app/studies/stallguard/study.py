@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import random
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from ...clock import WallClock
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import StallGuard
+from ..pieces import Pieces
 from ..proof import LEVEL, rate_bound
 from ..ramp_settings import ACCELERATION, SPEED
 from ..ramp_settings import UNITS as RAMP_UNITS
 from ..rate_proof import rate_proof
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
-from .choice import Choice, Measured, Run, choices, roc
-from .found import Rate, RocPoint, StallFound, StallSpeed
+from .choice import Choice, Measured, Run, alone, choices, roc
+from .found import Rate, RocPoint, StallAlone, StallFound, StallSpeed
 from .plan import MEASURED_FREE, MEASURED_STOPS, ROOM_FULLSTEPS, Ground, look
 from .runs import Samples, StallRuns
 from .scale import Scale
@@ -40,6 +43,22 @@ JITTER = 4.0
 AT_SPEED_FULLSTEPS = 60.0
 """So far at its speed before the stop."""
 Wrong = Literal["", "false", "missed"]
+KeptRun = tuple[list[float], list[float]]
+
+
+@dataclass(frozen=True, slots=True)
+class StallPiece:
+    """What was whole at one speed when the study was cut off: measured runs, at a threshold, or, with a `setting`, the
+    held-out runs of that."""
+
+    speed_pps: float
+    threshold: int = 0
+    free: Sequence[KeptRun] = ()
+    stops: Sequence[KeptRun] = ()
+    setting: StallSetting | None = None
+    missed: Rate | None = None
+    false: Rate | None = None
+    wrong: Wrong = ""
 
 
 class StallGuardStudy(StudyRun):
@@ -49,6 +68,9 @@ class StallGuardStudy(StudyRun):
     _runs: StallRuns
     _stop_at: int
     _scale: Scale
+    _on_disk: Pieces[StallPiece]
+    _earlier: list[StallPiece]
+    """Pieces from before it was cut off that have not been taken up yet."""
 
     @property
     def wanted(self) -> StallGuard:
@@ -66,12 +88,15 @@ class StallGuardStudy(StudyRun):
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         self._scale = ground.stall.scale
         self._runs = StallRuns(self.device, self.axis, self.clock, ground.full_step, ground.way)
+        self._runs.runs, self._runs.way_fullsteps = record.runs, record.way_fullsteps
+        self._on_disk = Pieces(self.keeper.folder, StallPiece, aside=isinstance(self.clock, WallClock))
+        self._earlier = self._on_disk.read()
         self._random = random.Random(record.document.seed)
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.stall.before]
             record.baseline_setting = ground.stall.told(ground.stall.now())
-        record.units, record.trials, record.best = dict(UNITS), [], None
-        record.stallguard = StallFound(
+        record.units = dict(UNITS)
+        record.stallguard = record.stallguard or StallFound(
             generation=ground.stall.scale.generation,
             run_fullsteps=wanted.run_fullsteps,
             push_fullsteps=wanted.push_fullsteps,
@@ -80,12 +105,23 @@ class StallGuardStudy(StudyRun):
                 for rps, pps in zip(wanted.speeds_rps, ground.speeds_pps, strict=True)
             ],
         )
+        if self.found.slope:
+            self._scale = replace(self._scale, slope=self.found.slope)
         await self.keeper.save(record)
         await self._find_stop()
         measured = await self._measure()
         await self._choose(measured)
         await self.back()
         await self._runs.back_to(ground.start)
+        await self._on_disk.forget()
+
+    def _taken_up(self, speed_pps: float, setting: StallSetting | None) -> StallPiece | None:
+        """The first piece of that from before it was cut off; None where there is none, or none any more."""
+        for piece in self._earlier:
+            if (piece.speed_pps, piece.setting) == (speed_pps, setting):
+                self._earlier.remove(piece)
+                return piece
+        return None
 
     def _count(self) -> None:
         """Tell how much it has moved. Raises Failed where that is more than it may."""
@@ -154,9 +190,15 @@ class StallGuardStudy(StudyRun):
         speeds = self.found.speeds
         threshold = 0
         for index, one in enumerate(speeds):
-            part = 0.05 + 0.4 * index / len(speeds)
+            part, one.why = 0.05 + 0.4 * index / len(speeds), ""
             if self._approach(one.speed_pps) is None:
                 one.why = "between here and the stop it does not get up to this speed: begin further away from it"
+                continue
+            kept = self._taken_up(one.speed_pps, None)
+            if kept is not None:
+                free, stops = ([_run(run) for run in runs] for runs in (kept.free, kept.stops))
+                threshold = kept.threshold
+                measured.append(self._seen(one, free, stops))
                 continue
             self.tell("search", part, f"free runs at {plain(one.speed_rps)} turns/s")
             self.keeper.mark(f"free runs at {plain(one.speed_rps)} turns/s")
@@ -168,12 +210,21 @@ class StallGuardStudy(StudyRun):
             self.tell("search", part + 0.2 / len(speeds), f"into the stop at {plain(one.speed_rps)} turns/s")
             self.keeper.mark(f"into the stop at {plain(one.speed_rps)} turns/s")
             stops = await self._stop_runs(one, threshold)
-            of = Measured(one.speed_rps, one.speed_pps, free, stops)
-            measured.append(of)
-            self._show(one, of, filtered=False)
+            await self._on_disk.add(
+                StallPiece(one.speed_pps, threshold, [_kept(run) for run in free], [_kept(run) for run in stops])
+            )
+            measured.append(self._seen(one, free, stops))
             await self.keeper.save(self.record)
         self.found.slope = self._scale.slope
         return measured
+
+    def _seen(self, one: StallSpeed, free: list[Run], stops: list[Run]) -> Measured:
+        """What was measured at a speed, in the record as well."""
+        of = Measured(one.speed_rps, one.speed_pps, free, stops)
+        self._show(one, of, filtered=False)
+        suits = alone(of, self._scale, ARMED, self.wanted.rate_max)
+        one.alone = None if suits is None else StallAlone(level=self._scale.level(suits.threshold), **asdict(suits))
+        return of
 
     async def _slowly_home(self) -> None:
         """After steps were lost at a speed that is too much: it is at rest, and the encoder has told where."""
@@ -304,6 +355,7 @@ class StallGuardStudy(StudyRun):
 
     async def _choose(self, measured: list[Measured]) -> None:
         record = self.record
+        record.trials, record.best = [], None
         for first in choices(measured, self._scale, ARMED, self.wanted.rate_max):
             choice: Choice | None = first
             while choice is not None:
@@ -369,6 +421,16 @@ class StallGuardStudy(StudyRun):
         return ""
 
     async def _held_out(self, one: StallSpeed, setting: StallSetting) -> tuple[Rate, Rate, Wrong]:
+        """Missed stalls and false ones of a setting at one speed, and which of them is too often; those from before it
+        was cut off where they are whole."""
+        kept = self._taken_up(one.speed_pps, setting)
+        if kept is not None and kept.missed is not None and kept.false is not None:
+            return kept.missed, kept.false, kept.wrong
+        missed, false, wrong = await self._run_held_out(one, setting)
+        await self._on_disk.add(StallPiece(one.speed_pps, setting=setting, missed=missed, false=false, wrong=wrong))
+        return missed, false, wrong
+
+    async def _run_held_out(self, one: StallSpeed, setting: StallSetting) -> tuple[Rate, Rate, Wrong]:
         """Missed stalls and false ones of a setting at one speed, the motor stopping by them, and which of them is too
         often; ended where that is known."""
         ground, wanted = self._ground, self.wanted
@@ -448,6 +510,15 @@ class StallGuardStudy(StudyRun):
             if worse
             else "the setting before does as well in as many runs: it stays as it is"
         )
+
+
+def _kept(run: Run) -> KeptRun:
+    return run.values.tolist(), run.speeds_pps.tolist()
+
+
+def _run(kept: KeptRun) -> Run:
+    values, speeds_pps = kept
+    return Run(np.array(values, dtype=float), np.array(speeds_pps, dtype=float))
 
 
 def _named(registers: list[Held]) -> dict[str, Held]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...clock import WallClock
 from ...devices.core.capabilities import PositionFromEncoder
 from ...number_text import plain
 from ...procedures.procedure import Failed
@@ -17,6 +18,7 @@ from ..document import QuietStealthChop
 from ..families import identification_of
 from ..identification.coil import AmplitudeRuns
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, Sampled
+from ..pieces import Pieces
 from ..proof import pair_order
 from ..ramp_settings import ACCELERATION, SPEED
 from ..record import Figures, Trial
@@ -54,11 +56,22 @@ class Through:
     lost: float
 
 
+@dataclass(frozen=True, slots=True)
+class StealthPiece:
+    """What the record does not tell: the setting of a trial by its number; number 0: the tuning, whose amplitudes were
+    `needed`, of the greatest, by turns a second."""
+
+    number: int
+    setting: StealthSetting | None = None
+    needed: Sequence[tuple[float, float]] = ()
+
+
 class StealthChopStudy(StudyRun):
     """Looks for amplitudes that need no regulation, and for the fastest switch-over that does not jolt."""
 
     _ground: Ground
     _moves: MeasuredMoves
+    _pieces: Pieces[StealthPiece]
     _trials: dict[StealthSetting, tuple[Trial, StealthTried]]
     _needed: dict[float, float]
     """Amplitudes that were regulated, by turns a second, of the greatest."""
@@ -80,16 +93,22 @@ class StealthChopStudy(StudyRun):
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         beside = (f"velocity.{self.axis}",)
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, 1.0, beside)
-        record.findings, record.trials, record.best, record.units = [], [], None, dict(UNITS)
-        self._trials, self._needed = {}, {}
-        record.stealthchop = StealthFound(velocity_max_rps=ground.top_rps, jolt_max_fullsteps=wanted.jolt_max_fullsteps)
+        self._moves.way_fullsteps = record.way_fullsteps
+        record.findings, record.best, record.units = [], None, dict(UNITS)
+        record.stealthchop = record.stealthchop or StealthFound(
+            velocity_max_rps=ground.top_rps, jolt_max_fullsteps=wanted.jolt_max_fullsteps
+        )
+        self._take_up()
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.current.before, *ground.stealth.before]
             record.baseline_setting = ground.stealth.told(ground.stealth.now)
         await self.keeper.save(record)
         self._touched = True
         await self._baseline()
+        chosen = self.found.chosen
         best = await self._search()
+        if self.found.chosen != chosen:
+            self.found.pairs = []
         if best is None:
             record.improved, record.best = False, None
             record.verdict = (
@@ -108,6 +127,18 @@ class StealthChopStudy(StudyRun):
         if record.improved and wanted.keep and trial is not None:
             await self.apply(trial.registers, "the new setting of StealthChop")
             self._touched = False
+        await self._pieces.forget()
+
+    def _take_up(self) -> None:
+        """What there is from before it was cut off."""
+        self._pieces = Pieces(self.keeper.folder, StealthPiece, aside=isinstance(self.clock, WallClock))
+        self._trials, self._needed, self._is_tuned = {}, {}, False
+        for piece in self._pieces.read():
+            trial = self.record.trial(piece.number)
+            if piece.setting is None:
+                self._needed, self._is_tuned = dict(piece.needed), True
+            elif trial is not None:
+                self._trials[piece.setting] = trial, self.found.tried[piece.number - 1]
 
     # --- runs ---------------------------------------------------------------------------------------
 
@@ -230,7 +261,8 @@ class StealthChopStudy(StudyRun):
         await self._moves.go(ground.start + 4 * ground.full_step)
         await self._moves.go(ground.start)
         now = ground.stealth.now
-        found.before = self._tried(now, await self._through(now), "as it was")
+        if not found.pairs:  # those are with the setting before in turn
+            found.before = self._tried(now, await self._through(now), "as it was")
         await self.keeper.save(self.record)
 
     async def _tune(self) -> tuple[int | None, int | None]:
@@ -238,6 +270,8 @@ class StealthChopStudy(StudyRun):
         ground = self._ground
         if not ground.turns:
             return None, None
+        if self._is_tuned:
+            return self.found.offset_auto, self.found.gradient_auto
         self.tell("look", 0.1, "StealthChop tunes itself")
         self.keeper.mark("StealthChop tunes itself")
         before = await self._moves.deviation()
@@ -252,6 +286,7 @@ class StealthChopStudy(StudyRun):
         if abs(await self._moves.deviation() - before) > PERIOD_FULLSTEPS / 2 * ground.full_step:
             await self._mend()
         self.found.offset_auto, self.found.gradient_auto = found
+        await self._pieces.add(StealthPiece(0, needed=list(self._needed.items())))
         await self.keeper.save(self.record)
         return found
 
@@ -373,16 +408,16 @@ class StealthChopStudy(StudyRun):
             held = reach
         above: float | None = None
         for rps in [each for each in ground.switches_rps if held is None or each > held * FASTER]:
-            if self.spent(share=SEARCH_SHARE):
+            if self._no_time_for(setting, rps):
                 break
             if await self._try_switch(setting, rps):
                 held = rps
             else:
                 above = rps
                 break
-        while held is not None and above is not None and not self.spent(share=SEARCH_SHARE):
+        while held is not None and above is not None:
             between = between_of(held, above)
-            if between is None:
+            if between is None or self._no_time_for(setting, between):
                 break
             if await self._try_switch(setting, between):
                 held = between
@@ -390,9 +425,15 @@ class StealthChopStudy(StudyRun):
                 above = between
         return None if held is None else stealth.threshold(held)
 
+    def _switching(self, setting: StealthSetting, rps: float) -> StealthSetting:
+        return self._with_needs(replace(setting, threshold=self._ground.stealth.threshold(rps)))
+
+    def _no_time_for(self, setting: StealthSetting, rps: float) -> bool:
+        """Whether there is no time left to try that; what was tried before it was cut off takes none."""
+        return self._switching(setting, rps) not in self._trials and self.spent(share=SEARCH_SHARE)
+
     async def _try_switch(self, setting: StealthSetting, rps: float) -> bool:
-        stealth = self._ground.stealth
-        setting = self._with_needs(replace(setting, threshold=stealth.threshold(rps)))
+        setting = self._switching(setting, rps)
         self.tell("search", 0.2 + 0.4 * rps / self._ground.top_rps, f"switching over at {plain(rps, 3)} turns a second")
         return self._holds((await self._trial(setting, "switch-over"))[1])
 
@@ -444,6 +485,7 @@ class StealthChopStudy(StudyRun):
         number = len(record.trials) + 1
         self.keeper.mark(f"trial {number}: {stealth.words(setting)}")
         tried = self._tried(setting, await self._through(setting), why)
+        await self._pieces.add(StealthPiece(number, setting))
         self.found.tried.append(tried)
         trial = Trial(
             number=number,
@@ -470,7 +512,7 @@ class StealthChopStudy(StudyRun):
         found, wanted = self.found, self.wanted
         settings = {"A": self._ground.stealth.now, "B": setting}
         self.keeper.mark(f"proof of trial {best.number}")
-        for index in range(wanted.pairs):
+        for index in range(len(found.pairs), wanted.pairs):
             if self.spent():
                 break
             self.tell(
@@ -490,6 +532,7 @@ class StealthChopStudy(StudyRun):
                     order=order,
                 )
             )
+            await self.keeper.save(self.record)
         self._decide(setting)
         await self.keeper.save(self.record)
 

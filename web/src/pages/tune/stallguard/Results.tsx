@@ -6,7 +6,7 @@ import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
-import { distributionsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
+import { aloneText, distributionsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
 
 /** What came of each speed: both rates, how load values are distributed, and what each threshold would do. */
 export function Results({ study }: { study: Study }) {
@@ -30,12 +30,19 @@ function Rates({ found }: { found: StallFound }) {
       <FiguresTable
         label="False and missed stalls at each speed"
         minWidth={420}
-        heads={["turns/s", "False stalls", "Missed", "Why not"]}
-        rows={found.speeds.map((at) => [compact(at.speed_rps), rateText(at.false), rateText(at.missed), at.why])}
+        heads={["turns/s", "False stalls", "Missed", "Why not", "Alone, not held out"]}
+        rows={found.speeds.map((at) => [
+          compact(at.speed_rps),
+          rateText(at.false),
+          rateText(at.missed),
+          at.why,
+          aloneText(at.alone),
+        ])}
       />
       <Text size="sm" className="dim">
         Of held-out runs: free ones of {compact(found.run_fullsteps)} full steps, and into the stop by{" "}
-        {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %.
+        {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %. Alone: the threshold that suits that speed best, by
+        the runs it was chosen by.
       </Text>
     </Card>
   );

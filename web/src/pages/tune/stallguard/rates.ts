@@ -11,6 +11,14 @@ export function rateText(rate: Rate | null): string {
   return rate === null ? "not tried" : `${rate.wrong} of ${rate.runs}: below ${compact(100 * rate.most, 2, "%")}`;
 }
 
+/** "-8 with the filter: 0 of 100 false, 0 of 20 missed", counted in the runs by which it was chosen. */
+export function aloneText(alone: StallSpeed["alone"]): string {
+  if (alone === null) return "";
+  const { threshold, filtered, false: wrong, free_runs, missed, stops, may_do } = alone;
+  const rates = `${wrong} of ${free_runs} false, ${missed} of ${stops} missed`;
+  return `${threshold}${filtered ? " with the filter" : ""}: ${rates}${may_do ? "" : ", too many"}`;
+}
+
 /** Shares over load values: of free runs, and against the stop. */
 export function distributionsOf(speed: StallSpeed): PlotData {
   const middles = speed.values.slice(1).map((edge, index) => (edge + (speed.values[index] ?? edge)) / 2);
