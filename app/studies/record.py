@@ -261,6 +261,7 @@ class StudyRecord(Part):
     loop: LoopFound | None = Field(default=None, description="of a study of the closed loop")
     runs: int = 0
     way_fullsteps: float = 0.0
+    start: int | None = Field(default=None, description="where it began, and goes on from [microsteps]")
     ran_s: float = Field(default=0.0, description="how long it has run, all its beginnings together [s]")
     left: list[str] = Field(default_factory=list, description="what is not as it was before; empty where all is")
     taken: Taken | None = Field(default=None, description="what the axis was set to of it; null: nothing, or undone")

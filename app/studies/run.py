@@ -18,6 +18,7 @@ from ..errors import BenchError
 from ..procedures.procedure import Ended, Failed, Procedure
 from ..profiles.apply import Transaction
 from .driver_faults import DriverFault
+from .moves import MeasuredMoves
 from .own_motion import StopWhenBack
 from .ramp_settings import document_of
 from .record import Held, Phase, StudyRecord
@@ -134,6 +135,22 @@ class StudyRun(Procedure):
             return await worked_out(self.clock, work, *arguments, within_s=WORKS_WITHIN_S)
         except NotWorkedOut as error:
             raise Failed(f"what was measured could not be worked out: {error}") from error
+
+    async def returned(self, position: int) -> bool:
+        """Go back to where the study began, where it was cut off elsewhere: so it stays within what its plan told.
+
+        position : where it stands, at rest [microsteps]. False where it is there, or begins only now.
+        Raises BenchError, Failed where the motor does not arrive.
+        """
+        record, microsteps = self.record, self.device.axis(self.axis).microsteps
+        if record.start is None or record.start == position or microsteps is None:
+            record.start = position
+            return False
+        self.tell("preconditions", 0.0, "back to where it began")
+        moves = MeasuredMoves(self.device, self.axis, self.clock, microsteps[0], 1.0, has_encoder=False)
+        await moves.go(record.start)
+        record.way_fullsteps += moves.way_fullsteps
+        return True
 
     async def back(self) -> None:
         """Set the axis as it was before the study. Raises BenchError."""

@@ -173,7 +173,7 @@ class StudyService:
             raise WrongState("; ".join(plan.missing), "see to it first")
         record.state, record.ended_unix_s, record.message = "running", None, ""
         if not kind.goes_on:
-            record.runs, record.way_fullsteps, record.ran_s = 0, 0.0, 0.0
+            record.runs, record.way_fullsteps, record.ran_s, record.start = 0, 0.0, 0.0, None
         return await self._begin(record, plan.time_s)
 
     async def _begin(self, record: StudyRecord, planned_s: float) -> StudyRecord:

@@ -171,6 +171,7 @@ async def test_it_goes_on_with_the_trials_that_it_had(tmp_path: Path, by_kill: b
         settings = [(one.off, one.blank, one.hysteresis) for one in found.tried]
         assert len({*settings}) == len(settings) == 6, "the budget has six trials, and none is made twice"
         assert len({trial.number for trial in record.trials}) == 6
+        assert (await s.b.state()).position == 0, "it went back to where it began"
         assert record.improved, record.verdict
 
 

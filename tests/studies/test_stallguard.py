@@ -147,6 +147,7 @@ async def test_it_goes_on_with_the_speeds_that_are_left(tmp_path: Path) -> None:
         assert isinstance(run.keeper, Kept)
         assert not any(mark.startswith("free runs") for mark in run.keeper.marks)
         assert found_of(record).speeds[0] == proved
+        assert (await s.b.state()).position == 0
         assert (found_of(record).from_rps, found_of(record).to_rps) == (1, 2)
         # The stop is looked for anew, and the one speed that was left is proved.
         assert record.runs - runs < 1.5 * proof + 8

@@ -137,6 +137,7 @@ async def test_it_goes_on_with_the_speeds_that_are_left(tmp_path: Path) -> None:
         assert found is not None
         assert found.points[0] == points[0]
         assert [point.asked_rps for point in found.points] == found.speeds_rps == speeds
+        assert abs((await s.b.state()).position) <= 1
         assert 4 <= record.runs - runs <= 8, "two slips at each of the two that were left, and no look at the range"
         assert found.margin is not None
 

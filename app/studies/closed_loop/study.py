@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -70,18 +70,20 @@ class Stepped:
 class LoopPiece:
     """Steps that were whole when the study was cut off: two with the new gains, or a pair.
 
-    start : about which they were made [microsteps]; with_new : time [s], encoder, overshoot, count and settling [s] of
+    with_new : time [s], encoder, overshoot, count and settling [s] of
     each with the new gains, as `Stepped` has them; before_s : how long the one with the old gains took to settle
     """
 
-    start: int
     with_new: Sequence[tuple[list[float], list[float], float, float, float | None]]
     before_s: float | None = None
 
     @property
     def steps(self) -> list[Stepped]:
         """Those with the new gains."""
-        return [Stepped(np.array(time_s), np.array(encoder), *told) for time_s, encoder, *told in self.with_new]
+        return [
+            Stepped(np.array(time_s), np.array(encoder), overshoot, count, settling_s)
+            for time_s, encoder, overshoot, count, settling_s in self.with_new
+        ]
 
 
 class ClosedLoopStudy(StudyRun):
@@ -106,6 +108,8 @@ class ClosedLoopStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        if await self.returned(ground.start):
+            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         record.findings, record.units = [], UNITS
         self._pieces = Pieces(self.keeper.folder, LoopPiece, aside=isinstance(self.clock, WallClock))
@@ -226,15 +230,10 @@ class ClosedLoopStudy(StudyRun):
         return gains, found
 
     def _taken_up(self, found: LoopFound) -> Gains:
-        """The gains of a loop that was worked out before the study was cut off; steps end at the same places of a full
-        step again."""
+        """The gains of a loop that was worked out before the study was cut off."""
         self._gains = Gains(found.proportional_per_s, found.integral_per_s2)
         damping = max(found.damping_ratio.value, LEAST_DAMPING)
         self._loop_of(Plant(found.resonance_hz.value * 2 * math.pi, damping, found.delay_s), found.friction_share.value)
-        ground = self._ground
-        if self._made:
-            beside = (self._made[0].start - ground.start) % ground.full_step
-            self._ground = replace(ground, start=ground.start + beside)
         return self._gains
 
     def _loop_of(self, plant: Plant, friction_share: float) -> None:
@@ -380,7 +379,7 @@ class ClosedLoopStudy(StudyRun):
             (step.time_s.tolist(), step.encoder.tolist(), step.overshoot, step.count, step.settling_s)
             for step in with_new
         ]
-        await self._pieces.add(LoopPiece(self._ground.start, kept, before_s))
+        await self._pieces.add(LoopPiece(kept, before_s))
         await self.keeper.save(self.record)
 
     def _place(self, index: int, beyond: int = 0) -> int:

@@ -58,6 +58,8 @@ class ResonanceMapStudy(StudyRun):
         record = self.record
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
+        if await self.returned(ground.start):
+            ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
         self._apart = 0.0
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         self._mended = 0

@@ -91,6 +91,8 @@ class StealthChopStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        if await self.returned(ground.start):
+            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         beside = (f"velocity.{self.axis}",)
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, 1.0, beside)
         self._moves.way_fullsteps = record.way_fullsteps

@@ -176,7 +176,7 @@ class Slips:
             samples.take()
         run.record.runs += 1
         times_s, rows = samples.all()
-        await self._run_out(begin)
+        await self.run_out(begin)
         known = np.isfinite(rows).all(axis=1)
         position, encoder = rows[known].T
         rad = way * 2 * math.pi / ground.turn
@@ -188,7 +188,7 @@ class Slips:
     def _channels(self) -> list[str]:
         return [f"position.{self._run.axis}", f"encoder_position.{self._run.axis}"]
 
-    async def _run_out(self, begin: int) -> None:
+    async def run_out(self, begin: int) -> None:
         """Wait until the load has run out, and take the position from the encoder."""
         run, clock = self._run, self._run.clock
         until_s = clock.now() + REST_S
@@ -212,7 +212,7 @@ class Slips:
             await self._moves.go(position)
             if abs(await self._moves.deviation()) < LOST_FULLSTEPS * self._ground.full_step:
                 return
-            await self._run_out(position)
+            await self.run_out(position)
         raise Failed(f"it loses steps as it moves slowly: it does not come to {position} in {BACK_TRIES} tries")
 
 

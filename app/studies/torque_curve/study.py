@@ -77,6 +77,12 @@ class TorqueCurveStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        if record.start is not None and ground.switch is None:
+            # Cut off while it slipped, its counter is wrong: it is set right as after each run.
+            await Slips(self, ground, wanted).run_out(ground.start)
+            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        if await self.returned(ground.start):
+            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         record.findings = []
         if not record.baseline:
             record.baseline = ground.space.before
@@ -138,6 +144,7 @@ class TorqueCurveStudy(StudyRun):
                 else f"it comes to {plain(highest, 3)} turns/s, and something can be told from {plain(first, 3)} on: "
                 "more travel, or a higher greatest speed"
             )
+        found.points = []
         found.first_radps2, found.speeds_rps = known, np.linspace(first, last, wanted.speeds).tolist()
         await self.keeper.save(self.record)
 

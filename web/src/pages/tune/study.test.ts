@@ -9,7 +9,7 @@ import { documentOf, firstForms, goalsOf } from "./kinds";
 import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
-import { rateText, rocOf, type StallSpeed } from "./stallguard/rates";
+import { aloneText, rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
 import { type Finding, figureOf, remedyOf, type Study, sentencesOf } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
@@ -315,6 +315,21 @@ describe("a study on the page", () => {
   it("tells rates with their bounds, and draws what each threshold would do", () => {
     expect(rateText({ wrong: 0, runs: 299, most: 0.00997 })).toBe("0 of 299: below 1.00\u202f%");
     expect(rateText(null)).toBe("not tried");
+    const alone = {
+      threshold: -8,
+      filtered: true,
+      level: 64,
+      false: 0,
+      free_runs: 100,
+      missed: 1,
+      stops: 20,
+      may_do: true,
+    };
+    expect(aloneText(alone)).toBe("-8 with the filter: 0 of 100 false, 1 of 20 missed");
+    expect(aloneText({ ...alone, filtered: false, may_do: false })).toBe(
+      "-8: 0 of 100 false, 1 of 20 missed, too many",
+    );
+    expect(aloneText(null)).toBe("");
     const roc = [
       { level: -90, false: 0, missed: 0.5 },
       { level: 10, false: 0.25, missed: 0 },
