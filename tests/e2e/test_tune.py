@@ -200,7 +200,13 @@ def test_stealthchop_is_found_told_taken_and_undone(
         page.get_by_role("radio", name="Silent by StealthChop").check()
         plan = page.get_by_test_id("plan")
         expect(plan).to_contain_text("It sets, and sets back: VMAX, AMAX, DMAX")
-        told = {"Inductance of one coil": "4.4", "Run current as it is set now": "1.22", "Supply of the motor": "36"}
+        # A motor by its name fills in what is known of it; what is typed afterwards counts.
+        page.get_by_role("combobox", name="Motor").press_sequentially("tronxy-42SHDC4080Z1-25B")
+        expect(page.get_by_test_id("motor")).to_contain_text("not checked")
+        expect(page.get_by_role("textbox", name="Holding torque")).not_to_have_value("")
+        check_axe(page)
+        told = {"Resistance of one coil": "2.3", "Inductance of one coil": "4.4"}
+        told |= {"Run current as it is set now": "1.22", "Supply of the motor": "36"}
         fill(page, {**told, "Holding torque": "0.45", "Rated current": "1.5", "Up to a speed of": "1"})
         expect(plan).to_contain_text("up to 1 turns a second")
         expect(page.get_by_test_id("begin")).to_be_enabled()

@@ -1,4 +1,7 @@
-import type { CoilForm } from "./coil";
+import { type CoilForm, coilWith } from "./coil";
+import type { FieldsProps } from "./kind";
+import { MotorField } from "./motor/MotorField";
+import { type NamedMotor, RATED } from "./motor/motor";
 import { type Asked, Numbers } from "./Numbers";
 
 const NUMBERS: readonly Asked<CoilForm>[] = [
@@ -15,7 +18,27 @@ const NUMBERS: readonly Asked<CoilForm>[] = [
   { key: "supplyV", label: "Supply of the motor", min: 1, max: 100, unit: "V" },
 ];
 
-/** A motor's coil, its current and its supply: what a chopper is calculated from. */
-export function CoilFields({ form, change }: { form: CoilForm; change: (part: Partial<CoilForm>) => void }) {
-  return <Numbers form={form} change={change} of={NUMBERS} />;
+interface Props {
+  form: CoilForm;
+  change: (part: Partial<CoilForm>) => void;
+  axis: FieldsProps<never>["axis"];
+  /** what is filled in of a motor that was named, beside its coil */
+  onMotor?: (motor: NamedMotor, coil: Partial<CoilForm>) => void;
+}
+
+/** A motor's coil, its current and its supply: what a chopper is calculated from. Filled in of a motor that is named. */
+export function CoilFields({ form, change, axis, onMotor = (_, coil) => change(coil) }: Props) {
+  return (
+    <>
+      <MotorField
+        axis={axis}
+        choice={form.motor}
+        description="of the data base, as its plate names it; it fills in what is known of it"
+        onType={(motor) => change({ motor })}
+        onMotor={(motor, choice) => onMotor(motor, coilWith(motor, choice))}
+        note={RATED}
+      />
+      <Numbers form={form} change={change} of={NUMBERS} />
+    </>
+  );
 }

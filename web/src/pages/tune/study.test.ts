@@ -2,14 +2,19 @@ import { describe, expect, it } from "vitest";
 import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
+import { coilOf, coilWith, FIRST_COIL } from "./coil";
 import { furtherOf } from "./fastestMove/form";
 import { at, movesOf, timesOf } from "./fastestMove/moves";
 import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
+import { withMotor as identified } from "./identification/form";
 import { documentOf, firstForms, goalsOf } from "./kinds";
+import { withMotor as cooler } from "./leastCurrent/form";
 import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
+import { knownOf, type NamedMotor } from "./motor/motor";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
 import { aloneText, rateText, rocOf, type StallSpeed } from "./stallguard/rates";
+import { torqueFrom } from "./stealthchop/form";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
 import { type Finding, figureOf, remedyOf, type Study, sentencesOf } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
@@ -36,6 +41,18 @@ function trial(number: number, state: Trial["state"], speed: number, time: numbe
     at_s: 0,
   };
 }
+
+const PLATE: NamedMotor = {
+  name: "17HS",
+  own: false,
+  source: "a list",
+  rated_current_a: 2,
+  full_steps_per_rev: 200,
+  resistance_ohm: 1.4,
+  inductance_h: null,
+  holding_torque_nm: 0.59,
+  rotor_inertia_kgm2: null,
+};
 
 const TRIALS = [
   trial(0, "feasible", 100, 1),
@@ -104,28 +121,20 @@ describe("a study on the page", () => {
   });
 
   it("tries a twin first where the motor is known: by its name, or as identified", () => {
-    const motor = {
-      name: "17HS",
-      own: false,
-      source: "",
-      rated_current_a: 2,
-      full_steps_per_rev: 200,
-      resistance_ohm: 1.4,
-      inductance_h: null,
-      holding_torque_nm: 0.59,
-    };
+    const motor = PLATE;
     expect(twinOf(FIRST_TWIN)).toBeNull();
     expect(twinOf({ ...FIRST_TWIN, typed: "17" })).toBeNull();
-    expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBeNull();
+    expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBe(FIRST_TWIN);
     const known = named(FIRST_TWIN, motor);
+    expect(named(FIRST_TWIN, { ...motor, rotor_inertia_kgm2: 7e-6 }).motor.rotor_inertia_kgm2).toBe(7e-6);
     const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0 };
-    expect(known && twinOf(known)).toEqual({ motor: figures });
-    expect(known && twinOf({ ...known, on: false })).toBeNull();
+    expect(twinOf(known)).toEqual({ motor: figures });
+    expect(twinOf({ ...known, on: false })).toBeNull();
     const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };
     const coil = { resistance_ohm: null, inductance_h: { value: 2e-3 } };
     const machine = { inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
     const found = { ...torque, ...coil, ...machine };
-    const twin = known && asIdentified(known, found as unknown as Identified, "today");
+    const twin = asIdentified(known, found as unknown as Identified, "today");
     expect(twin?.motor).toMatchObject({
       ...figures,
       holding_torque_nm: expect.closeTo(0.59 * 1.2),
@@ -135,6 +144,29 @@ describe("a study on the page", () => {
       counts_per_turn: 4000,
     });
     expect(asIdentified(FIRST_TWIN, { ...found, inertia_kgm2: null } as unknown as Identified, "today")).toBeNull();
+  });
+
+  it("fills in what the data base knows of a motor, and what is typed afterwards wins", () => {
+    const choice = { typed: "17HS", name: "17HS" };
+    const coil = { ...FIRST_COIL, ...coilWith(PLATE, choice) };
+    expect(coil).toMatchObject({ motor: choice, resistanceOhm: 1.4, runCurrentA: 2 });
+    expect(coil.inductanceMh).toBe(FIRST_COIL.inductanceMh); // not known of it
+    expect(coilOf({ ...coil, runCurrentA: 1.2 })).toMatchObject({ resistance_ohm: 1.4, run_current_a: 1.2 });
+    expect(torqueFrom(PLATE)).toEqual({ holdingTorqueNm: 0.59, ratedCurrentA: 2 });
+    expect(torqueFrom({ ...PLATE, holding_torque_nm: null })).toEqual({});
+    // The run current is not known of a motor: where it may be left out it is so, but where the motor was named for this.
+    expect(identified(PLATE, choice, true)).toEqual({ motor: choice, holdTorqueNm: 0.59, runCurrentA: 2 });
+    expect(identified(PLATE, choice, false)).toEqual({ motor: choice });
+    const least = firstForms(1000).least_current;
+    expect(cooler(least, PLATE, choice, true)).toMatchObject({
+      resistanceOhm: 1.4,
+      runCurrentA: 2,
+      twin: { name: "17HS" },
+    });
+    const blank = { ...PLATE, resistance_ohm: null, holding_torque_nm: null };
+    expect(cooler(least, blank, choice, false)).toEqual({ motor: choice, twin: FIRST_TWIN });
+    const told = /^2.A, 1\.40.Ω, 0\.590.N m, 68.g cm², 200 full steps: a list$/;
+    expect(knownOf({ ...PLATE, rotor_inertia_kgm2: 6.8e-6 })).toMatch(told);
   });
 
   it("tries currents on a twin first, as the fastest move is", () => {

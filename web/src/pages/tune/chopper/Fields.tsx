@@ -18,10 +18,10 @@ const NUMBERS: readonly Asked<ChopperForm>[] = [
 ];
 
 /** The coil and its supply, at which speeds it is to be calm, and how much is tried. */
-export function Fields({ form, change }: FieldsProps<ChopperForm>) {
+export function Fields({ form, change, axis }: FieldsProps<ChopperForm>) {
   return (
     <>
-      <CoilFields form={form} change={change} />
+      <CoilFields form={form} change={change} axis={axis} />
       <TextInput
         label="Calm at speeds of"
         description="turns of the motor a second"

@@ -2,8 +2,10 @@ import { Switch, TextInput } from "@mantine/core";
 import { symbolOf, toSteps, unitsFor } from "../../../lib/units";
 import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
+import { MotorField } from "../motor/MotorField";
 import { type Asked, Numbers } from "../Numbers";
 import { SeenByField } from "../SeenByField";
+import { named } from "../twin/form";
 import { TwinFields } from "../twin/TwinFields";
 import { type FastestMoveForm, furtherOf } from "./form";
 
@@ -47,6 +49,14 @@ export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveFor
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.seenBy === "encoder" && (
         <>
+          <MotorField
+            axis={axis}
+            choice={form.twin}
+            description="of the data base, as its plate names it; for a twin"
+            usable={({ holding_torque_nm }) => holding_torque_nm !== null}
+            onType={(choice) => change({ twin: { ...form.twin, ...choice } })}
+            onMotor={(motor) => change({ twin: named(form.twin, motor) })}
+          />
           <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
           <Switch
             label="Quiet under way too"

@@ -1,6 +1,8 @@
 import type { FieldsProps } from "../kind";
+import { MotorField } from "../motor/MotorField";
+import { RATED } from "../motor/motor";
 import { type Asked, Numbers } from "../Numbers";
-import type { IdentificationForm } from "./form";
+import { type IdentificationForm, withMotor } from "./form";
 
 const NUMBERS: readonly Asked<IdentificationForm>[] = [
   { key: "velocityRps", label: "Speed of the slow turns", min: 0.01, max: 0.5, unit: "turns/s" },
@@ -34,6 +36,18 @@ const NUMBERS: readonly Asked<IdentificationForm>[] = [
 ];
 
 /** How slowly it turns, how often it hops, and the torque that makes an inertia of a resonance. */
-export function Fields({ form, change }: FieldsProps<IdentificationForm>) {
-  return <Numbers form={form} change={change} of={NUMBERS} />;
+export function Fields({ form, change, axis }: FieldsProps<IdentificationForm>) {
+  return (
+    <>
+      <MotorField
+        axis={axis}
+        choice={form.motor}
+        description="of the data base, as its plate names it; it fills in torque and current"
+        onType={(motor) => change({ motor })}
+        onMotor={(motor, choice, typed) => change(withMotor(motor, choice, typed))}
+        note={form.runCurrentA === null ? "" : `${RATED}, and its torque`}
+      />
+      <Numbers form={form} change={change} of={NUMBERS} />
+    </>
+  );
 }

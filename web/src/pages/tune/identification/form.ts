@@ -1,6 +1,9 @@
 import type { KindForm } from "../kind";
+import { type MotorChoice, type NamedMotor, NO_MOTOR } from "../motor/motor";
 
 export interface IdentificationForm {
+  /** whose torque was filled in */
+  motor: MotorChoice;
   /** [turns of the motor a second] */
   velocityRps: number;
   hops: number;
@@ -17,6 +20,7 @@ export const IDENTIFICATION: KindForm<IdentificationForm> = {
   text: "Resonance, damping, friction, inertia, backlash and lines of the encoder, each with its interval: by the encoder. The setting stays.",
   title: "Motor and machine",
   first: () => ({
+    motor: NO_MOTOR,
     velocityRps: 0.1,
     hops: 24,
     holdTorqueNm: null,
@@ -34,3 +38,12 @@ export const IDENTIFICATION: KindForm<IdentificationForm> = {
     },
   }),
 };
+
+/**
+ * With torque and rated current of a motor that was named for this (`typed`): they go together. What the current is now is not
+ * known of it, so nothing is taken of a motor that was named elsewhere.
+ */
+export function withMotor(motor: NamedMotor, choice: MotorChoice, typed: boolean): Partial<IdentificationForm> {
+  const torque = motor.holding_torque_nm === null ? {} : { holdTorqueNm: motor.holding_torque_nm };
+  return { motor: choice, ...(typed && { ...torque, runCurrentA: motor.rated_current_a }) };
+}

@@ -1,9 +1,11 @@
 import { Checkbox } from "@mantine/core";
 import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
+import { MotorField } from "../motor/MotorField";
+import { RATED } from "../motor/motor";
 import { type Asked, Numbers } from "../Numbers";
 import { TwinFields } from "../twin/TwinFields";
-import type { LeastCurrentForm } from "./form";
+import { type LeastCurrentForm, withMotor } from "./form";
 
 const NUMBERS: readonly Asked<LeastCurrentForm>[] = [
   {
@@ -54,6 +56,14 @@ export function Fields({ form, change, scale, axis }: FieldsProps<LeastCurrentFo
   return (
     <>
       <DistanceField form={form} change={change} scale={scale} label="Load cycle: there and back" />
+      <MotorField
+        axis={axis}
+        choice={form.motor}
+        description="of the data base, as its plate names it; for watts, and for a twin"
+        onType={(motor) => change({ motor, twin: { ...form.twin, ...motor } })}
+        onMotor={(motor, choice, typed) => change(withMotor(form, motor, choice, typed))}
+        note={form.runCurrentA === null ? "" : RATED}
+      />
       <Numbers form={form} change={change} of={NUMBERS} />
       <TwinFields form={form.twin} change={(twin) => change({ twin })} axis={axis} />
       <Checkbox

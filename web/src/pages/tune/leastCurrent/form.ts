@@ -1,5 +1,6 @@
 import type { KindForm } from "../kind";
-import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
+import { coilFrom, type MotorChoice, type NamedMotor, NO_MOTOR } from "../motor/motor";
+import { FIRST_TWIN, named, type TwinForm, twinOf } from "../twin/form";
 
 export interface LeastCurrentForm {
   /** of a load cycle, and back [microsteps] */
@@ -16,6 +17,8 @@ export interface LeastCurrentForm {
   runCurrentA: number | null;
   /** less current where the load is small, too */
   coolstep: boolean;
+  /** whose figures were filled in */
+  motor: MotorChoice;
   twin: TwinForm;
 }
 
@@ -31,6 +34,7 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
     resistanceOhm: null,
     runCurrentA: null,
     coolstep: true,
+    motor: NO_MOTOR,
     twin: FIRST_TWIN,
   }),
   wish: (form) => ({
@@ -47,3 +51,22 @@ export const LEAST_CURRENT: KindForm<LeastCurrentForm> = {
     },
   }),
 };
+
+/**
+ * With a motor of the data base: for watts, and for a twin where its torque is known. What the current is now is not known
+ * of it: the rated one is taken where it was named for this (`typed`).
+ */
+export function withMotor(
+  { twin }: LeastCurrentForm,
+  motor: NamedMotor,
+  choice: MotorChoice,
+  typed: boolean,
+): Partial<LeastCurrentForm> {
+  const { resistanceOhm } = coilFrom(motor);
+  return {
+    ...(resistanceOhm !== undefined && { resistanceOhm }),
+    ...(typed && { runCurrentA: motor.rated_current_a }),
+    motor: choice,
+    twin: named(twin, motor),
+  };
+}

@@ -1,7 +1,7 @@
 import { CoilFields } from "../CoilFields";
 import type { FieldsProps } from "../kind";
 import { type Asked, Numbers } from "../Numbers";
-import type { StealthChopForm } from "./form";
+import { type StealthChopForm, torqueFrom } from "./form";
 
 const NUMBERS: readonly Asked<StealthChopForm>[] = [
   {
@@ -41,10 +41,15 @@ const NUMBERS: readonly Asked<StealthChopForm>[] = [
 ];
 
 /** The motor and its supply, up to which speed it is run, and how much of a jolt is allowed. */
-export function Fields({ form, change }: FieldsProps<StealthChopForm>) {
+export function Fields({ form, change, axis }: FieldsProps<StealthChopForm>) {
   return (
     <>
-      <CoilFields form={form} change={change} />
+      <CoilFields
+        form={form}
+        change={change}
+        axis={axis}
+        onMotor={(motor, coil) => change({ ...coil, ...torqueFrom(motor) })}
+      />
       <Numbers form={form} change={change} of={NUMBERS} />
     </>
   );

@@ -1,5 +1,6 @@
 import { type CoilForm, coilOf, FIRST_COIL } from "../coil";
 import type { KindForm } from "../kind";
+import type { NamedMotor } from "../motor/motor";
 
 export interface StealthChopForm extends CoilForm {
   /** both coils at the rated current [N m]; null: the chip alone tunes what velocity adds */
@@ -35,3 +36,9 @@ export const STEALTHCHOP: KindForm<StealthChopForm> = {
     budget: { time_s: 1800 },
   }),
 };
+
+/** Torque and rated current of a motor; nothing where its torque is not known, for one goes with the other. */
+export function torqueFrom(motor: NamedMotor): Partial<StealthChopForm> {
+  if (motor.holding_torque_nm === null) return {};
+  return { holdingTorqueNm: motor.holding_torque_nm, ratedCurrentA: motor.rated_current_a };
+}

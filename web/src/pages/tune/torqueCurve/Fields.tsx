@@ -1,4 +1,5 @@
 import type { FieldsProps } from "../kind";
+import { MotorField } from "../motor/MotorField";
 import { type Asked, Numbers } from "../Numbers";
 import { SeenByField } from "../SeenByField";
 import type { TorqueForm } from "./form";
@@ -38,10 +39,20 @@ const OF_LOAD: readonly Asked<TorqueForm>[] = [
 ];
 
 /** How far and how fast it may go, at how many speeds it is looked at, and what is known of its load. */
-export function Fields({ form, change }: FieldsProps<TorqueForm>) {
+export function Fields({ form, change, axis }: FieldsProps<TorqueForm>) {
   return (
     <>
       <SeenByField form={form} change={change} />
+      <MotorField
+        axis={axis}
+        choice={form.motor}
+        description="one of your own that tells the inertia of its rotor fills that in: add what hangs on it"
+        usable={({ rotor_inertia_kgm2 }) => rotor_inertia_kgm2 !== null}
+        onType={(motor) => change({ motor })}
+        onMotor={(motor, choice, typed) =>
+          change({ motor: choice, ...(typed && { inertiaKgm2: motor.rotor_inertia_kgm2 }) })
+        }
+      />
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.inertiaKgm2 !== null && <Numbers form={form} change={change} of={OF_LOAD} />}
     </>

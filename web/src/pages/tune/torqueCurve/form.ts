@@ -1,7 +1,10 @@
 import type { KindForm } from "../kind";
+import { type MotorChoice, NO_MOTOR } from "../motor/motor";
 import { firstSeenBy, type SeenBy } from "../seenBy";
 
 export interface TorqueForm {
+  /** the inertia of whose rotor was filled in */
+  motor: MotorChoice;
   seenBy: SeenBy;
   /** never faster [turns of the motor a second] */
   velocityMaxRps: number;
@@ -22,6 +25,7 @@ export const TORQUE_CURVE: KindForm<TorqueForm> = {
   text: "How much torque the motor has at each speed, and what its ramp leaves of it: accelerated until steps are lost.",
   title: "Torque over speed",
   first: (_, sees) => ({
+    motor: NO_MOTOR,
     seenBy: firstSeenBy(sees),
     velocityMaxRps: 20,
     travelTurns: 60,

@@ -1,15 +1,8 @@
-import { Autocomplete, Button, Switch, Text } from "@mantine/core";
-import { keepPreviousData, useQuery } from "@tanstack/react-query";
-import { useEffect } from "react";
-import { api } from "../../../api/client";
+import { Button, Switch, Text } from "@mantine/core";
 import { NumberField } from "../../../lib/NumberField";
-import { useSessionKept } from "../../../lib/useKept";
-import { BEGIN, type Progress, progressKey } from "../../firstRun/steps";
 import type { FieldsProps } from "../kind";
-import { asIdentified, isTried, named, type TwinForm } from "./form";
+import { asIdentified, isTried, type TwinForm } from "./form";
 import { useIdentified } from "./useIdentified";
-
-const SHOWN = 20;
 
 interface Props {
   form: TwinForm;
@@ -17,13 +10,12 @@ interface Props {
   axis: FieldsProps<never>["axis"];
 }
 
-/** Whether a twin is tried first, and which motor it has: by its name, as identified, or as typed. */
+/** Whether a twin is tried first, and which motor it has: as it was named, as identified, or as typed. */
 export function TwinFields({ form, change, axis }: Props) {
   const tried = isTried(form);
   const motor = (part: Partial<TwinForm["motor"]>) => change({ ...form, motor: { ...form.motor, ...part } });
   return (
     <>
-      <MotorName form={form} change={change} axis={axis} />
       <FromStudy form={form} change={change} axis={axis} />
       <Switch
         label="Try on an emulated twin first"
@@ -60,39 +52,6 @@ export function TwinFields({ form, change, axis }: Props) {
         </>
       )}
     </>
-  );
-}
-
-/** A motor of the data base, found as its name is typed; the one of the first run by itself. */
-function MotorName({ form, change, axis }: Props) {
-  const [progress] = useSessionKept<Progress>(progressKey(axis.device, axis.index), BEGIN);
-  const asked = progress.motor?.name ?? "";
-  const text = form.typed ?? asked;
-  const found = useQuery({
-    queryKey: ["motors", text],
-    queryFn: () => api.GET("/api/v1/motors", { query: { search: text, limit: SHOWN } }),
-    placeholderData: keepPreviousData,
-    retry: false,
-  });
-  const motors = found.data?.motors.filter(({ holding_torque_nm: torque }) => torque !== null) ?? [];
-  // however the name came here, and whenever the list that has it: typed, pasted, chosen, or asked in the first run
-  const meant = form.name === text ? undefined : motors.find(({ name }) => name === text);
-  const known = meant && named(form, meant);
-  useEffect(() => {
-    if (known) change(known);
-  });
-  return (
-    <Autocomplete
-      label="Motor"
-      description="of the data base, as its plate names it; for a twin"
-      placeholder="17HS, 42sth48 …"
-      data={motors.map(({ name }) => name)}
-      filter={({ options }) => options}
-      value={text}
-      onChange={(name) => change({ ...form, typed: name, name: "" })}
-      limit={SHOWN}
-      maxDropdownHeight={260}
-    />
   );
 }
 

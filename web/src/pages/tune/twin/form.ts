@@ -1,26 +1,21 @@
 import type { Schemas } from "../../../api/client";
+import { type MotorChoice, type NamedMotor, NO_MOTOR } from "../motor/motor";
 
 type TwinMotor = Schemas["TwinMotor-Input"];
-export type NamedMotor = Schemas["MotorInfo"];
 export type Identified = Schemas["Identified"];
 
 /** What a twin is made of beside the axis's registers. */
-export interface TwinForm {
+export interface TwinForm extends MotorChoice {
   /** null: as soon as the motor is known */
   on: boolean | null;
-  /** what was typed to find the motor; null: nothing yet */
-  typed: string | null;
-  /** the motor's name in the data base; empty: none of it */
-  name: string;
   /** where its inertia and friction are from; empty: as typed */
   identified: string;
   motor: Required<Pick<TwinMotor, "holding_torque_nm" | "rated_current_a" | "load_inertia_kgm2">> & Partial<TwinMotor>;
 }
 
 export const FIRST_TWIN: TwinForm = {
+  ...NO_MOTOR,
   on: null,
-  typed: null,
-  name: "",
   identified: "",
   motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 },
 };
@@ -35,12 +30,13 @@ export function twinOf(form: TwinForm): Schemas["Twin-Input"] | null {
   return isTried(form) ? { motor: form.motor } : null;
 }
 
-/** With the figures of a motor of the data base; null where it does not tell its torque. */
-export function named(form: TwinForm, motor: NamedMotor): TwinForm | null {
-  if (motor.holding_torque_nm === null) return null;
+/** With the figures of a motor of the data base; as it was where that does not tell its torque. */
+export function named(form: TwinForm, motor: NamedMotor): TwinForm {
+  if (motor.holding_torque_nm === null) return form;
   const coil = {
-    ...(motor.resistance_ohm === null ? {} : { resistance_ohm: motor.resistance_ohm }),
-    ...(motor.inductance_h === null ? {} : { inductance_h: motor.inductance_h }),
+    ...(motor.resistance_ohm !== null && { resistance_ohm: motor.resistance_ohm }),
+    ...(motor.inductance_h !== null && { inductance_h: motor.inductance_h }),
+    ...(motor.rotor_inertia_kgm2 !== null && { rotor_inertia_kgm2: motor.rotor_inertia_kgm2 }),
   };
   const plate = { holding_torque_nm: motor.holding_torque_nm, rated_current_a: motor.rated_current_a };
   return { ...form, typed: motor.name, name: motor.name, motor: { ...form.motor, ...coil, ...plate } };
