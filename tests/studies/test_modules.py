@@ -120,6 +120,16 @@ async def test_the_least_current_of_a_module_keeps_two_parameters(tmp_path: Path
         assert await words(s) == before
 
 
+@pytest.mark.parametrize("model", MODULES)
+async def test_coolstep_of_a_module_is_looked_for_too(tmp_path: Path, model: str) -> None:
+    async with studied(tmp_path, model, load=LIGHT) as s:
+        document = s.document({"kind": "least_current", "distance": 25_600, "loss_rate_max": 0.2})
+        plan = await KINDS["least_current"].plan(s.device, 0, document)
+        assert plan.missing == []
+        assert any(line.startswith("CoolStep at the run current") for line in plan.steps)
+        assert "smartenergy_hysteresis_start" in plan.registers
+
+
 async def test_what_hangs_on_a_module_is_identified_without_its_encoders_counts(tmp_path: Path) -> None:
     async with studied(tmp_path, load=LIGHT) as s:
         before = await words(s)
