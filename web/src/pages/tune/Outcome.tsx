@@ -103,6 +103,13 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
                 <Table.Td className="num">{compact(best.figures.time_s)}</Table.Td>
               </Table.Tr>
             )}
+            {study.baseline_figures && study.front.length > 0 && (
+              <Table.Tr>
+                <Table.Th scope="row">peak deviation [full steps]</Table.Th>
+                <Table.Td className="num">{compact(study.baseline_figures.deviation_fullsteps, 3)}</Table.Td>
+                <Table.Td className="num">{compact(best.figures.deviation_fullsteps, 3)}</Table.Td>
+              </Table.Tr>
+            )}
           </Table.Tbody>
         </Table>
       )}
@@ -152,6 +159,11 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
             </Anchor>
           )}
         </Group>
+      )}
+      {study.taken && study.front.length > 0 && (
+        <Text size="sm" mt={4} role="status">
+          Taken: trial {study.taken.trial}, {study.taken.proved ? "proved" : "not proved"}.
+        </Text>
       )}
       {changes.keep.data && changes.keep.variables === id && (
         <Text size="sm" mt={4} role="status">

@@ -38,7 +38,7 @@ export function StudyView({ id, changes }: Props) {
     <>
       <Outcome study={study} changes={changes} />
       {!searches && findings}
-      {Results && <Results study={study} />}
+      {Results && <Results study={study} changes={changes} />}
       {searches && findings}
     </>
   );

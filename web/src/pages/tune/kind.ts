@@ -1,6 +1,7 @@
 import type { ComponentType } from "react";
 import type { AxisScale } from "../../lib/units";
 import type { Study, Wish } from "./study";
+import type { Changes } from "./useStudies";
 
 /** What the fields of a kind of study get: its part of the form, the axis and its scale. */
 export interface FieldsProps<F> {
@@ -27,5 +28,5 @@ export interface KindForm<F> {
 export interface KindView<F> {
   Fields: ComponentType<FieldsProps<F>>;
   /** what came of it beside verdict, settings and findings */
-  Results: ComponentType<{ study: Study }> | null;
+  Results: ComponentType<{ study: Study; changes: Changes }> | null;
 }

@@ -5,7 +5,7 @@ import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { coilOf, coilWith, FIRST_COIL } from "./coil";
 import { furtherOf } from "./fastestMove/form";
 import { at, movesOf, timesOf } from "./fastestMove/moves";
-import { crossings, frontOf, historyOf, rangesOf, spaceOf } from "./fastestMove/trials";
+import { choicesOf, crossings, frontOf, historyOf, nearestOf, proofOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { withMotor as identified } from "./identification/form";
 import { documentOf, firstForms, goalsOf } from "./kinds";
 import { withMotor as cooler } from "./leastCurrent/form";
@@ -403,11 +403,43 @@ describe("a study on the page", () => {
   });
 
   it("marks the front of two objectives", () => {
-    expect(frontOf(TRIALS, [0, 3])).toEqual([
+    expect(frontOf(TRIALS, [0, 3], 0)).toEqual([
       [0.6, 0.8, 1],
       [3, 4, 0],
       [3, null, 0],
+      [null, null, 0],
     ]);
+    const choices = choicesOf({ trials: TRIALS, front: [0, 3] } as unknown as Study);
+    expect(choices.map(({ number }) => number)).toEqual([3, 0]);
+    expect(nearestOf(choices, 0.75)?.number).toBe(3);
+    expect(nearestOf(choices, 0.85)?.number).toBe(0);
+    expect(nearestOf([], 1)).toBeUndefined();
+  });
+
+  it("has one setting of a front proved by a study of its own", () => {
+    const forms = firstForms(1000);
+    const quiet = { ...forms.fastest_move, quiet: true, deviationMax: 0.5, sampler: "cmaes" } as const;
+    const wish = documentOf("fastest_move", { ...forms, fastest_move: quiet }, "slide", 1);
+    expect(wish.study).toMatchObject({ quiet: true, deviation_max_fullsteps: 0.5, sampler: null });
+    const one = { ...quiet, quiet: false };
+    expect(documentOf("fastest_move", { ...forms, fastest_move: one }, "slide", 1).study).toMatchObject({
+      quiet: false,
+      deviation_max_fullsteps: null,
+      sampler: "cmaes",
+    });
+    const study = { id: "20260101-120000", document: wish } as unknown as Study;
+    expect(proofOf(study, TRIALS[3] as Trial)).toMatchObject({
+      device: "slide",
+      axis: 1,
+      name: "Proof of trial 3 of 20260101-120000",
+      study: {
+        kind: "fastest_move",
+        quiet: true,
+        candidate: { speed: 400 },
+        deviation_max_fullsteps: null,
+        twin: null,
+      },
+    });
   });
 
   it("crosses parallel axes between the least and the greatest, settings by their ratio", () => {

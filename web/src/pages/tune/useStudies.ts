@@ -68,6 +68,11 @@ export function useChanges(onStarted: (id: string) => void) {
       mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "best" } }),
       onSettled,
     }),
+    trial: useMutation({
+      mutationFn: ({ id, trial }: { id: string; trial: number }) =>
+        api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "trial", trial } }),
+      onSettled,
+    }),
     undo: useMutation({
       mutationFn: (id: string) => api.POST("/api/v1/studies/{study}/take", { ...at(id), body: { which: "baseline" } }),
       onSettled,

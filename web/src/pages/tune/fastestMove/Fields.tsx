@@ -1,4 +1,4 @@
-import { Switch, TextInput } from "@mantine/core";
+import { NativeSelect, Switch, TextInput } from "@mantine/core";
 import { symbolOf, toSteps, unitsFor } from "../../../lib/units";
 import { DistanceField } from "../DistanceField";
 import type { FieldsProps } from "../kind";
@@ -7,7 +7,7 @@ import { type Asked, Numbers } from "../Numbers";
 import { SeenByField } from "../SeenByField";
 import { named } from "../twin/form";
 import { TwinFields } from "../twin/TwinFields";
-import { type FastestMoveForm, furtherOf } from "./form";
+import { type FastestMoveForm, furtherOf, type Sampler } from "./form";
 
 const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
@@ -39,8 +39,27 @@ const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   },
 ];
 
+const BOUND: readonly Asked<FastestMoveForm>[] = [
+  {
+    key: "deviationMax",
+    label: "Never more off under way than",
+    description: "the fastest that keeps to it; empty: a middle way of both",
+    min: 0.001,
+    unit: "full steps",
+    optional: true,
+  },
+];
+
+const SAMPLERS: readonly { value: Sampler; label: string }[] = [
+  { value: "", label: "the usual sampler" },
+  { value: "tpe", label: "TPE" },
+  { value: "cmaes", label: "CMA-ES" },
+  { value: "nsga2", label: "NSGA-II" },
+];
+
 /** The move, what it may cost, its limits, and what is known of the motor for a twin. */
 export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveForm>) {
+  const both = form.quiet && form.seenBy === "encoder";
   return (
     <>
       <DistanceField form={form} change={change} scale={scale} label="Distance" />
@@ -63,8 +82,15 @@ export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveFor
             checked={form.quiet}
             onChange={({ currentTarget }) => change({ quiet: currentTarget.checked })}
           />
+          {form.quiet && <Numbers form={form} change={change} of={BOUND} />}
         </>
       )}
+      <NativeSelect
+        label="Settings are asked of"
+        data={both ? SAMPLERS.filter(({ value }) => value !== "cmaes") : SAMPLERS}
+        value={both && form.sampler === "cmaes" ? "" : form.sampler}
+        onChange={({ currentTarget }) => change({ sampler: currentTarget.value as Sampler })}
+      />
     </>
   );
 }

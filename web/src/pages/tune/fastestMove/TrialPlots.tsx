@@ -6,9 +6,9 @@ import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
 import { Parallel } from "./Parallel";
-import { frontOf, historyOf, spaceOf } from "./trials";
+import { historyOf, spaceOf } from "./trials";
 
-/** What was tried, live: times over trials, the space of the settings, the front of two objectives, and all at once. */
+/** What was tried, live: times over trials, the space of the settings, and all at once. */
 export function TrialPlots({ study }: { study: Study }) {
   const scheme = useScheme();
   const held = colorOf("velocity", scheme);
@@ -43,20 +43,6 @@ export function TrialPlots({ study }: { study: Study }) {
             x={{ label: names[0] ?? "", unit: study.units[names[0] ?? ""] ?? "" }}
             scales={{ y: { label: names[1] ?? "", unit: study.units[names[1] ?? ""] ?? "" } }}
             data={spaceOf(study.trials, names)}
-          />
-        )}
-        {study.front.length > 0 && (
-          <Plot
-            label="Deviation over time: the front of both"
-            summary={`${study.front.length} settings that none beats in both`}
-            height={170}
-            series={[
-              { label: "held", color: held, ...dots },
-              { label: "front", color: colorOf("acceleration", scheme), dots: 11, line: true },
-            ]}
-            x={{ label: "time", unit: "s" }}
-            scales={{ y: { label: "deviation", unit: "full steps" } }}
-            data={frontOf(study.trials, study.front)}
           />
         )}
         <Parallel study={study} held={held} lost={lost} />

@@ -14,9 +14,25 @@ export interface FastestMoveForm {
   /** bound of the share of moves that lose a step; null: what the pairs show */
   lossPercent: number | null;
   quiet: boolean;
+  /** with quiet: never more off under way [full steps]; null: the knee of the front */
+  deviationMax: number | null;
+  /** what asks for settings; "": the usual one */
+  sampler: Sampler;
   velocityMaxPps: number | null;
   accelerationMaxPps2: number | null;
   twin: TwinForm;
+}
+
+export type Sampler = "" | "tpe" | "cmaes" | "nsga2";
+
+/** Two objectives, and what asks for settings: CMA-ES knows one alone, and an encoder alone tells of the other. */
+function asked({ quiet, seenBy, deviationMax, sampler }: FastestMoveForm) {
+  const both = quiet && seenBy === "encoder";
+  return {
+    quiet: both,
+    deviation_max_fullsteps: both ? deviationMax : null,
+    sampler: sampler === "" || (both && sampler === "cmaes") ? null : sampler,
+  };
 }
 
 const AWAY: Record<SeenBy, (distance: number) => number> = {
@@ -45,6 +61,8 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
     trials: 30,
     lossPercent: null,
     quiet: false,
+    deviationMax: null,
+    sampler: "",
     velocityMaxPps: null,
     accelerationMaxPps2: null,
     twin: FIRST_TWIN,
@@ -59,7 +77,7 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
       distances: form.distances.map((each) => Math.sign(AWAY[form.seenBy](form.distance)) * Math.abs(Math.round(each))),
       margin: form.marginPercent / 100,
       loss_rate_max: form.lossPercent === null ? null : form.lossPercent / 100,
-      quiet: form.quiet && form.seenBy === "encoder",
+      ...asked(form),
       velocity_max_pps: form.velocityMaxPps,
       acceleration_max_pps2: form.accelerationMaxPps2,
       twin: form.seenBy === "encoder" ? twinOf(form.twin) : null,

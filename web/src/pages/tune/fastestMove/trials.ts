@@ -1,5 +1,5 @@
 import type { PlotData } from "../../../plots/series";
-import type { Study, Trial } from "../study";
+import type { Study, Trial, Wish } from "../study";
 
 function moved({ state }: Trial): boolean {
   return state === "feasible" || state === "infeasible";
@@ -31,16 +31,46 @@ export function spaceOf(trials: readonly Trial[], names: readonly string[]): Plo
   return [tried.map(({ setting }) => setting[first] ?? 0), over("feasible"), over("infeasible")];
 }
 
-/** Of two objectives: deviation over time, of those that held; and those that none beats in both. */
-export function frontOf(trials: readonly Trial[], front: readonly number[]): PlotData {
-  const held = trials
+/** The trials that held, the fastest first. */
+function heldOf(trials: readonly Trial[]): Trial[] {
+  return trials
     .filter(({ state, figures }) => state === "feasible" && figures.time_s !== null)
     .sort((one, other) => (one.figures.time_s ?? 0) - (other.figures.time_s ?? 0));
+}
+
+/** Of two objectives: deviation over time, of those that held; those that none beats in both; and the one chosen. */
+export function frontOf(trials: readonly Trial[], front: readonly number[], chosen: number | null): PlotData {
+  const held = heldOf(trials);
+  const off = (wanted: (number: number) => boolean) =>
+    held.map(({ number, figures }) => (wanted(number) ? figures.deviation_fullsteps : null));
   return [
     held.map(({ figures }) => figures.time_s ?? 0),
-    held.map(({ figures }) => figures.deviation_fullsteps),
-    held.map(({ number, figures }) => (front.includes(number) ? figures.deviation_fullsteps : null)),
+    off(() => true),
+    off((number) => front.includes(number)),
+    off((number) => number === chosen),
   ];
+}
+
+/** What may be chosen: the trials of the front, the fastest first. */
+export function choicesOf({ trials, front }: Study): Trial[] {
+  return heldOf(trials).filter(({ number }) => front.includes(number));
+}
+
+/** The one whose time is nearest [s]. */
+export function nearestOf(choices: readonly Trial[], time: number): Trial | undefined {
+  const away = ({ figures }: Trial) => Math.abs((figures.time_s ?? 0) - time);
+  return [...choices].sort((one, other) => away(one) - away(other))[0];
+}
+
+/** The study that proves one trial of another: its setting alone, without a search. */
+export function proofOf({ document, id }: Study, { number, setting }: Trial): Wish | null {
+  const { study, ...rest } = document;
+  if (study.kind !== "fastest_move") return null;
+  return {
+    ...rest,
+    name: `Proof of trial ${number} of ${id}`,
+    study: { ...study, candidate: setting, deviation_max_fullsteps: null, twin: null },
+  };
 }
 
 /** The least and greatest value of a setting among all trials: where an axis of parallel coordinates ends. */
