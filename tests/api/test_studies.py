@@ -87,13 +87,19 @@ async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, cl
 
 
 async def test_any_setting_of_a_front_is_taken_as_not_proved_and_undone(
-    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI
 ) -> None:
     before = await held(client)
-    document = {"device": slide, "study": {**MOVE, "quiet": True}, "budget": {"trials": 5}}
+    document = {"device": slide, "study": {**MOVE, "margin": 0.0, "quiet": True}, "budget": {"trials": 4}}
     study = (await client.post("studies", json=document)).json()["id"]
-    found = await over(client, clock, study)
-    assert (found["state"], found["improved"], found["taken"]) == ("done", True, None), found["message"]
+    record = bench_of(app).studies.get(study)
+    while not record.message.startswith("pair 2 "):
+        await clock.advance(STEP_S)
+    await client.post("stop")
+    found = await over(client, clock, study, 20)
+    assert (found["state"], found["improved"], found["taken"]) == ("aborted", None, None), found["message"]
+    assert found["best"] in found["front"]
+    assert len(found["front"]) > 1
     take = f"studies/{study}/take"
     other = next(
         trial for trial in found["trials"] if trial["number"] in found["front"] and trial["number"] != found["best"]
@@ -103,14 +109,16 @@ async def test_any_setting_of_a_front_is_taken_as_not_proved_and_undone(
     assert taken.json()["taken"] == {"trial": other["number"], "proved": False}
     assert await held(client) == {one["name"]: one["value"] for one in other["registers"] if one["name"] in NAMES}
     assert (await client.get(f"studies/{study}")).json()["taken"] == taken.json()["taken"]
-    for body in ({"which": "best"}, {"which": "trial", "trial": found["best"]}):
-        taken = await client.post(take, json=body)
-        assert taken.json()["taken"] == {"trial": found["best"], "proved": True}
-    off = next((trial["number"] for trial in found["trials"] if trial["number"] not in found["front"]), 77)
-    for number in (off, 77):
-        refused = await client.post(take, json={"which": "trial", "trial": number})
-        assert refused.status_code == 409
-        assert f"the front has {', '.join(map(str, sorted(found['front'])))}" in refused.text
+    for proved in (False, True):
+        record.improved = proved or None
+        for body in ({"which": "best"}, {"which": "trial", "trial": found["best"]}):
+            taken = await client.post(take, json=body)
+            assert taken.json()["taken"] == {"trial": found["best"], "proved": proved}
+    taken = await client.post(take, json={"which": "trial", "trial": other["number"]})
+    assert not taken.json()["taken"]["proved"], "the best alone is proved"
+    refused = await client.post(take, json={"which": "trial", "trial": 77})
+    assert refused.status_code == 409
+    assert f"the front has {', '.join(map(str, sorted(found['front'])))}" in refused.text
     for wrong in ({"which": "trial"}, {"which": "best", "trial": found["best"]}, {"which": "best of all"}):
         assert (await client.post(take, json=wrong)).status_code == 422
     undone = (await client.post(take, json={"which": "baseline"})).json()
