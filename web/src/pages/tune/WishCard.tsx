@@ -48,6 +48,7 @@ export function WishCard({ device, axis, changes, busy }: Props) {
             change={change}
             scale={scale}
             axis={{ device: device.id, index: axis.index }}
+            can={(capability) => can(device, capability)}
           />
         </div>
         {busy ? (
@@ -72,7 +73,7 @@ export function WishCard({ device, axis, changes, busy }: Props) {
   );
 }
 
-interface KindFieldsProps<K extends Kind> extends Pick<FieldsProps<never>, "scale" | "axis"> {
+interface KindFieldsProps<K extends Kind> extends Pick<FieldsProps<never>, "scale" | "axis" | "can"> {
   kind: K;
   forms: Forms;
   change: (of: K, part: Partial<Forms[K]>) => void;

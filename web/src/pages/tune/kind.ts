@@ -1,14 +1,17 @@
 import type { ComponentType } from "react";
+import type { Capability } from "../../api/queries";
 import type { AxisScale } from "../../lib/units";
 import type { Study, Wish } from "./study";
 import type { Changes } from "./useStudies";
 
-/** What the fields of a kind of study get: its part of the form, the axis and its scale. */
+/** What the fields of a kind of study get: its part of the form, the axis, its scale, and what its chip can. */
 export interface FieldsProps<F> {
   form: F;
   change: (part: Partial<F>) => void;
   scale: AxisScale;
   axis: { device: string; index: number };
+  /** whether its chip can do that */
+  can: (capability: Capability) => boolean;
 }
 
 /** A kind of study as it is asked for. */

@@ -3,7 +3,7 @@ import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ra
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { coilOf, coilWith, FIRST_COIL } from "./coil";
-import { furtherOf } from "./fastestMove/form";
+import { furtherOf, shapesOf } from "./fastestMove/form";
 import { at, movesOf, timesOf } from "./fastestMove/moves";
 import { choicesOf, crossings, frontOf, historyOf, nearestOf, proofOf, rangesOf, spaceOf } from "./fastestMove/trials";
 import { withMotor as identified } from "./identification/form";
@@ -118,6 +118,27 @@ describe("a study on the page", () => {
     ]);
     expect(timesOf({ ...study, best: null })[0]).toEqual({ name: "400", before: 0.3, best: null });
     expect(timesOf({ ...study, baseline_figures: { ...figures, by_distance_s: [] } } as unknown as Study)).toEqual([]);
+  });
+
+  it("asks for the shape of a ramp that the chip can have, and draws all that is searched then", () => {
+    const forms = firstForms(1000);
+    expect(documentOf("fastest_move", forms, "slide", 0).study).toMatchObject({ shape: null });
+    const shaped = { ...forms.fastest_move, shape: "six points" } as const;
+    expect(documentOf("fastest_move", { ...forms, fastest_move: shaped }, "slide", 0).study).toMatchObject({
+      shape: "six points",
+    });
+    const offered = (has: string) => shapesOf((capability) => capability === has).map(({ value }) => value);
+    expect(offered("ramp.sixpoint")).toEqual(["", "six points"]);
+    expect(offered("ramp.s")).toEqual(["", "bows"]);
+    expect(offered("ramp.pmul")).toEqual([]);
+    const knee = [10, 40].map((value, index) => {
+      const one = trial(index, "feasible", 100 * (index + 1), 1);
+      return { ...one, setting: { ...one.setting, "knee speed": value } };
+    });
+    const units = { speed: "pps", acceleration: "pps^2", "knee speed": "pps" };
+    const ranges = rangesOf({ trials: knee, units } as unknown as Study);
+    expect(ranges.map(({ name }) => name)).toEqual(["speed", "acceleration", "knee speed", "time"]);
+    expect(knee.map((one) => crossings(one as Trial, ranges)[2])).toEqual([0, 1]);
   });
 
   it("tries a twin first where the motor is known: by its name, or as identified", () => {

@@ -7,7 +7,7 @@ import { type Asked, Numbers } from "../Numbers";
 import { SeenByField } from "../SeenByField";
 import { named } from "../twin/form";
 import { TwinFields } from "../twin/TwinFields";
-import { type FastestMoveForm, furtherOf, type Sampler } from "./form";
+import { type FastestMoveForm, furtherOf, type Sampler, type Shape, shapesOf } from "./form";
 
 const NUMBERS: readonly Asked<FastestMoveForm>[] = [
   { key: "marginPercent", label: "Margin of speed and acceleration", min: 0, max: 100, unit: "%" },
@@ -58,13 +58,22 @@ const SAMPLERS: readonly { value: Sampler; label: string }[] = [
 ];
 
 /** The move, what it may cost, its limits, and what is known of the motor for a twin. */
-export function Fields({ form, change, scale, axis }: FieldsProps<FastestMoveForm>) {
+export function Fields({ form, change, scale, axis, can }: FieldsProps<FastestMoveForm>) {
   const both = form.quiet && form.seenBy === "encoder";
+  const shapes = shapesOf(can);
   return (
     <>
       <DistanceField form={form} change={change} scale={scale} label="Distance" />
       <FurtherField form={form} change={change} scale={scale} />
       <SeenByField form={form} change={change} />
+      {shapes.length > 0 && (
+        <NativeSelect
+          label="Shape of the ramp"
+          data={shapes}
+          value={form.shape ?? ""}
+          onChange={({ currentTarget }) => change({ shape: (currentTarget.value || null) as Shape | null })}
+        />
+      )}
       <Numbers form={form} change={change} of={NUMBERS} />
       {form.seenBy === "encoder" && (
         <>

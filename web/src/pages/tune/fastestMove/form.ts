@@ -1,6 +1,26 @@
-import type { KindForm } from "../kind";
+import type { FieldsProps, KindForm } from "../kind";
 import { firstSeenBy, type SeenBy } from "../seenBy";
 import { FIRST_TWIN, type TwinForm, twinOf } from "../twin/form";
+
+/** What of a ramp's shape is searched beside speed and acceleration. */
+export type Shape = "six points" | "bows";
+
+/** The shapes that a chip offers, "" for none, each with what it is called; empty where there is no choice. */
+export function shapesOf(can: FieldsProps<never>["can"]): { value: Shape | ""; label: string }[] {
+  if (can("ramp.sixpoint")) {
+    return [
+      { value: "", label: "a trapezoid" },
+      { value: "six points", label: "six points: V1, A1 and D1 too" },
+    ];
+  }
+  if (can("ramp.s")) {
+    return [
+      { value: "", label: "all bows alike, if any" },
+      { value: "bows", label: "bows near rest and near full speed apart" },
+    ];
+  }
+  return [];
+}
 
 export interface FastestMoveForm {
   seenBy: SeenBy;
@@ -11,6 +31,7 @@ export interface FastestMoveForm {
   distances: number[];
   marginPercent: number;
   trials: number;
+  shape: Shape | null;
   /** bound of the share of moves that lose a step; null: what the pairs show */
   lossPercent: number | null;
   quiet: boolean;
@@ -59,6 +80,7 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
     distances: [],
     marginPercent: 10,
     trials: 30,
+    shape: null,
     lossPercent: null,
     quiet: false,
     deviationMax: null,
@@ -76,6 +98,7 @@ export const FASTEST_MOVE: KindForm<FastestMoveForm> = {
       // To the side of the first one, whatever their signs: the server takes no others.
       distances: form.distances.map((each) => Math.sign(AWAY[form.seenBy](form.distance)) * Math.abs(Math.round(each))),
       margin: form.marginPercent / 100,
+      shape: form.shape,
       loss_rate_max: form.lossPercent === null ? null : form.lossPercent / 100,
       ...asked(form),
       velocity_max_pps: form.velocityMaxPps,
