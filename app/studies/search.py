@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -140,8 +140,8 @@ class Searcher:
 
         await self._do(work)
 
-    async def ask(self) -> Asked:
-        """What to try next."""
+    async def ask(self, without: Collection[str] = ()) -> Asked:
+        """What to try next; `without` settings that are left out of it."""
 
         def work() -> Asked:
             import optuna
@@ -149,6 +149,7 @@ class Searcher:
             distributions = {
                 each.name: optuna.distributions.FloatDistribution(each.low, each.high, log=each.log)
                 for each in self._space.dimensions
+                if each.name not in without
             }
             trial = self._study.ask(distributions)
             self._open_trials[trial.number] = trial

@@ -50,10 +50,11 @@ class Ranges:
     """What of a ramp's shape could be searched."""
 
     def setting(self, asked: Mapping[str, float]) -> dict[str, float]:
-        """The setting of what the search asks for: shares of others in their own units, within what they may be."""
+        """The setting of what the search asks for: shares of others in their own units, within what they may be; the
+        least, which is a trapezoid, where it asks for none."""
         found = dict(asked)
         for name, share in self.space.shares.items():
-            found[name] = min(asked[name] * asked[share.of], self.most[name])
+            found[name] = min(asked.get(name, share.low) * asked[share.of], self.most[name])
         return found
 
     def trapezoid(self, setting: Mapping[str, float]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
-from ..ramp_settings import UNITS
+from ..ramp_settings import ACCELERATION, KNEE, KNEE_ACCELERATION, SPEED, UNITS
 from ..record import DeviationEvidence, Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
@@ -32,6 +32,12 @@ DRAWN, WORTH_SHARE = 400, 0.01
 """So many settings, drawn at random, tell how many are worth a trial yet; less than this share is not told of."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
+TRAPEZOIDS, PASSED_OVER = 0.5, 6
+"""Where a knee is searched too, a trapezoid is found first, by fewer settings than both at once would take: with that
+share of the trials, or until so many are passed over for one that is tried. Then it begins at the best of them."""
+SHAPED = ((1.0, 1.0, 0.5, 1.25), (1.1, 0.9, 0.6, 1.4), (1.25, 0.75, 0.6, 1.6), (1.0, 0.85, 0.6, 1.3))
+"""The first settings with a knee: so many times the best speed and acceleration, where it lies, and how much more it
+accelerates below."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
 
@@ -137,11 +143,15 @@ class FastestMoveStudy(StudyRun):
         try:
             if not await searcher.open():
                 await searcher.first(self._ladder())
-            passed = 0
+            passed, ladder, shares = 0, len(self._ladder()), self._ranges.space.shares
+            plain_first = len(shares) > 0 and not record.twin
             while self._moved() < budget.trials and not self.spent(share=0.75) and passed < ASKED_FOR_ONE:
                 tried = self._moved()
                 self.tell("search", 0.05 + 0.7 * tried / budget.trials, f"trial {tried + 1}{self._best_text()}")
-                asked = await searcher.ask()
+                if plain_first and (tried >= TRAPEZOIDS * budget.trials or passed >= PASSED_OVER):
+                    plain_first, passed = False, 0
+                    await searcher.first(self._shaped())
+                asked = await searcher.ask(shares if plain_first and len(record.trials) >= ladder else ())
                 trial = await self._trial(searcher, asked)
                 passed = passed + 1 if trial.state == "pruned" else 0
                 record.trials.append(trial)
@@ -189,6 +199,18 @@ class FastestMoveStudy(StudyRun):
         if share < WORTH_SHARE:
             return ""
         return f"{more}: after the {tried} that were made, about {100 * share:.2g} % of all settings are worth one yet"
+
+    def _shaped(self) -> list[dict[str, float]]:
+        """The first settings with a shape: the best so far, with more acceleration below the knee than above."""
+        best = self.record.trial(self.record.best)
+        if best is None:
+            return []
+        found = []
+        for speeds, accelerations, knee, below in SHAPED:
+            speed, acceleration = speeds * best.setting[SPEED], accelerations * best.setting[ACCELERATION]
+            shape = {KNEE: knee * speed, KNEE_ACCELERATION: below * acceleration}
+            found.append(self._ranges.asked({SPEED: speed, ACCELERATION: acceleration, **shape}))
+        return found
 
     def _space(self) -> Space:
         quiet = self.wanted.quiet
