@@ -43,6 +43,18 @@ class TwinMotor(Part):
     rotor_inertia_kgm2: Annotated[float, Field(strict=True, gt=0, le=1e-2, allow_inf_nan=False)] = 58e-7
     load_inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = 0.0
     load_friction_nm: Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)] = 0.0
+    friction_nm: Annotated[float, Field(strict=True, ge=0, le=10, allow_inf_nan=False)] = Field(
+        default=0.005, description="Coulomb friction of the motor itself: 0 where the load's is that of both"
+    )
+    viscous_nms: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=1e-3, description="viscous friction: what damps the resonance"
+    )
+    detent_torque_nm: Annotated[float, Field(strict=True, ge=-5, le=5, allow_inf_nan=False)] = Field(
+        default=0.02, description="its amplitude"
+    )
+    backlash_deg: Annotated[float, Field(strict=True, ge=0, le=10, allow_inf_nan=False)] = Field(
+        default=0.0, description="play between the shaft and its encoder [deg of the shaft]"
+    )
     supply_v: Annotated[float, Field(strict=True, gt=0, le=60, allow_inf_nan=False)] = 24.0
     counts_per_turn: Annotated[int, Field(strict=True, ge=16, le=1 << 22)] = Field(
         default=40_000, description="of the encoder, four a line"

@@ -78,6 +78,7 @@ async def test_it_tells_motor_and_machine_and_leaves_the_axis_as_before(
         assert near(told.detent_share, 0.02 / TORQUE, 0.01)
         assert near(told.backlash_microsteps, BACKLASH, 1.0)
         assert told.encoder_lines == 10_000
+        assert told.supply_v == COIL["supply_v"]
         assert near(told.resistance_ohm, 2.3, 0.03 * 2.3)
         assert near(told.inductance_h, 4.4e-3, 0.06 * 4.4e-3)
         assert near(told.back_emf_v_s_rad, BACK_EMF, 0.06 * BACK_EMF)

@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from app.emulators.build import options_of
 from app.errors import WrongState
+from app.studies.document import TwinMotor
 from app.studies.record import StudyRecord, Trial
 from app.studies.twins.executor import JobLost
 from app.studies.twins.local import Here, Processes
-from app.studies.twins.twin import run_job
+from app.studies.twins.twin import emulator_options, run_job
 from tests.studies.harness import Studied, studied
 from tests.studies.twin_jobs import LOAD, MOTOR, MOVE, move_job
 
@@ -56,6 +59,22 @@ async def test_a_twin_that_is_too_strong_fools_nobody(tmp_path: Path) -> None:
 async def test_a_twin_knows_the_registers_and_what_it_is_told_and_nothing_of_the_emulator(tmp_path: Path) -> None:
     async with studied(tmp_path, load=LOAD, supply_v=37.5) as s:
         assert "37.5" not in repr(await move_job(s))
+
+
+async def test_a_twin_has_what_was_identified_of_motor_machine_and_supply(tmp_path: Path) -> None:
+    figures = {"rotor_inertia_kgm2": 3e-5, "friction_nm": 0.0, "viscous_nms": 4e-4, "detent_torque_nm": 0.015}
+    coil = {"resistance_ohm": 1.4, "inductance_h": 2e-3}
+    motor = TwinMotor(**figures, **coil, load_friction_nm=0.02, backlash_deg=0.05, supply_v=36.0, counts_per_turn=4000)
+    async with studied(tmp_path, load=LOAD) as s:
+        job = await move_job(s)
+    made = options_of(job.model).model_validate(emulator_options(job, motor)).model_dump()
+    assert {name: made["motor"][name] for name in (*figures, *coil)} == {**figures, **coil}
+    assert made["load"]["friction_nm"] == 0.02
+    assert made["supply_v"] == 36.0
+    assert (made["encoder"]["lines"], made["encoder"]["errors"]["backlash_deg"]) == (1000, 0.05)
+    # one whose encoder cannot have play is made all the same
+    other = replace(job, model="tmc4361")
+    assert options_of(other.model).model_validate(emulator_options(other, motor)).model_dump()["supply_v"] == 36.0
 
 
 async def test_a_setting_comes_to_the_same_wherever_its_twin_runs_and_a_dead_process_costs_nothing_else(

@@ -22,6 +22,7 @@ class Identified(Part):
     hold_torque_nm: float | None = Field(
         default=None, description="holding torque with the run current, as it was told [N m]"
     )
+    supply_v: float | None = Field(default=None, description="motor supply, as it was told [V]")
     torque_nm: Estimate | None = Field(
         default=None, description="the same by what was told and by the back-EMF, each with the weight of its interval"
     )

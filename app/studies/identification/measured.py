@@ -39,6 +39,7 @@ def identified(found: Measured, ground: Ground, wanted: Identification) -> Ident
         microsteps_per_turn=ground.turn,
         run_scale=ground.current.run_scale,
         hold_torque_nm=wanted.hold_torque_nm,
+        supply_v=wanted.supply_v,
         eccentricity_deg=estimate(found.turn.eccentricity, 360 / ground.turn),
     )
     if found.torn is not None:

@@ -11,6 +11,8 @@ import asyncio
 import math
 from typing import Any
 
+from pydantic.fields import FieldInfo
+
 from ...clock import Clock, VirtualClock
 from ...devices.core.config import DeviceConfig
 from ...devices.manager import DeviceManager
@@ -55,7 +57,7 @@ async def _live(job: TwinJob) -> Trial:
     if on_twin is None:
         raise WrongState(f"a study of the kind {document.study.kind} tries nothing on a twin", "")
     try:
-        link = {"kind": "emulator", **_options(job, motor)}
+        link = {"kind": "emulator", **emulator_options(job, motor)}
         device = await manager.add(DeviceConfig("twin", job.model, link, job.clock_hz, job.axes))
         if device.problem is not None:
             raise device.problem
@@ -76,7 +78,8 @@ async def _live(job: TwinJob) -> Trial:
         await closing
 
 
-def _options(job: TwinJob, motor: TwinMotor) -> dict[str, Any]:
+def emulator_options(job: TwinJob, motor: TwinMotor) -> dict[str, Any]:
+    """What the twin's emulator is made with, of what its model can be told."""
     known = options_of(job.model).model_fields
     full_a = job.axes[job.axis].limits.current_full_scale_a
     options: dict[str, Any] = {
@@ -87,14 +90,25 @@ def _options(job: TwinJob, motor: TwinMotor) -> dict[str, Any]:
             "inductance_h": motor.inductance_h,
             "rotor_inertia_kgm2": motor.rotor_inertia_kgm2,
             "rotor_teeth": job.axes[job.axis].full_steps_per_rev // 4,
+            "friction_nm": motor.friction_nm,
+            "viscous_nms": motor.viscous_nms,
+            "detent_torque_nm": motor.detent_torque_nm,
         },
         "load": {"inertia_kgm2": motor.load_inertia_kgm2, "friction_nm": motor.load_friction_nm},
         "supply_v": motor.supply_v,
         "clock_hz": job.clock_hz,
-        "encoder": {"lines": motor.counts_per_turn // 4},
+        "encoder": _encoder(known.get("encoder"), motor),
         "full_scale_a": None if full_a is None else full_a * SQRT_2,
     }
     return {name: value for name, value in options.items() if name in known and value is not None}
+
+
+def _encoder(known: FieldInfo | None, motor: TwinMotor) -> dict[str, Any]:
+    """The encoder on its shaft; play only where the emulator's encoder can have it."""
+    encoder: dict[str, Any] = {"lines": motor.counts_per_turn // 4}
+    if motor.backlash_deg and known is not None and "errors" in getattr(known.annotation, "model_fields", ()):
+        encoder["errors"] = {"backlash_deg": motor.backlash_deg}
+    return encoder
 
 
 def _port(model: str, link: Link, clock: Clock) -> FramePort:

@@ -148,12 +148,14 @@ describe("a study on the page", () => {
     expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBe(FIRST_TWIN);
     const known = named(FIRST_TWIN, motor);
     expect(named(FIRST_TWIN, { ...motor, rotor_inertia_kgm2: 7e-6 }).motor.rotor_inertia_kgm2).toBe(7e-6);
-    const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0 };
+    const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0, supply_v: 24 };
     expect(twinOf(known)).toEqual({ motor: figures });
     expect(twinOf({ ...known, on: false })).toBeNull();
     const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };
     const coil = { resistance_ohm: null, inductance_h: { value: 2e-3 } };
-    const machine = { inertia_kgm2: { value: 3e-5 }, friction_nm: { value: 0.02 }, encoder_lines: 1000 };
+    const swing = { viscous_nms: { value: 4e-4 }, detent_torque_nm: { value: 0.015 }, friction_nm: { value: 0.02 } };
+    const play = { backlash_microsteps: { value: 6 }, microsteps_per_turn: 51_200, encoder_lines: 1000 };
+    const machine = { inertia_kgm2: { value: 3e-5 }, supply_v: 36, ...swing, ...play };
     const found = { ...torque, ...coil, ...machine };
     const twin = asIdentified(known, found as unknown as Identified, "today");
     expect(twin?.motor).toMatchObject({
@@ -162,8 +164,17 @@ describe("a study on the page", () => {
       inductance_h: 2e-3,
       rotor_inertia_kgm2: 3e-5,
       load_friction_nm: 0.02,
+      friction_nm: 0,
+      viscous_nms: 4e-4,
+      detent_torque_nm: 0.015,
+      backlash_deg: expect.closeTo(0.0422, 4),
+      supply_v: 36,
       counts_per_turn: 4000,
     });
+    const little = { ...found, supply_v: null, viscous_nms: null, detent_torque_nm: null, backlash_microsteps: null };
+    const spare = known && asIdentified(known, little as unknown as Identified, "today");
+    expect(spare?.motor).toMatchObject({ supply_v: 24 });
+    expect(Object.keys(spare?.motor ?? {})).not.toContain("viscous_nms");
     expect(asIdentified(FIRST_TWIN, { ...found, inertia_kgm2: null } as unknown as Identified, "today")).toBeNull();
   });
 

@@ -49,6 +49,14 @@ export function TwinFields({ form, change, axis }: Props) {
             unit="kg m²"
             onChange={(value) => motor({ load_inertia_kgm2: value })}
           />
+          <NumberField
+            label="Motor supply of the twin"
+            value={form.motor.supply_v}
+            min={1}
+            max={60}
+            unit="V"
+            onChange={(value) => motor({ supply_v: value })}
+          />
         </>
       )}
     </>

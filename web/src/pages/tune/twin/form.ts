@@ -10,14 +10,15 @@ export interface TwinForm extends MotorChoice {
   on: boolean | null;
   /** where its inertia and friction are from; empty: as typed */
   identified: string;
-  motor: Required<Pick<TwinMotor, "holding_torque_nm" | "rated_current_a" | "load_inertia_kgm2">> & Partial<TwinMotor>;
+  motor: Required<Pick<TwinMotor, "holding_torque_nm" | "rated_current_a" | "load_inertia_kgm2" | "supply_v">> &
+    Partial<TwinMotor>;
 }
 
 export const FIRST_TWIN: TwinForm = {
   ...NO_MOTOR,
   on: null,
   identified: "",
-  motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0 },
+  motor: { holding_torque_nm: 0.45, rated_current_a: 1.5, load_inertia_kgm2: 0, supply_v: 24 },
 };
 
 /** Whether the twin is tried: where nobody said, only one whose motor is known. */
@@ -43,12 +44,20 @@ export function named(form: TwinForm, motor: NamedMotor): TwinForm {
 }
 
 /**
- * With inertia, friction, coil and encoder as a study of motor and machine found them, `when`; null where it could not tell
- * the inertia. That is of rotor and load together: the twin's rotor has all of it.
+ * With inertia, friction, damping, detent torque, coil, encoder and its play as a study of motor and machine found them,
+ * `when`, and the supply as that was told; null where it could not tell the inertia. Inertia and Coulomb friction are of
+ * rotor and load together: the twin's rotor has all of the former, its load all of the latter.
  */
 export function asIdentified(form: TwinForm, found: Identified, when: string): TwinForm | null {
   if (found.inertia_kgm2 === null) return null;
-  const friction = found.friction_nm === null ? {} : { load_friction_nm: found.friction_nm.value };
+  const friction = found.friction_nm === null ? {} : { load_friction_nm: Math.max(0, found.friction_nm.value), friction_nm: 0 };
+  const swing = {
+    ...(found.viscous_nms && { viscous_nms: Math.max(0, found.viscous_nms.value) }),
+    ...(found.detent_torque_nm && { detent_torque_nm: found.detent_torque_nm.value }),
+  };
+  const play = found.backlash_microsteps?.value;
+  const backlash = play === undefined ? {} : { backlash_deg: Math.max(0, (play * 360) / found.microsteps_per_turn) };
+  const supply = found.supply_v === null ? {} : { supply_v: found.supply_v };
   const lines = found.encoder_lines === null ? {} : { counts_per_turn: 4 * found.encoder_lines };
   const coil = {
     ...(found.resistance_ohm && { resistance_ohm: found.resistance_ohm.value }),
@@ -67,6 +76,9 @@ export function asIdentified(form: TwinForm, found: Identified, when: string): T
       ...torque,
       ...coil,
       ...friction,
+      ...swing,
+      ...backlash,
+      ...supply,
       ...lines,
       rotor_inertia_kgm2: found.inertia_kgm2.value,
       load_inertia_kgm2: 0,
