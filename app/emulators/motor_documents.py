@@ -20,7 +20,7 @@ from .drive.documents import (
     change_motor,
     forced,
 )
-from .drive.options import FullSteps, LoadOptions, MotorOptions
+from .drive.options import FullSteps, LoadOptions, MotorOptions, SupplyResistance
 from .drive.plant import Plant
 
 Rigid = Literal["rigid"]
@@ -34,6 +34,7 @@ class MotorDocument(Closed):
 
     time_scale: TimeScale = shown(1.0, "Time runs at", "how fast its time passes; 0 stands still", unit="x real time")
     supply_v: Supply = shown(24.0, "Supply", "motor supply [V]")
+    supply_resistance_ohm: SupplyResistance = 0.0
     seed: NoiseSeed = 5160
     start_fullsteps: FullSteps = shown(0.0, "Rotor at first", "where the rotor stands at first [full steps]")
     motor: MotorOptions | Rigid = Field(

@@ -10,12 +10,13 @@ from .drive import DRIVE_JOB, Drive, warm_up
 from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .kernel import TICK_CLOCKS
-from .options import DriveOptions, EncoderOptions, LoadOptions, MotorOptions, StageSwitches
+from .options import CouplingOptions, DriveOptions, EncoderOptions, LoadOptions, MotorOptions, StageSwitches
 from .plant import Plant, PlantState, Switches
 
 __all__ = [
     "DRIVE_JOB",
     "TICK_CLOCKS",
+    "CouplingOptions",
     "Drive",
     "DriveOptions",
     "EncoderChannel",

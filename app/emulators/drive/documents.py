@@ -70,6 +70,8 @@ class TruthState(DeferredModel):
     lost_fullsteps: int = Field(description="full steps lost since power-on: multiples of four")
     current_scale: int = Field(description="current scale in use")
     bridges: str = Field(description='"regulated", "open", "shorted", or "voltage" while PWM drives them')
+    load_fullsteps: float = Field(description="where the load is, behind what gives between it and the rotor")
+    supply_v: float = Field(description="motor supply at the driver, where it may sag [V]")
 
 
 class ChipFaultsState(DeferredModel):
@@ -100,7 +102,7 @@ def stage_state(plant: Plant, state: PlantState) -> StageState:
         right_at_fullsteps=plant.right_at_fullsteps,
         home_from_fullsteps=plant.home_from_fullsteps,
         home_to_fullsteps=plant.home_to_fullsteps,
-        position_fullsteps=state.rotor_fullsteps,
+        position_fullsteps=state.load_fullsteps,
     )
 
 
@@ -129,6 +131,8 @@ def truth_state(state: PlantState) -> TruthState:
         lost_fullsteps=state.lost_fullsteps,
         current_scale=state.current_scale,
         bridges=state.bridges,
+        load_fullsteps=state.load_fullsteps,
+        supply_v=state.supply_v,
     )
 
 

@@ -57,6 +57,8 @@ _KEPT = (
     k.SUBSTEPS,
     k.UNTRUE,
     k.UNEVEN,
+    k.APART,
+    k.COUPLED,
     k.BLOCKED,
     k.FORCE,
     k.FORCED,
@@ -115,7 +117,7 @@ class Drive:
         self.plant = Plant(options, self._s, self._f, self._plant_changed)
         self.internal = EncoderChannel(self._s, self._f, k.INTERNAL, self._changed)
         self.external = EncoderChannel(self._s, self._f, k.EXTERNAL, self._changed)
-        self._f[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
+        self._f[k.THETA] = self._f[k.LOAD_THETA] = options.start_fullsteps * self.plant.fullstep_rad
         self._s[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
         self.plant.push()
         self.power_cycle()
@@ -199,6 +201,8 @@ class Drive:
     def _clear(self, register: str, ones: int) -> None:
         if register == "GSTAT":
             self._gstat &= ~ones
+            if ones & _GSTAT_UV_CP:
+                self._s[k.SAG_SEEN] = self._s[k.SAGGED]
         elif register == "ENC_STATUS":
             if ones & 2:
                 self.external.exceeded = False
@@ -325,7 +329,7 @@ class Drive:
         return Chopper(
             motor.resistance_ohm,
             motor.inductance_h,
-            float(self._f[k.SUPPLY]),
+            float(self._f[k.SOURCE]),
             _BLANK_CLOCKS[bits(conf, 15, 2)] / self.options.clock_hz,
             (24 + 32 * bits(conf, 0, 4)) / self.options.clock_hz,
             units * full_scale_a / PEAK,
@@ -377,7 +381,7 @@ class Drive:
         """t_blank f_PWM V / R: the mean current of the shortest pulse that can be measured (DS-TMC5160 7.3.1)."""
         shortest = _BLANK_CLOCKS[bits(self._registers["CHOPCONF"], 15, 2)]
         share = shortest * 2 / _PWM_CLOCKS[bits(self._registers["PWMCONF"], 16, 2)]
-        self._f[k.PWM_FLOOR] = share * self._f[k.SUPPLY] / self.options.motor.resistance_ohm
+        self._f[k.PWM_FLOOR] = share * self._f[k.SOURCE] / self.options.motor.resistance_ohm
 
     # --- time ------------------------------------------------------------------------------------
 
@@ -431,6 +435,7 @@ class Drive:
             s[at + k.E_PER_TURN], s[at + k.E_STOPS] = per_turn, 1
             s[at + k.E_NUM] = s[at + k.E_DEN] = 1
         f[k.IA] = f[k.IB] = f[k.TORQUE] = f[k.PWM_AUTO] = f[k.PWM_SUM] = 0.0
+        f[k.SUPPLY] = f[k.SOURCE]
         # the field is where the rotor finds it without losing steps
         s[k.FIELD] = s[k.LOOK] = 1024 * round(float(f[k.TEETH] * f[k.THETA]) / (2 * math.pi))
         s[k.COOL_V], s[k.PINS], s[k.N_HAS], self._wired, self._sense = -1, 7, options.n_line, True, 1.0
@@ -458,7 +463,7 @@ class Drive:
     @property
     def gstat(self) -> int:
         """GSTAT."""
-        return self._gstat | (_GSTAT_UV_CP if self._undervoltage else 0)
+        return self._gstat | (_GSTAT_UV_CP if self._undervoltage or self._s[k.SAG_SEEN] else 0)
 
     @property
     def standing_or_stalled(self) -> tuple[bool, bool]:
@@ -554,8 +559,8 @@ class Drive:
 
     @property
     def undervoltage(self) -> bool:
-        """Whether the supply is below that."""
-        return self._undervoltage
+        """Whether the supply is below that, by itself or as it sags."""
+        return self._undervoltage or bool(self._s[k.SAGGED])
 
     def set_velocity_window(self, cool: int, high: int) -> None:
         """VCOOLTHRS and VHIGH of the chips that have them instead of TSTEP's thresholds [ramp units].
@@ -679,6 +684,7 @@ class Drive:
         if not self._registers:  # still being made
             return
         self._undervoltage = self.plant.supply_v < self._least_supply_v
+        self._f[k.LEAST_SUPPLY] = self._least_supply_v
         was_hot = self._hot
         self._hot = self.plant.temperature_c >= (OTPW_C if was_hot else OT_C)
         if self._hot and not was_hot:

@@ -20,6 +20,7 @@ behind the voltage of its PWM, which nothing but the looks of its regulation cor
 Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
 it. From there a motor at rest is an exact fixed point of the step, so passing over ticks in which neither reference
 nor plant changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
+Load and rotor are one piece, or two with a spring between them; the supply is stiff, or behind a resistance.
 
 A rigid motor has none of that: the shaft is where the field is, in whole microsteps, and its encoder is worked out in
 integers. While its ramp generator keeps its velocity, ticks differ in nothing but sums, so they are added up at once
@@ -133,7 +134,10 @@ GAP, WINDOW, MOVED = range(174, 177)
 """From outside: ticks since the latest step, and ticks and steps since the speed was worked out last."""
 UNTRUE, UNEVEN = range(177, 179)
 """The external encoder has errors; the phases of the motor are unlike, or more than a sine."""
-INTEGERS = 179
+APART, COUPLED, SAGGED, SAG_SEEN = range(179, 183)
+"""One of both: the load hangs on a spring, or the supply sags. The former; it has sagged below what the bridges need,
+now and since that was cleared."""
+INTEGERS = 183
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -177,7 +181,13 @@ PLAY, BEHIND = range(78, 80)
 """Between the shaft and its encoder: play, and how far the shaft is ahead of what the encoder sees [rad]."""
 SWITCH_PLAY = 80
 """How far behind the place where it is pressed a switch is released [rad of the shaft]."""
-REALS = 81
+SOURCE, SUPPLY_OHM, SUPPLY_LAG, LEAST_SUPPLY = range(81, 85)
+"""The supply behind its resistance [V, ohm], what of a change comes in a tick, and what the bridges need [V]."""
+LOAD_THETA, LOAD_OMEGA, LOAD_TORQUE, LOAD_DT_J, LOAD_FRICTION, LOAD_STICTION = range(85, 91)
+"""A load on a spring: its angle and speed, and what the cells without LOAD are for the rotor."""
+SPRING, SPRING_DAMPING, SPRING_PLAY = range(91, 94)
+"""Between rotor and load: [N m/rad], [N m s], and half of the play [rad]."""
+REALS = 94
 
 # --- cells of the table --------------------------------------------------------------------------
 WAVE, CHOPPED, TABLE = 0, 1024, 2048
@@ -218,6 +228,8 @@ LEAPS, NO_LEAPS = 1, 2
 WITHOUT_EMF = 0.2
 """How far below 0 StallGuard2 is where the rotor does not follow, as a share of its full scale: coils without back-EMF
 only take energy. Takes clamped motors to 0 up to a threshold of 12; the maker's demos stall at 6 to 9 (INFERRED)."""
+LEAST_SAG = 1e-6
+"""A supply that is so near to where it goes stays as it is [V]: so a motor at rest comes to rest."""
 LONGEST_LEAP = 1 << 29
 """Ticks: velocities are at most 2^32, and the sum of all has to fit."""
 N_WIDTH = 4
@@ -616,7 +628,7 @@ def _standing(s: Cells, f: Floats, steps: int) -> int:
         bridges = VOLTAGE
         if s[PHASE] == HOLD and s[IHOLD] == 0 and s[FREEWHEEL]:
             bridges = OPEN if s[FREEWHEEL] == 1 else SHORTED
-    if freed or not s[DRIVER_ON]:
+    if freed or s[SAGGED] or not s[DRIVER_ON]:
         bridges = OPEN
     if bridges != s[BRIDGES]:
         _switch_bridges(s, f, bridges)
@@ -659,11 +671,57 @@ def _flux(f: Floats, sine: float, cosine: float) -> tuple[float, float]:
 
 
 @inlined
-def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> None:
-    """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST."""
+def _pull(f: Floats, theta: float, omega: float) -> float:
+    """One physics step of a load on a spring; the torque with which it pulls at the rotor."""
+    before, half = f[LOAD_OMEGA], f[SPRING_PLAY]
+    apart = theta - f[LOAD_THETA]
+    stretch = max(apart - half, 0.0) + min(apart + half, 0.0)
+    pull = 0.0
+    if stretch != 0.0 or half == 0.0:
+        pull = f[SPRING] * stretch + f[SPRING_DAMPING] * (omega - before)
+        if half > 0.0 and pull * stretch < 0.0:  # flanks that part do not hold each other
+            pull = 0.0
+    new = before + (pull - f[LOAD_TORQUE]) * f[LOAD_DT_J]
+    held = f[LOAD_STICTION] if before == 0.0 else f[LOAD_FRICTION]
+    if new > held:
+        new -= held
+    elif new < -held:
+        new += held
+    else:
+        new = 0.0
+    f[LOAD_OMEGA] = new
+    f[LOAD_THETA] += new * f[DT]
+    return pull
+
+
+@compiled
+def _sag(s: Cells, f: Floats) -> bool:
+    """Let the supply at the driver follow the current that is drawn from it; whether it stays where it is.
+
+    Voltage and current of the last physics step; what flows back charges nothing.
+    """
+    volts_a = (f[IA] - f[KEEP] * f[IA0]) / f[GAIN] + f[EMF_A]
+    volts_b = (f[IB] - f[KEEP] * f[IB0]) / f[GAIN] + f[EMF_B]
+    power = (volts_a * (f[IA] + f[IA0]) + volts_b * (f[IB] + f[IB0])) / 2.0
+    drop = 0.0
+    if f[SUPPLY] > 0.0:
+        drop = min(max(f[SUPPLY_OHM] * power / f[SUPPLY], 0.0), f[SOURCE])
+    change = f[SOURCE] - drop - f[SUPPLY]
+    stays = abs(change) <= LEAST_SAG
+    if not stays:
+        f[SUPPLY] += f[SUPPLY_LAG] * change
+    s[SAGGED] = f[SUPPLY] < f[LEAST_SUPPLY]
+    s[SAG_SEEN] |= s[SAGGED]
+    return stays
+
+
+@inlined
+def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int, apart: bool) -> None:
+    """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST. `apart`: the load may
+    be on a spring and the supply sag, which costs nothing where neither does."""
     theta, omega, ia, ib = f[THETA], f[OMEGA], f[IA], f[IB]
     teeth, kt, td, load = f[TEETH], f[KT], f[TD], f[LOAD]
-    uneven = s[UNEVEN] != 0
+    uneven, coupled = s[UNEVEN] != 0, apart and s[COUPLED] != 0
     of_a = of_b = 0.0
     dt, dt_j, damp, friction, stiction = f[DT], f[DT_J], f[DAMP], f[FRICTION], f[STICTION]
     at, sine, cosine, lasts = f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS]
@@ -693,6 +751,10 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
             torque = new_a * of_a + new_b * of_b
         # sin(4e) = 2 sin(2e) cos(2e)
         detent = td * 4.0 * sine * cosine * (1.0 - 2.0 * sine * sine)
+        if coupled:
+            stood = f[LOAD_OMEGA] == 0.0
+            load = _pull(f, theta, omega)
+            resting = resting and stood and f[LOAD_OMEGA] == 0.0
         if s[BLOCKED]:
             new = 0.0
         else:
@@ -709,7 +771,12 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
         ia, ib, omega = new_a, new_b, new
         theta += omega * dt
     if f[LOW_END] < f[HIGH_END]:  # once a tick: at 10 turns a second it is a hundredth of a full step too far in
-        if theta < f[LOW_END]:
+        if coupled:
+            if f[LOAD_THETA] < f[LOW_END]:
+                f[LOAD_THETA], f[LOAD_OMEGA] = f[LOW_END], max(f[LOAD_OMEGA], 0.0)
+            elif f[LOAD_THETA] > f[HIGH_END]:
+                f[LOAD_THETA], f[LOAD_OMEGA] = f[HIGH_END], min(f[LOAD_OMEGA], 0.0)
+        elif theta < f[LOW_END]:
             theta, omega = f[LOW_END], max(omega, 0.0)
         elif theta > f[HIGH_END]:
             theta, omega = f[HIGH_END], min(omega, 0.0)
@@ -719,13 +786,24 @@ def _turn_by(s: Cells, f: Floats, ref_a: float, ref_b: float, bridges: int) -> N
     f[THETA], f[OMEGA], f[IA], f[IB], f[TORQUE] = theta, omega, ia, ib, torque
     f[ANGLE], f[SINE], f[COSINE], s[WAVE_STEPS] = at, sine, cosine, lasts
     f[REF_A], f[REF_B] = ref_a, ref_b
+    if apart and f[SUPPLY_OHM] > 0.0:
+        resting = _sag(s, f) and resting
     s[REST] = resting
+
+
+@compiled
+def _turn_apart(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
+    """The physics of one tick with the load on a spring, or a supply that sags."""
+    _turn_by(s, f, ref_a, ref_b, s[BRIDGES], True)
 
 
 @compiled
 def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
     """The physics of one tick, whatever the bridges do; sets REST."""
-    _turn_by(s, f, ref_a, ref_b, s[BRIDGES])
+    if s[APART]:
+        _turn_apart(s, f, ref_a, ref_b)
+    else:
+        _turn_by(s, f, ref_a, ref_b, s[BRIDGES], False)
 
 
 @inlined
@@ -736,7 +814,7 @@ def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
     ref_a = scale * table[CHOPPED + (look & 1023)]
     ref_b = scale * table[CHOPPED + ((look + 256) & 1023)]
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
-        _turn_by(s, f, ref_a, ref_b, REGULATED)
+        _turn_by(s, f, ref_a, ref_b, REGULATED, False)
 
 
 # --- DcStep --------------------------------------------------------------------------------------
@@ -983,14 +1061,16 @@ def _stealth_in_motion(s: Cells, f: Floats, current: float) -> None:
 
 @compiled
 def _drive_otherwise(s: Cells, f: Floats, table: Floats) -> None:
-    """The same where a PWM sets the coils' voltage, in full steps, with constant off time, and without current."""
+    """The same where a PWM sets the coils' voltage, in full steps, with constant off time, and without current; with a
+    load on a spring, or a supply that sags."""
     bridges = s[BRIDGES]
+    wave = CHOPPED if bridges == REGULATED else WAVE
     scale = _stealth_volts(s, f) if bridges == VOLTAGE else f[FULL_SCALE] * (s[CS] + 1) / 32.0
     look = s[LOOK]
     if s[FULL]:  # both coils alike: the middle of the full step
         look = s[FIELD] & ~255 | 128
-    ref_a = scale * table[look & 1023]
-    ref_b = scale * table[(look + 256) & 1023]
+    ref_a = scale * table[wave + (look & 1023)]
+    ref_b = scale * table[wave + ((look + 256) & 1023)]
     if s[OUTSIDE] == BY_CURRENTS:
         ref_a, ref_b = scale * s[DIRECT_A] / CURRENT_PEAK, scale * s[DIRECT_B] / CURRENT_PEAK
     if bridges == CLASSIC:
@@ -1168,7 +1248,8 @@ def driver_stat(s: Cells) -> int:
 @inlined
 def physical(s: Cells, f: Floats) -> int:
     """The switches: 1 left, 2 right, 4 home."""
-    theta, play, held = f[THETA], f[SWITCH_PLAY], s[PHYS]
+    theta = f[LOAD_THETA] if s[COUPLED] else f[THETA]
+    play, held = f[SWITCH_PLAY], s[PHYS]
     pressed = 0
     if theta <= f[LEFT_AT] + play * (held & 1):
         pressed |= 1
@@ -1586,7 +1667,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     events |= _standing(s, f, steps)
     if s[RIGID]:
         _follow(s, f, table)
-    elif s[BRIDGES] == REGULATED:
+    elif s[BRIDGES] == REGULATED and not s[APART]:
         _drive_motor(s, f, table)
     else:
         _drive_otherwise(s, f, table)

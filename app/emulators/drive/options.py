@@ -18,6 +18,20 @@ LineError = Annotated[float, Field(strict=True, ge=0, le=0.1)]
 FullSteps = Annotated[float, Field(strict=True, ge=-1e7, le=1e7, allow_inf_nan=False)]
 
 
+SupplyResistance = Annotated[
+    float,
+    Field(
+        strict=True,
+        ge=0,
+        le=20,
+        allow_inf_nan=False,
+        description="of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much "
+        "[ohm]; 0: the supply is stiff",
+        json_schema_extra=REST_ONLY,
+    ),
+]
+
+
 class _Closed(DeferredModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -124,6 +138,26 @@ class MotorOptions(_Closed):
         return self.holding_torque_nm / (math.sqrt(2) * self.rated_current_a)
 
 
+class CouplingOptions(_Closed):
+    """What gives between rotor and load, as a belt or a screw does: a spring with damping, and play.
+
+    At the motor's shaft: a belt of stiffness c [N/m] on a pulley of radius r has c r^2, a screw of lead p whose axial
+    stiffness is c has c (p / 2 pi)^2: 1e5 N/m at 5 mm are 2.5 N m/rad, 1e7 N/m at 8 mm a turn 16. That a belt gives
+    about in proportion to its pull, by its length, is of GT2-STIFFNESS; what is usual of damping and play is not known
+    here.
+    """
+
+    stiffness_nm_rad: Annotated[float, Field(strict=True, ge=0.01, le=1e5, allow_inf_nan=False)] = Field(
+        description="torque for each radian between rotor and load [N m/rad]"
+    )
+    damping_nms: Annotated[float, Field(strict=True, ge=0, le=100, allow_inf_nan=False)] = Field(
+        default=0.0, description="torque for each rad/s between them [N m s]"
+    )
+    backlash_fullsteps: Annotated[float, Field(strict=True, ge=0, le=100, allow_inf_nan=False)] = Field(
+        default=0.0, description="so far rotor and load turn against each other before the spring takes hold"
+    )
+
+
 class LoadOptions(_Closed):
     """What hangs on the shaft from the start; `Plant` changes torque and friction while it runs."""
 
@@ -138,6 +172,18 @@ class LoadOptions(_Closed):
     inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
         default=0.0, title="Load inertia", description="added to the rotor's [kg m²]"
     )
+    coupling: CouplingOptions | None = Field(
+        default=None,
+        description="what gives between rotor and load: torque, friction, inertia and the stage's switches are beyond "
+        "it, encoders on the motor's shaft; null: nothing gives",
+        json_schema_extra=REST_ONLY,
+    )
+
+    @model_validator(mode="after")
+    def _something_to_swing(self) -> LoadOptions:
+        if self.coupling is not None and self.inertia_kgm2 < 1e-9:
+            raise ValueError(f"a load behind a coupling needs an inertia_kgm2 of 1e-9 or more, not {self.inertia_kgm2}")
+        return self
 
 
 class StageSwitches(_Closed):
@@ -281,6 +327,7 @@ class DriveOptions(_Closed):
         default=16e6, description="fCLK, which all register units hang on [Hz]"
     )
     supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
+    supply_resistance_ohm: SupplyResistance = 0.0
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
         default=4.2,
         description="peak coil current at current scale 31 and GLOBALSCALER 0, i.e. TMCL AP 6 = 255: "
@@ -309,6 +356,11 @@ class DriveOptions(_Closed):
         return self.motor.rotor_inertia_kgm2 + self.load.inertia_kgm2
 
     @property
+    def rotor_side_kgm2(self) -> float:
+        """What turns as one piece with the rotor: the load does, but behind a coupling."""
+        return self.inertia_kgm2 if self.load.coupling is None else self.motor.rotor_inertia_kgm2
+
+    @property
     def steps_a_tick(self) -> int:
         """Physics steps in a tick of 256 clocks."""
         return self.steps_in(TICK_CLOCKS)
@@ -317,11 +369,20 @@ class DriveOptions(_Closed):
         """Physics steps in a tick of so many clocks.
 
         Each is at most a fifth of the regulator's time constant, and a twentieth of a radian of the fastest
-        oscillation that the full current can bring about.
+        oscillation that the full current can bring about, or the coupling to the load; the damping of that takes less
+        than half of a speed in a step.
         """
         motor = self.motor
         stiffness = motor.rotor_teeth * (motor.torque_constant * self.full_scale_a + 4 * abs(motor.detent_torque_nm))
-        longest_s = min(self.regulator_s / 5, math.sqrt(self.inertia_kgm2 / stiffness) / 20)
+        longest_s = min(self.regulator_s / 5, math.sqrt(self.rotor_side_kgm2 / stiffness) / 20)
+        coupling = self.load.coupling
+        if coupling is not None:
+            yielding = 1 / motor.rotor_inertia_kgm2 + 1 / self.load.inertia_kgm2
+            longest_s = min(
+                longest_s,
+                1 / math.sqrt(coupling.stiffness_nm_rad * yielding) / 20,
+                0.5 / max(coupling.damping_nms * yielding, 1.0),
+            )
         return math.ceil(clocks / self.clock_hz / longest_s)
 
     @model_validator(mode="after")
@@ -329,6 +390,6 @@ class DriveOptions(_Closed):
         if self.steps_a_tick > MOST_STEPS_A_TICK:
             raise ValueError(
                 f"this motor would need {self.steps_a_tick} physics steps every 16 us, at most {MOST_STEPS_A_TICK} "
-                "are made: less current or torque, or more inertia"
+                "are made: less current or torque, more inertia, or a coupling that gives more"
             )
         return self

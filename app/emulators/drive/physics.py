@@ -8,6 +8,10 @@ from . import kernel as k
 from .options import DriveOptions, EncoderErrors, MotorOptions
 from .plant import PlantState
 
+SUPPLY_LAG_S = 1e-3
+"""How fast the voltage at the driver follows: its capacitors times the resistance, as 1000 uF behind 1 ohm (INFERRED)
+[s]."""
+
 _BRIDGES = {
     k.REGULATED: "regulated",
     k.CLASSIC: "regulated",
@@ -23,8 +27,12 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     motor = options.motor
     s[k.SUBSTEPS] = options.steps_in(tick_clocks)
     dt = tick_clocks / options.clock_hz / int(s[k.SUBSTEPS])
-    f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
-    f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
+    f[k.DT], f[k.DT_J] = dt, dt / options.rotor_side_kgm2
+    f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.rotor_side_kgm2)
+    _set_coupling(options, s, f)
+    f[k.SUPPLY_OHM] = options.supply_resistance_ohm
+    s[k.APART] = s[k.COUPLED] or options.supply_resistance_ohm > 0
+    f[k.SUPPLY_LAG] = -math.expm1(-tick_clocks / options.clock_hz / SUPPLY_LAG_S)
     f[k.TEETH], f[k.KT], f[k.TD] = motor.rotor_teeth, motor.torque_constant, motor.detent_torque_nm
     _set_flux(motor, s, f)
     f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
@@ -42,6 +50,15 @@ def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int
     if left is not None or right is not None:
         f[k.LOW_END] = -math.inf if left is None else left * step
         f[k.HIGH_END] = math.inf if right is None else right * step
+
+
+def _set_coupling(options: DriveOptions, s: k.Cells, f: k.Floats) -> None:
+    coupling = options.load.coupling
+    s[k.COUPLED] = coupling is not None and not options.rigid
+    if coupling is not None:
+        f[k.LOAD_DT_J] = f[k.DT] / options.load.inertia_kgm2
+        f[k.SPRING], f[k.SPRING_DAMPING] = coupling.stiffness_nm_rad, coupling.damping_nms
+        f[k.SPRING_PLAY] = coupling.backlash_fullsteps * math.pi / 4 / options.motor.rotor_teeth
 
 
 def set_graduation(errors: EncoderErrors, lines: int, s: k.Cells, f: k.Floats) -> None:
@@ -75,6 +92,7 @@ def plant_state_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> PlantState:
     return PlantState(
         rotor_rad=float(f[k.THETA]),
         rotor_fullsteps=angle / (math.pi / 2),
+        load_fullsteps=(float(f[k.TEETH] * f[k.LOAD_THETA]) if s[k.COUPLED] else angle) / (math.pi / 2),
         speed_rad_s=float(f[k.OMEGA]),
         current_a_a=ia,
         current_b_a=ib,
@@ -86,4 +104,5 @@ def plant_state_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> PlantState:
         lost_fullsteps=4 * round((field - angle) / (2 * math.pi)),
         current_scale=int(s[k.CS]),
         bridges=_BRIDGES[int(s[k.BRIDGES])],
+        supply_v=float(f[k.SUPPLY]),
     )

@@ -33,7 +33,9 @@ class PlantState:
     rotor_rad: float
     """Shaft angle [rad], not wrapped."""
     rotor_fullsteps: float
-    """The same in full steps: what the stage's switches look at."""
+    """The same in full steps."""
+    load_fullsteps: float
+    """Where the load is [full steps]: what the stage's switches look at. The rotor's place where nothing gives."""
     speed_rad_s: float
     current_a_a: float
     current_b_a: float
@@ -53,6 +55,8 @@ class PlantState:
     """CS that the driver uses now, 0..31."""
     bridges: str
     """"regulated", "open", "shorted" or "voltage"."""
+    supply_v: float
+    """Motor supply at the driver [V]: less than `Plant.supply_v` where it sags."""
 
 
 class _Number:
@@ -198,8 +202,14 @@ class Plant:
         if not abs(value) <= 1e7:
             raise ValueError(f"rotor_fullsteps is {plain(value)}, allowed is -1e7..1e7")
         self._f[k.THETA] = value * self.fullstep_rad
-        self._f[k.OMEGA] = 0.0
+        self._f[k.LOAD_THETA] = self._f[k.THETA]
+        self._f[k.OMEGA] = self._f[k.LOAD_OMEGA] = 0.0
         self.push()
+
+    @property
+    def driver_supply_v(self) -> float:
+        """Motor supply at the driver now [V]: less than `supply_v` where it sags."""
+        return float(self._f[k.SUPPLY])
 
     @property
     def fullstep_rad(self) -> float:
@@ -215,9 +225,16 @@ class Plant:
         """Hand everything to the kernel."""
         f, numbers, motor, load = self._f, self.numbers, self._options.motor, self._options.load
         step = self.fullstep_rad
-        f[k.LOAD], f[k.SUPPLY] = numbers["load_torque_nm"], numbers["supply_v"]
+        if f[k.SOURCE] != numbers["supply_v"] or not self._options.supply_resistance_ohm:
+            f[k.SOURCE] = f[k.SUPPLY] = numbers["supply_v"]
+        f[k.LOAD] = numbers["load_torque_nm"]
         f[k.E1] = math.radians(numbers["eccentricity_deg"])
         friction = motor.friction_nm + load.friction_nm + numbers["extra_friction_nm"]
+        if self._s[k.COUPLED]:
+            f[k.LOAD_TORQUE], f[k.LOAD] = f[k.LOAD], 0.0
+            f[k.LOAD_FRICTION] = (friction - motor.friction_nm) * f[k.LOAD_DT_J]
+            f[k.LOAD_STICTION] = f[k.LOAD_FRICTION] * motor.stiction_ratio
+            friction = motor.friction_nm
         f[k.FRICTION] = friction * f[k.DT_J] * f[k.DAMP]
         f[k.STICTION] = f[k.FRICTION] * motor.stiction_ratio
         f[k.SLIP_I] = numbers["encoder_slip_fullsteps"] * step

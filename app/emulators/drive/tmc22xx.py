@@ -233,7 +233,7 @@ class StepDirDriver:
             case "SG_RESULT":
                 return lambda: read("SG4_RESULT") & mask
             case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
-                return lambda: adc.supply(self.drive.plant.supply_v)
+                return lambda: adc.supply(self.drive.plant.driver_supply_v)
             case "ADC_TEMP":
                 return lambda: adc.temperature(self.drive.plant.temperature_c)
             case "PWM_SCALE":

@@ -201,6 +201,7 @@ def _driver(options: EmulatorOptions, index: int) -> Tmc26x:
             load=one.load,
             clock_hz=options.clock_hz,
             supply_v=one.supply_v,
+            supply_resistance_ohm=one.supply_resistance_ohm,
             full_scale_a=one.full_scale_a,
             start_fullsteps=start,
             seed=options.seed + index,

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, model_validator
 from ...form_hints import form, rest_only, shown
 from ..core.pins import PinWire
 from ..drive.documents import ChipFaultsChange, Closed, Forced, Supply
-from ..drive.options import LoadOptions, MotorOptions
+from ..drive.options import LoadOptions, MotorOptions, SupplyResistance
 from ..motor_documents import LoadChange
 
 Wiring = Literal["multiplexed", "two-one-null", "left-only"]
@@ -78,6 +78,7 @@ class ChainDriverOptions(Closed):
     )
     load: LoadOptions = shown(LoadOptions(), "Motors and loads of the chain", "of a tmc2660")
     supply_v: Supply = shown(24.0, "Supply", "motor supply, of a tmc2660 [V]")
+    supply_resistance_ohm: SupplyResistance = 0.0
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = shown(
         3.1,
         "Full scale",

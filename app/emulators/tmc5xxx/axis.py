@@ -46,7 +46,7 @@ class Axis:
         read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
         match row.name:
             case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
-                return lambda: adc.supply(self.drive.plant.supply_v)
+                return lambda: adc.supply(self.drive.plant.driver_supply_v)
             case "ADC_TEMP":
                 return self._temperature
             case "DRV_STATUS":

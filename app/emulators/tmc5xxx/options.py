@@ -76,6 +76,7 @@ class Tmc5xxxOptions(MotorDocument):
             ),
             clock_hz=self.clock_hz,
             supply_v=self.supply_v,
+            supply_resistance_ohm=self.supply_resistance_ohm,
             full_scale_a=self.full_scale_a or full_scale_a,
             ripple=self.ripple,
             start_fullsteps=self.start_fullsteps,

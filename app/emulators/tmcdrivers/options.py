@@ -65,6 +65,7 @@ class TmcDriverOptions(MotorDocument):
             load=self.load,
             clock_hz=self.clock_hz,
             supply_v=self.supply_v,
+            supply_resistance_ohm=self.supply_resistance_ohm,
             full_scale_a=self.full_scale_a or full_scale_a,
             start_fullsteps=self.start_fullsteps,
             stage=StageSwitches(

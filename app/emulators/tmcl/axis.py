@@ -9,7 +9,6 @@ from ...calc.positions.extended import Counter
 from ...registers.model import Access
 from ...registers.tmcl.commands import DriverErrors, ExtendedErrors
 from ..drive import Drive, Event, EventKind
-from ..drive.plant import UNDERVOLTAGE_V
 from . import units
 from .application import wrapped
 from .models import Played
@@ -427,6 +426,6 @@ class Axis:
     def _driver_errors(self) -> int:
         """DRV_STATUS 31..24. It has no bit for undervoltage: bridges that are off show as open coils."""
         flags = self.drive.read("DRV_STATUS") >> 24 & 0xFF
-        if self.drive.plant.supply_v < UNDERVOLTAGE_V:
+        if self.drive.undervoltage:
             flags |= DriverErrors.OPEN_LOAD_A | DriverErrors.OPEN_LOAD_B
         return flags

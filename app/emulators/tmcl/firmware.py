@@ -74,7 +74,10 @@ class Firmware:
         self.axis = Axis(played, drive, lambda number: self.globals.configuration[number], eeprom.axis, unknown)
         self.globals.changed = self.axis.parameters.configured
         self.ports = Ports(
-            played.module, lambda: drive.switches.home, lambda: drive.plant.supply_v, lambda: drive.plant.temperature_c
+            played.module,
+            lambda: drive.switches.home,
+            lambda: drive.plant.driver_supply_v,
+            lambda: drive.plant.temperature_c,
         )
         self.axis.arrived = self._arrived
         self.events: list[tuple[int, bytes]] = []

@@ -67,6 +67,7 @@ class TmclOptions(MotorDocument):
             stage=self.stage,
             encoders=self.encoders,
             supply_v=self.supply_v,
+            supply_resistance_ohm=self.supply_resistance_ohm,
             full_scale_a=full_scale_a,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, model_validator
 from ....deferred import DeferredModel
 from ....form_hints import REST_ONLY, rest_only, shown
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
-from ...drive.options import FullSteps, LineError, StageSwitches
+from ...drive.options import FullSteps, LineError, StageSwitches, SupplyResistance
 
 EncoderKind = Literal["abn", "ssi", "spi"]
 
@@ -67,6 +67,7 @@ class FeedbackOptions(_Closed):
     """Of it the hard ends are the motor's affair; its switches are the chip's."""
     encoder: ShaftEncoder = ShaftEncoder()
     supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
+    supply_resistance_ohm: SupplyResistance = 0.0
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
         default=2.1, description="peak coil current at scale 255: the default motor's holding torque"
     )
@@ -89,6 +90,7 @@ class FeedbackOptions(_Closed):
             encoders=EncoderOptions(eccentricity_deg=self.encoder.eccentricity_deg),
             clock_hz=clock_hz,
             supply_v=self.supply_v,
+            supply_resistance_ohm=self.supply_resistance_ohm,
             full_scale_a=self.full_scale_a,
             regulator_s=self.regulator_s,
             start_fullsteps=self.start_fullsteps,

@@ -44,7 +44,8 @@ _SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
 _SWAPPED = ("kind", "lines", "single_turn_bits", "multi_turn_bits", "gray")
 """What another encoder on the shaft is told by."""
-_KEPT = (c.NOW, c.COMMANDED, c.DRIVER, k.RNG, k.SUBSTEPS, k.UNEVEN, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
+_PLANT = (k.RNG, k.SUBSTEPS, k.UNEVEN, k.APART, k.COUPLED, k.BLOCKED, k.DRIVER_ON)
+_KEPT = (c.NOW, c.COMMANDED, c.DRIVER, *_PLANT, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
 
 
@@ -84,7 +85,7 @@ class FeedbackUnit:
         else:
             set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
             self.plant = Plant(self._drive, self._n, self.fb, self._plant_changed)
-            self.fb[k.THETA] = options.start_fullsteps * self.plant.fullstep_rad
+            self.fb[k.THETA] = self.fb[k.LOAD_THETA] = options.start_fullsteps * self.plant.fullstep_rad
             self._n[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
         self._mount(options.encoder.zero_fullsteps, options.encoder.eccentricity_phase_deg)
         self.plant.push()
