@@ -44,6 +44,9 @@ class MotorState(DeferredModel):
     torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
     holding_torque_nm: float = Field(description="both coils at rated current [N m]")
     rated_current_a: float = Field(description="in both coils [A]")
+    figures: dict[str, float] = Field(
+        description="all of this motor by the names of its options, of one of a batch as they were drawn"
+    )
 
 
 class StageState(DeferredModel):
@@ -92,7 +95,14 @@ def motor_state(plant: Plant, motor: MotorOptions) -> MotorState:
         torque_constant_nm_a=motor.torque_constant,
         holding_torque_nm=motor.holding_torque_nm,
         rated_current_a=motor.rated_current_a,
+        figures=_figures(motor),
     )
+
+
+def _figures(motor: MotorOptions) -> dict[str, float]:
+    told = motor.model_dump(exclude={"open_phase", "batch_seed"})
+    load = {f"load_value.{name}": value for name, value in told.pop("load_value").items()}
+    return {**told, **load}
 
 
 def stage_state(plant: Plant, state: PlantState) -> StageState:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from ...deferred import DeferredModel
 from ...form_hints import REST_ONLY, form
+from .batch import motor_of_batch
 from .kernel import TICK_CLOCKS
 
 MOST_STEPS_A_TICK = 16
@@ -131,6 +132,13 @@ class MotorOptions(_Closed):
     )
 
     load_value: LoadValueOptions = Field(default=LoadValueOptions(), json_schema_extra=REST_ONLY)
+
+    batch_seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] | None = Field(
+        default=None,
+        description="one motor of a batch: its figures are drawn around those named here, within tolerances, and told "
+        "in the emulator's state; the same seed is the same motor; null: exactly as named",
+        json_schema_extra=REST_ONLY,
+    )
 
     @property
     def torque_constant(self) -> float:
@@ -317,7 +325,7 @@ class EncoderOptions(_Closed):
 
 
 class DriveOptions(_Closed):
-    """Everything that a drive is made with."""
+    """Everything that a drive is made with. `motor` is the one that was drawn where a batch was asked for."""
 
     motor: MotorOptions = MotorOptions()
     load: LoadOptions = LoadOptions()
@@ -349,6 +357,11 @@ class DriveOptions(_Closed):
     n_line: Annotated[bool, Field(strict=True)] = Field(
         default=False, description="the external encoder's N line is wired: ENCMODE acts on it"
     )
+
+    @field_validator("motor")
+    @classmethod
+    def _of_its_batch(cls, motor: MotorOptions) -> MotorOptions:
+        return motor if motor.batch_seed is None else motor_of_batch(motor, motor.batch_seed)
 
     @property
     def inertia_kgm2(self) -> float:

@@ -316,7 +316,7 @@ class FeedbackUnit:
     @property
     def plant_state(self) -> PlantState:
         """How motor and shaft really are."""
-        return plant_state_of(self._n, self.fb, self.options.motor)
+        return plant_state_of(self._n, self.fb, self._drive.motor)
 
     @property
     def encoder_counts(self) -> int:
@@ -393,7 +393,7 @@ class FeedbackUnit:
 
     def describe(self) -> FeedbackState:
         """Everything, for whoever stands beside the bench."""
-        plant, motor, state, fb = self.plant, self.options.motor, self.plant_state, self.fb
+        plant, motor, state, fb = self.plant, self._drive.motor, self.plant_state, self.fb
         period = self._word(0x1F) & 0xFFFF
         return FeedbackState(
             motor=FeedbackMotor(
