@@ -538,9 +538,103 @@ class ResonanceMap(Part):
         return self
 
 
+SearchedNumber = Annotated[float, Field(strict=True, ge=-1e12, le=1e12, allow_inf_nan=False)]
+ScoredFigure = Literal[
+    "time_s", "overshoot_fullsteps", "peak_fullsteps", "vibration_fullsteps", "rest_fullsteps", "load_min"
+]
+"""What is told of a scored move: of the last more is better, of all others less."""
+
+
+class SearchedSetting(Part):
+    """One dimension of a space: a register field, a parameter or a figure of the ramp, and from where to where."""
+
+    name: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=100, strip_whitespace=True)] = Field(
+        description="as the catalog has it: a register, register.field, or a parameter of a module; or ramp.speed, "
+        "ramp.acceleration, ramp.jerk, with all registers that belong to them"
+    )
+    low: SearchedNumber = Field(description="in the physical unit where it has one (pps, pps^2, s ...), else raw")
+    high: SearchedNumber
+    log: Annotated[bool, Field(strict=True)] = Field(default=False, description="looked at by equal ratios")
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> SearchedSetting:
+        if self.low >= self.high:
+            raise ValueError(f"{self.name}: low has to be below high")
+        if self.log and self.low <= 0:
+            raise ValueError(f"{self.name}: equal ratios begin above 0: raise low, or leave log out")
+        return self
+
+
+class FigureBound(Part):
+    """Between what a figure has to stay for a setting to count."""
+
+    figure: ScoredFigure
+    least: SearchedNumber | None = None
+    most: SearchedNumber | None = None
+
+    @model_validator(mode="after")
+    def _bounds_something(self) -> FigureBound:
+        if self.least is None and self.most is None:
+            raise ValueError(f"the bound of {self.figure} has neither least nor most")
+        return self
+
+
+Distance = Annotated[int, Field(strict=True, ge=-(2**31), lt=2**31)]
+
+
+class CustomSearch(Part):
+    """An own space of settings, searched for the best figures of moves there and back; seen by the encoder."""
+
+    kind: Literal["custom_search"] = "custom_search"
+    space: Annotated[list[SearchedSetting], Field(min_length=1, max_length=8)]
+    distances: Annotated[list[Distance], Field(min_length=1, max_length=4)] = Field(
+        description="of the moves, each and back again; the sign says to which side [microsteps]"
+    )
+    objectives: Annotated[list[ScoredFigure], Field(min_length=1, max_length=2)] = Field(
+        description="what is to be better: less, of load_min more. Of two a front is told; the proof asks for one "
+        "that is better, and none that may be worse"
+    )
+    bounds: Annotated[list[FigureBound], Field(max_length=12)] = Field(
+        default_factory=list, description="what has to hold beside that no step is lost"
+    )
+    repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
+        default=2, description="of all moves with each setting, from other places of the electrical period"
+    )
+    band_fullsteps: Annotated[float, Field(strict=True, gt=0, le=20, allow_inf_nan=False)] = Field(
+        default=1.0, description="a move is over when the encoder stays within it of the target [full steps]"
+    )
+    pairs: Annotated[int, Field(strict=True, ge=10, le=100)] = Field(
+        default=10, description="of the proof: all moves with the old setting and with the new, in turn"
+    )
+    smallest_gain: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.02, description="what is less than this share better is no improvement"
+    )
+    more_current: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="settings may take more current than now, within the soft limit"
+    )
+    sampler: Sampler | None = Field(default=None, description="null: TPE for one objective, NSGA-II for two")
+
+    @model_validator(mode="after")
+    def _can_be_searched(self) -> CustomSearch:
+        if 0 in self.distances:
+            raise ValueError("distances has 0: a move goes somewhere")
+        both: dict[str, list[str]] = {
+            "space": [each.name.casefold() for each in self.space],
+            "objectives": [*self.objectives],
+        }
+        for what, names in both.items():
+            twice = next((name for name in names if names.count(name) > 1), None)
+            if twice is not None:
+                raise ValueError(f"{what} has {twice} twice")
+        if len(self.objectives) > 1 and self.sampler == "cmaes":
+            raise ValueError("CMA-ES knows one objective: take tpe or nsga2 for two")
+        return self
+
+
 What: TypeAlias = Annotated[
     CalmChopper
     | ClosedLoop
+    | CustomSearch
     | FastestMove
     | FirstLook
     | Identification
@@ -556,6 +650,7 @@ What: TypeAlias = Annotated[
 Kind = Literal[
     "chopper",
     "closed_loop",
+    "custom_search",
     "fastest_move",
     "first_look",
     "identification",
@@ -570,6 +665,7 @@ Kind = Literal[
 TITLES: dict[Kind, str] = {
     "chopper": "Chopper",
     "closed_loop": "Closed loop",
+    "custom_search": "Own search",
     "fastest_move": "Fastest move",
     "first_look": "First look",
     "identification": "Motor and machine",

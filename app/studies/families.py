@@ -29,11 +29,13 @@ from .tmc5xxx.ramp import SIX_POINTS
 from .tmc5xxx.ripple import RIPPLE
 from .tmc5xxx.stall import STALL
 from .tmc5xxx.stealthchop import STEALTHCHOP
+from .tmc5xxx.unsearched import UNSEARCHED
 from .tmc428.ramp import RAMP as TICKED_RAMP
 from .tmc4361.by_hand import BY_HAND as BY_HAND_4361
 from .tmc4361.loop import POSITION_LOOP
 from .tmc4361.ramp import BOWS
 from .tmc4361.ramp import RAMP as S_RAMP
+from .tmc4361.unsearched import UNSEARCHED as UNSEARCHED_4361
 from .tmcl.by_hand import BY_HAND as MODULE_BY_HAND
 from .tmcl.chopper import CHOPPER as MODULE_CHOPPER
 from .tmcl.coolstep import COOLSTEP as MODULE_COOLSTEP
@@ -42,6 +44,7 @@ from .tmcl.ramp import HOP as MODULE_HOP
 from .tmcl.ramp import RAMP as MODULE_RAMP
 from .tmcl.ramp import SIX_POINTS as MODULE_SIX_POINTS
 from .tmcl.stall import STALL as MODULE_STALL
+from .tmcl.unsearched import UNSEARCHED as MODULE_UNSEARCHED
 
 T = TypeVar("T")
 
@@ -68,6 +71,11 @@ LOOPS: Mapping[str, LoopPlaces] = {"tmc4361": POSITION_LOOP}
 RIPPLES: Mapping[str, RipplePlaces] = {"tmc5xxx": RIPPLE}
 HANDS: Mapping[str, Sequence[HandPlace]] = {"tmc5xxx": BY_HAND_5XXX, "tmc4361": BY_HAND_4361, "tmcl": MODULE_BY_HAND}
 STALLS: Mapping[str, Sequence[StallPlaces]] = {"tmc5xxx": STALL, "tmcl": MODULE_STALL}
+UNSEARCHEDS: Mapping[str, frozenset[str]] = {
+    "tmc5xxx": UNSEARCHED,
+    "tmc4361": UNSEARCHED_4361,
+    "tmcl": MODULE_UNSEARCHED,
+}
 
 
 def ramp_of(device: Device) -> RampRegisters:
@@ -137,6 +145,11 @@ def coolstep_of(device: Device) -> CoolPlaces | None:
 def by_hand_of(device: Device) -> Sequence[HandPlace]:
     """What of it is tuned by hand beside its ramp."""
     return HANDS.get(device.family.family, ())
+
+
+def unsearched_of(device: Device) -> frozenset[str]:
+    """Registers and fields that no search tries: they protect the power stage, or say what a step is."""
+    return UNSEARCHEDS.get(device.family.family, frozenset())
 
 
 def _known(places: Mapping[str, T], device: Device, none: str, remedy: str) -> T:

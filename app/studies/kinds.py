@@ -79,6 +79,13 @@ def _closed_loop() -> StudyParts:
     return StudyParts(ClosedLoopStudy, plan.plan)
 
 
+def _custom_search() -> StudyParts:
+    from .custom_search import plan
+    from .custom_search.study import CustomSearchStudy
+
+    return StudyParts(CustomSearchStudy, plan.plan)
+
+
 def _fastest_move() -> StudyParts:
     from .fastest_move import ranges
     from .fastest_move.study import FastestMoveStudy
@@ -257,5 +264,13 @@ KINDS: dict[Kind, StudyKind] = {
         _torque_curve,
         goes_on=True,
         no_twin=MEASURES,
+    ),
+    "custom_search": StudyKind(
+        "custom_search",
+        "Own search",
+        "as you say: your own settings, ranges, moves and objectives, searched and proved like any other",
+        (*POSITIONS, "load_value"),
+        _custom_search,
+        no_twin="a twin does not model all that may be searched",
     ),
 }

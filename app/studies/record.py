@@ -8,6 +8,7 @@ from pydantic import Field
 
 from .chopper.found import ChopperFound
 from .closed_loop.found import LoopFound
+from .custom_search.found import CustomFound
 from .document import StudyDocument
 from .first_look.found import LookFound
 from .identification.found import Identified
@@ -274,6 +275,7 @@ class StudyRecord(Part):
     torque: TorqueFound | None = Field(default=None, description="of a study of torque over speed")
     resonances: ResonanceFound | None = Field(default=None, description="of a resonance map")
     scored: Scored | None = Field(default=None, description="of a scored move")
+    custom: CustomFound | None = Field(default=None, description="of an own search")
     noticed: bool = Field(default=False, description="the scored move was made by somebody, and noticed")
     next: str = Field(default="", description="what would be worth doing next")
 

@@ -8,6 +8,7 @@ from ..html_report import moment, number, page, table, text
 from ..number_text import plain
 from .chopper import report as chopper
 from .closed_loop import report as closed_loop
+from .custom_search import report as custom_search
 from .document import Kind
 from .fastest_move import report as fastest_move
 from .first_look import report as first_look
@@ -24,6 +25,7 @@ from .torque_curve import report as torque_curve
 SECTIONS: dict[Kind, Callable[[StudyRecord], list[str]]] = {
     "chopper": chopper.sections,
     "closed_loop": closed_loop.sections,
+    "custom_search": custom_search.sections,
     "first_look": first_look.sections,
     "fastest_move": fastest_move.sections,
     "identification": identification.sections,

@@ -7,10 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 
 from tests.api.processes import address, running
 
 MOVE = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
+OWN = {
+    "kind": "custom_search",
+    "space": [{"name": "ramp.acceleration", "low": 100_000, "high": 400_000}],
+    "distances": [12_800],
+    "objectives": ["peak_fullsteps"],
+}
 START = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
 WITHIN_S = 60.0
 
@@ -36,7 +43,8 @@ def connected(api: httpx.Client) -> bool:
     return answer.status_code == 200 and answer.json()["state"] == "connected"
 
 
-def test_a_killed_study_is_told_put_back_and_gone_on_with(tmp_path: Path) -> None:
+@pytest.mark.parametrize("wanted", [MOVE, OWN], ids=lambda wanted: wanted["kind"])
+def test_a_killed_study_is_told_put_back_and_gone_on_with(tmp_path: Path, wanted: dict[str, Any]) -> None:
     serve = ("serve", "--port", "0", "--data-dir", str(tmp_path), "--no-demo")
     with running("emulate", "tmc5160", "--tcp", "127.0.0.1:0", "--time-scale", "4") as (_, line):
         link = {"kind": "tcp", "host": "127.0.0.1", "port": int(line.rpartition(":")[2].split()[0])}
@@ -48,7 +56,7 @@ def test_a_killed_study_is_told_put_back_and_gone_on_with(tmp_path: Path) -> Non
             until("connected", lambda: connected(api))
             api.post("/devices/slide/start-up", json=START).raise_for_status()
             before = set_to(api)
-            begun = api.post("/studies", json={"device": "slide", "study": MOVE, "budget": {"trials": 3}})
+            begun = api.post("/studies", json={"device": "slide", "study": wanted, "budget": {"trials": 3}})
             study = begun.raise_for_status().json()["id"]
             until("a trial is set", lambda: set_to(api) != before)
             server.kill()
@@ -64,7 +72,7 @@ def test_a_killed_study_is_told_put_back_and_gone_on_with(tmp_path: Path) -> Non
             left = api.get(f"/studies/{study}/left").json()["left"]
             assert any(one.startswith("VMAX is not known") for one in left), "it can only be written"
             until("at rest", lambda: not api.get("/devices/slide/axes/0").json()["moving"])
-            refused = api.post("/studies", json={"device": "slide", "study": MOVE})
+            refused = api.post("/studies", json={"device": "slide", "study": wanted})
             assert "put that back first" in refused.json()["detail"]
             back = api.post(f"/studies/{study}/take", json={"which": "baseline"})
             assert back.raise_for_status().json()["left"] == []

@@ -73,6 +73,15 @@ STUDIES: tuple[dict[str, Any], ...] = (
     {"kind": "least_current", "distance": 12_800},
     {"kind": "chopper", **COIL},
     {"kind": "scored_move", "distance": 51_200, "repeats": 10},
+    {
+        "kind": "custom_search",
+        "space": [
+            {"name": "ramp.acceleration", "low": 200_000, "high": 800_000},
+            {"name": "CHOPCONF.hend", "low": 0, "high": 8},
+        ],
+        "distances": [12_800],
+        "objectives": ["peak_fullsteps"],
+    },
 )
 LOOPS: tuple[dict[str, Any], ...] = ({"kind": "closed_loop"}, {"kind": "closed_loop", "keep": True, "hops": 6})
 OF_MODULES: tuple[dict[str, Any], ...] = (

@@ -1,0 +1,1 @@
+"""The study whose space, moves and objectives its document states."""
