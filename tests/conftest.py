@@ -44,6 +44,7 @@ SLOW = (
     "links/test_staying_in_step.py",
     "procedures/test_reference_search.py",
     "profiles/scripts/test_trials.py",
+    "studies/test_custom_search.py",
     "studies/test_fastest_move.py",
     "studies/test_stallguard.py",
     "studies/test_twin.py",
