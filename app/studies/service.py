@@ -24,10 +24,12 @@ from ..store.recordings.marks import Mark
 from ..telemetry.feed import Joined
 from ..telemetry.hub import TelemetryHub
 from ..telemetry.recorder import Trigger
+from .custom_search.found import Searchable
+from .custom_search.space import searchable
 from .document import ScoredMove, StudyDocument
 from .kinds import KINDS
 from .moves import figures_of
-from .plan import StudyPlan
+from .plan import StudyPlan, axis_now
 from .ramp_settings import document_of, held_of, value_now
 from .record import Held, StudyRecord, Taken
 from .run import StudyRun
@@ -144,6 +146,14 @@ class StudyService:
                 found.append(f"study {record.id} has left the axis other than before: put that back first")
                 break
         return found
+
+    async def searchable(self, device: Device, axis: int) -> list[Searchable]:
+        """Which settings of an axis an own search may try. Raises WrongState, BenchError."""
+        missing: list[str] = []
+        found = await axis_now(device, device.axis(axis).index, missing)
+        if found is None:
+            raise WrongState("; ".join(missing), "see to it first")
+        return searchable(device, axis, found)
 
     # --- running --------------------------------------------------------------------------------
 

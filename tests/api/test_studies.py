@@ -297,6 +297,37 @@ async def test_a_study_whose_budget_is_used_up_does_not_go_on(
     assert record.state == "aborted"
 
 
+async def test_an_own_search_over_rest_is_taken_kept_and_undone(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    before = await held(client)
+    told = (await client.get(f"studies/searchable/{slide}/0")).json()["settings"]
+    ramp = next(one for one in told if one["name"] == "ramp.acceleration")
+    study = {
+        "kind": "custom_search",
+        "space": [{"name": ramp["name"], "low": ramp["now"], "high": 4 * ramp["now"], "log": True}],
+        "distances": [6_400],
+        "objectives": ["time_s"],
+        "repeats": 1,
+    }
+    document = {"device": slide, "study": study, "budget": {"trials": 3}}
+    begun = await client.post("studies", json=document)
+    assert begun.status_code == 201, begun.text
+    found = await over(client, clock, begun.json()["id"])
+    assert (found["state"], found["improved"], found["left"]) == ("done", True, []), found["verdict"]
+    assert await held(client) == before
+    await client.post(f"studies/{found['id']}/take", json={"which": "best"})
+    taken = await held(client)
+    assert taken["AMAX"] == taken["DMAX"] > before["AMAX"]
+    kept = (await client.post(f"studies/{found['id']}/profiles")).json()["profiles"]
+    assert ["before" in one["name"] for one in kept] == [True, False]
+    await client.post(f"studies/{found['id']}/take", json={"which": "baseline"})
+    assert await held(client) == before
+    assert "Own search" in (await client.get(f"studies/{found['id']}/report")).text
+    refused = await client.post("studies", json={**document, "study": {**study, "space": []}})
+    assert refused.status_code == 422
+
+
 async def test_a_scored_move_is_taken_and_undone(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:
     document = {"device": slide, "study": {"kind": "scored_move", "distance": 6400, "repeats": 1}}
     begun = await client.post("studies", json=document)

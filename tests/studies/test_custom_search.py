@@ -13,8 +13,9 @@ from app.devices.core.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
 from app.emulators.tmc5xxx.options import Tmc5xxxPatch
 from app.profiles.capture import read_held
+from app.studies.custom_search.space import searchable
 from app.studies.kinds import KINDS
-from app.studies.plan import StudyPlan
+from app.studies.plan import StudyPlan, axis_now
 from app.studies.report import html_of
 from app.studies.store import StudyStore
 from tests.devices.tmcl.harness import bench as module_bench
@@ -292,3 +293,27 @@ async def test_an_axis_without_an_encoder_is_told_so(tmp_path: Path) -> None:
     async with without_encoder(tmp_path) as (s, _):
         plan = await planned(s, study({"name": "ramp.speed", "low": 100, "high": 200}))
         assert any("encoder" in line for line in plan.missing)
+
+
+async def test_what_may_be_searched_is_told_with_what_it_takes(tmp_path: Path) -> None:
+    async with studied(tmp_path, WEAK, **PLANT) as s:
+        limits = AxisLimits(velocity_max_pps=100_000.0)
+        await s.b.manager.edit(s.device.id, DeviceChange(axes=(replace(s.device.axes[0].settings, limits=limits),)))
+        found = await axis_now(s.device, 0, [])
+        assert found is not None
+        told = {each.name: each for each in searchable(s.device, 0, found)}
+        assert (told["CHOPCONF.toff"].low, told["CHOPCONF.toff"].high, told["CHOPCONF.toff"].unit) == (1, 15, "")
+        assert (told["IHOLD_IRUN.IRUN"].high, told["IHOLD_IRUN.IRUN"].now) == (20, 20), (
+            "more current is to be asked for"
+        )
+        assert told["ramp.speed"].high == 100_000
+        assert told["AMAX"].unit == "pps^2"
+        assert told["AMAX"].now == pytest.approx(200_000, rel=1e-3)
+        assert told["COOLCONF.sgt"].low == -64
+        assert told["GCONF.en_pwm_mode"].high == 1, "it is tuned by hand too"
+        assert not {"XTARGET", "RAMPMODE", "SW_MODE.stop_l_enable", "CHOPCONF.mres", "ENC_CONST.INTEGER"} & told.keys()
+        for name in told:
+            each = told[name]
+            plan = await planned(s, study({"name": name, "low": each.low, "high": each.high}))
+            if each.group != "ramp":  # whose soft limit the plan tells
+                assert plan.missing == [], name

@@ -22,7 +22,16 @@ from ..policy import policy
 from ..profiles.views import info as profile_info
 from ..router import subject_router
 from ..server_state import ServerState
-from .schemas import MoveWatchInfo, StudyInfo, StudyKindInfo, StudyLeft, StudyList, StudyProfiles, StudyTake
+from .schemas import (
+    MoveWatchInfo,
+    SearchableList,
+    StudyInfo,
+    StudyKindInfo,
+    StudyLeft,
+    StudyList,
+    StudyProfiles,
+    StudyTake,
+)
 
 router = subject_router(prefix="/studies", tags=["studies"])
 
@@ -98,6 +107,12 @@ async def plan_study(bench: CurrentBench, body: StudyDocument) -> StudyPlan:
 async def no_study_is_called_plan() -> None:
     """Keep `/studies/{study}` from taking this address for a study."""
     raise HTTPException(405, headers={"Allow": "POST"})
+
+
+@router.get("/searchable/{device}/{axis}", responses=problems(*DEVICE_PROBLEMS))
+async def list_searchable(bench: CurrentBench, device: str, axis: Annotated[int, Path(ge=0, le=31)]) -> SearchableList:
+    """Which settings of an axis an own search (`custom_search`) may try, and what each takes. Nothing is written."""
+    return SearchableList(settings=await bench.studies.searchable(bench.manager.get(device), axis))
 
 
 @router.post("", status_code=201, responses=BEGIN)

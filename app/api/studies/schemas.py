@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from ...studies.custom_search.found import Searchable
 from ...studies.document import Kind
 from ...studies.record import State
 from ...studies.scored_move.found import Scored
@@ -61,6 +62,12 @@ class StudyList(Answer):
     studies: list[StudyInfo]
     kinds: list[StudyKindInfo]
     watches: list[MoveWatchInfo]
+
+
+class SearchableList(Answer):
+    """What an own search may try on an axis."""
+
+    settings: list[Searchable]
 
 
 class StudyTake(Body):

@@ -9,6 +9,19 @@ from ..parts import Interval, PairOrder, Part
 from ..scored_move.found import Scored
 
 
+class Searchable(Part):
+    """A setting of an axis that may be searched: how it is named, and what it takes."""
+
+    name: str
+    unit: str = Field(description="of low, high and now; empty: the numbers of the register")
+    low: float
+    high: float = Field(description="as far as the register goes; of currents as now")
+    now: float
+    one: float = Field(description="what one more in the register is")
+    group: str
+    help: str
+
+
 class CustomTried(Part):
     """All figures of a trial."""
 

@@ -7,6 +7,8 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from pydantic import ValidationError
+
 from ...devices.core.device import Device
 from ...devices.core.limit_rules.quantities import Quantity, View
 from ...devices.core.limit_rules.rules import SLACK
@@ -25,6 +27,7 @@ from ..plan import AxisNow
 from ..ramp_settings import ACCELERATION, JERK, SPEED, UNITS
 from ..record import Held
 from ..search import Dimension
+from .found import Searchable
 
 RAMP = "ramp."
 RAMP_FIGURES = (SPEED, ACCELERATION, JERK)
@@ -69,7 +72,7 @@ class CustomSpace:
     def __init__(self, device: Device, axis: int, found: AxisNow, wanted: CustomSearch) -> None:
         """Raises Refused for a setting that may not be searched, WrongState where one could not be put back."""
         self._ramp = found.space
-        maker = _Maker(device, axis, found, wanted)
+        maker = _Maker(device, axis, found, more_current=wanted.more_current)
         self.settings = [maker.made(each) for each in wanted.space]
         places = [each.place for each in self.settings if each.place is not None]
         self._fields = FieldSpace(device, axis, places, found.held)
@@ -147,11 +150,20 @@ def _beside(dimension: Dimension, now: float, way: int) -> float:
     return min(max(value, dimension.low), dimension.high)
 
 
+def searchable(device: Device, axis: int, found: AxisNow) -> list[Searchable]:
+    """All settings of an axis that may be searched, the figures of its ramp first."""
+    maker = _Maker(device, axis, found, more_current=False)
+    rows = [row for row in device.family.table if row.axis in (axis, None) and not row.when]
+    places = [(row, field) for row in rows for field in (row.fields or (None,))]
+    told = [*maker.figures(), *(maker.told(row, field) for row, field in places)]
+    return [each for each in told if each is not None]
+
+
 class _Maker:
     """Makes settings of what a document names."""
 
-    def __init__(self, device: Device, axis: int, found: AxisNow, wanted: CustomSearch) -> None:
-        self._device, self._axis, self._found, self._wanted = device, axis, found, wanted
+    def __init__(self, device: Device, axis: int, found: AxisNow, *, more_current: bool) -> None:
+        self._device, self._axis, self._found, self._more_current = device, axis, found, more_current
         self._title = f"axis {axis} of {device.name}"
         self._context = units_of(device, found.held)
         self.warnings: list[str] = []
@@ -162,28 +174,85 @@ class _Maker:
             return self._figure(asked, asked.name.casefold().removeprefix(RAMP))
         row, field = self._named(asked.name)
         self._require_searchable(row, field, asked.name)
-        return self._number(asked, row, field)
+        made = self._number(asked, row, field)
+        if not self._more_current:
+            self._require_current(made, round(made.now / made.one))
+        return made
+
+    def figures(self) -> list[Searchable]:
+        """The figures of the ramp that may be searched."""
+        told = []
+        for figure, now in self._found.space.now().items():
+            most = self._most(figure)
+            told.append(
+                Searchable(
+                    name=RAMP + figure,
+                    unit=UNITS[figure],
+                    low=min(now, most) / 100,
+                    high=most,
+                    now=now,
+                    one=0.0,
+                    group="ramp",
+                    help=f"the {figure} of moves, in all registers that belong to it",
+                )
+            )
+        return told
+
+    def told(self, row: Register, field: Field | None) -> Searchable | None:
+        """A register or field; None where it may not be searched as it is now."""
+        name = row.name if field is None else f"{row.name}.{field.name}"
+        low, high = self._range(row, field)
+        one, unit = self._unit(row, field, high)
+        asked = {"name": name, "high": high * one}
+        for least in (low, low + 1):  # the least may switch the motor off
+            try:
+                self._require_searchable(row, field, name)
+                wide = SearchedSetting.model_validate({**asked, "low": least * one})
+                made = self._number(wide, row, field)
+                now = round(made.now / one)
+                try:
+                    self._require_current(made, now)
+                except Refused:
+                    high = now
+                bits: Register | Field = row if field is None else field
+                return Searchable(
+                    name=name,
+                    unit=unit,
+                    low=least * one,
+                    high=high * one,
+                    now=made.now,
+                    one=one,
+                    group=row.group,
+                    help=bits.help,
+                )
+            except (Refused, WrongState, ValidationError):
+                continue
+        return None
 
     # --- figures of the ramp ------------------------------------------------------------------------
 
     def _figure(self, asked: SearchedSetting, figure: str) -> Searched:
-        ramp, now = self._found.space, self._found.space.now()
+        now = self._found.space.now()
         if figure not in now:
             there = ", ".join(RAMP + name for name in RAMP_FIGURES if name in now)
             raise Refused(f"{asked.name} is no figure of the ramp of {self._title} as it is set: there are {there}")
-        most = ramp.most(figure)
-        limit = most if figure == JERK else ramp.allowed(figure)
-        if figure == SPEED:
-            limit = min(limit, self._device.motion.speed_limit_pps(self._axis))
+        limit = self._most(figure)
         if asked.low <= 0:
             raise Refused(f"{asked.name} has to begin above 0 {UNITS[figure]}: else it never moves")
         if asked.high > limit * SLACK:
-            why = "its registers hold" if limit == most else "the soft limit and the chip allow"
             raise Refused(
-                f"{asked.name} goes to {plain(asked.high)} {UNITS[figure]}, and {why} {plain(limit)} at most: lower it"
+                f"{asked.name} goes to {plain(asked.high)} {UNITS[figure]}, and the soft limit and the chip allow "
+                f"{plain(limit)} at most: lower it"
             )
         dimension = Dimension(RAMP + figure, asked.low, asked.high, asked.log)
         return Searched(RAMP + figure, UNITS[figure], dimension, 1.0, 0, 0, now[figure], None)
+
+    def _most(self, figure: str) -> float:
+        """The greatest that the soft limits and the chip allow."""
+        if figure == JERK:
+            return self._found.space.most(figure)
+        most = self._found.space.allowed(figure)
+        return min(most, self._device.motion.speed_limit_pps(self._axis)) if figure == SPEED else most
 
     # --- registers, fields, parameters --------------------------------------------------------------
 
@@ -240,7 +309,7 @@ class _Maker:
             self.warnings.append(f"{name} is one of the whole chip: its other axes run by it meanwhile")
 
     def _number(self, asked: SearchedSetting, row: Register, field: Field | None) -> Searched:
-        low, high = self._device.configuration.range_of(row) if field is None else (field.minimum, field.maximum)
+        low, high = self._range(row, field)
         one, unit = self._unit(row, field, high)
         place, name = Place(row.name, "" if field is None else field.name), asked.name
         if asked.low < low * one - abs(low * one) * 1e-6 or asked.high > high * one + abs(high * one) * 1e-6:
@@ -258,8 +327,10 @@ class _Maker:
             raise Refused(f"{name} counts in {plain(one)} {unit}, so equal ratios begin there: raise its low")
         made = Searched(name, unit, dimension, one, first, last, fields[place] * one, place, row, field)
         self._require_on(made)
-        self._require_current(made, fields[place])
         return made
+
+    def _range(self, row: Register, field: Field | None) -> tuple[int, int]:
+        return self._device.configuration.range_of(row) if field is None else (field.minimum, field.maximum)
 
     def _unit(self, row: Register, field: Field | None, most: int) -> tuple[float, str]:
         """What one more is, and of what; 1 and nothing where it counts in numbers of its own."""
@@ -281,9 +352,7 @@ class _Maker:
     # --- limits -------------------------------------------------------------------------------------
 
     def _require_current(self, made: Searched, now: int) -> None:
-        """Raises Refused for more current than before, unless that is asked for."""
-        if self._wanted.more_current:
-            return
+        """Raises Refused for more current than before."""
         remedy = "lower its range, or allow more current (more_current)"
         places = CURRENTS.get(self._device.family.family)
         scales = () if places is None else (places.run, places.hold)
