@@ -45,7 +45,7 @@ async def test_a_faster_ramp_is_found_and_proved_and_the_axis_is_as_before(tmp_p
         assert evidence.pairs == 10
         assert evidence.loss_rate_max == pytest.approx(1 - 0.05 ** (1 / evidence.runs))
         assert any(trial.state == "infeasible" for trial in record.trials), "its edge was found"
-        assert record.next.startswith("more trials: after the 8 that were made, about "), record.next
+        assert record.next.startswith("more trials: after 8 trials about "), record.next
         assert "a loss rate asked for" in record.next
         assert plant(s).lost_fullsteps != 0, "steps were lost on the way there"
         moves = {move.which: move for move in record.moves}

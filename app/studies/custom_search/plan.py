@@ -8,7 +8,7 @@ from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
 from ..document import CustomSearch, StudyDocument
-from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, faults_told, planned, room_told
+from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, least_time_s
 from .figures import NAMES, sign_of
 from .space import CustomSpace, Refused, Searched, beyond_limits
@@ -64,7 +64,6 @@ async def look(device: Device, axis: int, wanted: CustomSearch) -> Looked[Ground
     if not all(found.space.now().values()):
         say("its speed or acceleration is 0: set a ramp at which it moves, for a start")
         return looked
-    looked.missing += faults_told(device, axis, found.state)
     try:
         space = CustomSpace(device, axis, found, wanted)
         looked.missing += await beyond_limits(device, space)

@@ -21,7 +21,7 @@ from ..search import Asked, Searcher, Space
 from .figures import NAMES, broken, judged, sign_of, value_of
 from .found import CustomFound, CustomTried, FigureEffect, FigurePair
 from .plan import AGAIN, FINALISTS, Ground, look
-from .trials import BEFORE, CustomTrials, DriverFault
+from .trials import BEFORE, CustomTrials
 
 ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is left worth trying."""
@@ -153,7 +153,7 @@ class CustomSearchStudy(StudyRun):
         try:
             places = self._ground.places(wanted.repeats)
             found = await self._trials.measure(trial.registers, self._words(setting), places)
-        except (DriverFault, ProfileLeft):
+        except ProfileLeft:
             raise
         except (Failed, SoftLimit, WrongState, ProfileTakenBack) as error:
             trial.state, trial.why = "failed", str(error)

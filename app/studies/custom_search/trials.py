@@ -10,7 +10,6 @@ from ...devices.core.device import Device
 from ...procedures.procedure import Failed
 from ..document import CustomSearch
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
-from ..plan import faults_told
 from ..record import Held
 from ..scored_move.found import Scored
 from ..scored_move.study import SeenMove, scored, seen
@@ -18,10 +17,6 @@ from .plan import Ground
 
 BEFORE = "the setting before the study"
 Apply = Callable[[Sequence[Held], str], Awaitable[None]]
-
-
-class DriverFault(Failed):
-    """The driver tells a fault: that ends the study, and is not a setting's alone."""
 
 
 class CustomTrials:
@@ -63,7 +58,8 @@ class CustomTrials:
                 self.losing()
                 await self.home()
                 break
-        return scored(self._wanted.distances[0], made)
+        # Where a stall begins may be what is searched.
+        return scored(self._wanted.distances[0], made, stall_level=None)
 
     async def _run(self, place: int, made: list[SeenMove]) -> None:
         """All moves from one place, until one loses steps."""
@@ -77,7 +73,6 @@ class CustomTrials:
                 figures = await self.moves.measured(target)
                 assert self.moves.last is not None
                 made.append(seen(figures, self.moves.last, target, ground.full_step))
-                await self._require_no_fault()
                 if figures.lost_fullsteps:
                     return
 
@@ -85,11 +80,6 @@ class CustomTrials:
         """How far encoder and position have parted since nothing was lost [full steps], in whole periods."""
         off = (deviation_of(await self.moves.state()) - self._zero) / self._ground.full_step
         return PERIOD_FULLSTEPS * round(off / PERIOD_FULLSTEPS)
-
-    async def _require_no_fault(self) -> None:
-        faults = faults_told(self._device, self._axis, await self.moves.state())
-        if faults:
-            raise DriverFault("; ".join(faults))
 
     async def home(self) -> None:
         """With the setting before to where the study began, the position as the encoder has it where steps were lost.

@@ -28,7 +28,7 @@ ASKED_FOR_ONE = 12
 """So many settings may be passed over for one that is tried: the search is over when none is worth trying."""
 STEEP = "two gentler settings lost steps"
 """Why a setting was not tried: it would lose some too."""
-DRAWN, WORTH_SHARE = 400, 0.01
+DRAWN, WORTH_SHARE = 200, 0.01
 """So many settings, drawn at random, tell how many are worth a trial yet; less than this share is not told of."""
 LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 """The first settings: so many times the present speed and acceleration, as far as the space goes."""
@@ -183,11 +183,11 @@ class FastestMoveStudy(StudyRun):
     def _untried(self) -> str:
         """What would let the search go on, where it ended with settings left that were worth trying; else empty."""
         budget, tried = self.record.document.budget, self._moved()
+        more = "more trials" if tried >= budget.trials else "more time or way"
         if self._exhausted or self.wanted.candidate is not None:
             return ""
-        more = "more trials" if tried >= budget.trials else "more time or way"
-        if self.wanted.quiet:  # each is worth a trial: it may lie on the front
-            return more
+        if self.wanted.quiet:
+            return f"{more}: fewer gaps in the front of time and deviation"
         chance, low_high = random.Random(self.record.document.seed), self._ranges.dimensions
         drawn = [
             {each.name: each.low * (each.high / each.low) ** chance.random() for each in low_high} for _ in range(DRAWN)
@@ -198,7 +198,7 @@ class FastestMoveStudy(StudyRun):
         ) / len(settings)
         if share < WORTH_SHARE:
             return ""
-        return f"{more}: after the {tried} that were made, about {100 * share:.2g} % of all settings are worth one yet"
+        return f"{more}: after {tried} trials about {plain(100 * share, 2)} % of all settings are worth one yet"
 
     def _shaped(self) -> list[dict[str, float]]:
         """The first settings with a shape: the best so far, with more acceleration below the knee than above."""
