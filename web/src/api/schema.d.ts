@@ -2696,6 +2696,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/studies/searchable/{device}/{axis}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Searchable
+         * @description Which settings of an axis an own search (`custom_search`) may try, and what each takes. Nothing is written.
+         */
+        get: operations["list_searchable"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/studies/{study}": {
         parameters: {
             query?: never;
@@ -2751,7 +2771,10 @@ export interface paths {
         put?: never;
         /**
          * Resume Study
-         * @description Put the axis back as it was, and go on where the study was cut off.
+         * @description Put the axis back as it was, and go on with a study that was cut off.
+         *
+         *     Kinds that `goes_on` names in the list and in the plan keep what is whole, and spend what is left of the budget;
+         *     the others begin anew, from where the axis stands. Those that go on move back to where they began first.
          */
         post: operations["resume_study"];
         delete?: never;
@@ -2771,7 +2794,7 @@ export interface paths {
         put?: never;
         /**
          * Take Study
-         * @description Set the axis to what the study found, or to what it was before: one transaction.
+         * @description Set the axis to what the study found, to a trial of its front, or to what it was before: one transaction.
          */
         post: operations["take_study"];
         delete?: never;
@@ -4740,6 +4763,12 @@ export interface components {
              */
             supply_v?: number;
             /**
+             * Supply Resistance Ohm
+             * @description of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much [ohm]; 0: the supply is stiff
+             * @default 0
+             */
+            supply_resistance_ohm?: number;
+            /**
              * Full scale
              * @description peak coil current at current scale 31 and VSENSE 0, of a tmc2660: 310 mV over 100 mOhm [A]
              * @default 3.1
@@ -4916,6 +4945,12 @@ export interface components {
              * @default 24
              */
             supply_v?: number;
+            /**
+             * Supply Resistance Ohm
+             * @description of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much [ohm]; 0: the supply is stiff
+             * @default 0
+             */
+            supply_resistance_ohm?: number;
             /**
              * Seed of noise and faults
              * @description of the noise in the load value and of bit errors
@@ -5956,6 +5991,34 @@ export interface components {
             heat_share: number | null;
         };
         /**
+         * CouplingOptions
+         * @description What gives between rotor and load, as a belt or a screw does: a spring with damping, and play.
+         *
+         *     At the motor's shaft: a belt of stiffness c [N/m] on a pulley of radius r has c r^2, a screw of lead p whose axial
+         *     stiffness is c has c (p / 2 pi)^2: 1e5 N/m at 5 mm are 2.5 N m/rad, 1e7 N/m at 8 mm a turn 16. That a belt gives
+         *     about in proportion to its pull, by its length, is of GT2-STIFFNESS; what is usual of damping and play is not known
+         *     here.
+         */
+        CouplingOptions: {
+            /**
+             * Stiffness Nm Rad
+             * @description torque for each radian between rotor and load [N m/rad]
+             */
+            stiffness_nm_rad: number;
+            /**
+             * Damping Nms
+             * @description torque for each rad/s between them [N m s]
+             * @default 0
+             */
+            damping_nms?: number;
+            /**
+             * Backlash Fullsteps
+             * @description so far rotor and load turn against each other before the spring takes hold
+             * @default 0
+             */
+            backlash_fullsteps?: number;
+        };
+        /**
          * CoverLink
          * @description A driver behind a controller that carries its datagrams: on the chain of a TMC428, at the output of a TMC4361.
          */
@@ -6282,6 +6345,188 @@ export interface components {
              */
             values: (number | null)[];
         };
+        /**
+         * CustomFound
+         * @description What came of an own search.
+         */
+        CustomFound: {
+            /** Objectives */
+            objectives: ("time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min")[];
+            before: components["schemas"]["Scored"] | null;
+            /** Tried */
+            tried: components["schemas"]["CustomTried"][];
+            /**
+             * Again
+             * @description the best few, measured again before the proof: by these one is chosen
+             */
+            again: components["schemas"]["CustomTried"][];
+            /** Pairs */
+            pairs: components["schemas"]["FigurePair"][];
+            /**
+             * Effects
+             * @description one an objective; empty: no proof yet
+             */
+            effects: components["schemas"]["FigureEffect"][];
+            /**
+             * Runs
+             * @description of the new setting in the proof, all moves each; none lost steps
+             * @default 0
+             */
+            runs: number;
+            /**
+             * Loss Rate Max
+             * @description upper bound of its loss rate, 95 %
+             */
+            loss_rate_max: number | null;
+        };
+        /**
+         * CustomSearch
+         * @description An own space of settings, searched for the best figures of moves there and back; seen by the encoder.
+         */
+        "CustomSearch-Input": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "custom_search";
+            /** Space */
+            space: components["schemas"]["SearchedSetting-Input"][];
+            /**
+             * Distances
+             * @description of the moves, each and back again; the sign says to which side [microsteps]
+             */
+            distances: number[];
+            /**
+             * Objectives
+             * @description what is to be better: less, of load_min more. Of two a front is told; the proof asks for one that is better, and none that may be worse
+             */
+            objectives: ("time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min")[];
+            /**
+             * Bounds
+             * @description what has to hold beside that no step is lost
+             */
+            bounds?: components["schemas"]["FigureBound-Input"][];
+            /**
+             * Repeats
+             * @description of all moves with each setting, from other places of the electrical period
+             * @default 2
+             */
+            repeats?: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps?: number;
+            /**
+             * Pairs
+             * @description of the proof: all moves with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs?: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share better is no improvement
+             * @default 0.02
+             */
+            smallest_gain?: number;
+            /**
+             * More Current
+             * @description settings may take more current than now, within the soft limit
+             * @default false
+             */
+            more_current?: boolean;
+            /**
+             * Sampler
+             * @description null: TPE for one objective, NSGA-II for two
+             */
+            sampler?: ("tpe" | "cmaes" | "nsga2") | null;
+        };
+        /**
+         * CustomSearch
+         * @description An own space of settings, searched for the best figures of moves there and back; seen by the encoder.
+         */
+        "CustomSearch-Output": {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "custom_search";
+            /** Space */
+            space: components["schemas"]["SearchedSetting-Output"][];
+            /**
+             * Distances
+             * @description of the moves, each and back again; the sign says to which side [microsteps]
+             */
+            distances: number[];
+            /**
+             * Objectives
+             * @description what is to be better: less, of load_min more. Of two a front is told; the proof asks for one that is better, and none that may be worse
+             */
+            objectives: ("time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min")[];
+            /**
+             * Bounds
+             * @description what has to hold beside that no step is lost
+             */
+            bounds: components["schemas"]["FigureBound-Output"][];
+            /**
+             * Repeats
+             * @description of all moves with each setting, from other places of the electrical period
+             * @default 2
+             */
+            repeats: number;
+            /**
+             * Band Fullsteps
+             * @description a move is over when the encoder stays within it of the target [full steps]
+             * @default 1
+             */
+            band_fullsteps: number;
+            /**
+             * Pairs
+             * @description of the proof: all moves with the old setting and with the new, in turn
+             * @default 10
+             */
+            pairs: number;
+            /**
+             * Smallest Gain
+             * @description what is less than this share better is no improvement
+             * @default 0.02
+             */
+            smallest_gain: number;
+            /**
+             * More Current
+             * @description settings may take more current than now, within the soft limit
+             * @default false
+             */
+            more_current: boolean;
+            /**
+             * Sampler
+             * @description null: TPE for one objective, NSGA-II for two
+             */
+            sampler: ("tpe" | "cmaes" | "nsga2") | null;
+        };
+        /**
+         * CustomTried
+         * @description All figures of a trial.
+         */
+        CustomTried: {
+            /**
+             * Number
+             * @description of the trial
+             */
+            number: number;
+            figures: components["schemas"]["Scored"];
+            /**
+             * Told
+             * @description what the search was told of each objective: the less the better
+             */
+            told: number[];
+            /**
+             * Violation
+             * @description above 0: it lost steps, did not come to rest, or broke a bound
+             */
+            violation: number;
+        };
         /** DcStepResult */
         DcStepResult: {
             /**
@@ -6393,6 +6638,36 @@ export interface components {
             steps_per_s: number | null;
             /** Message */
             message: string;
+        };
+        /**
+         * DeviationEvidence
+         * @description The deviation under way of the same pairs, where it is an objective [full steps]. Differences are winner less
+         *     baseline.
+         */
+        DeviationEvidence: {
+            /** Baseline Fullsteps */
+            baseline_fullsteps: number;
+            /** Winner Fullsteps */
+            winner_fullsteps: number;
+            /** Difference Fullsteps */
+            difference_fullsteps: number;
+            /** @description of the mean difference, 95 % */
+            interval_fullsteps: components["schemas"]["Interval"];
+            /**
+             * Share
+             * @description difference over the baseline
+             */
+            share: number;
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided
+             */
+            p: number;
+            /**
+             * Significant
+             * @description less deviation is shown
+             */
+            significant: boolean;
         };
         /**
          * DeviceChange
@@ -6963,6 +7238,12 @@ export interface components {
              * @default 24
              */
             supply_v?: number;
+            /**
+             * Supply Resistance Ohm
+             * @description of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much [ohm]; 0: the supply is stiff
+             * @default 0
+             */
+            supply_resistance_ohm?: number;
             /**
              * Seed of noise and faults
              * @description of the noise in the load value and of bit errors
@@ -7683,6 +7964,27 @@ export interface components {
             spoil_next?: number | null;
         };
         /**
+         * EncoderWay
+         * @description A way, thinned out for a plot: means of neighbouring samples.
+         */
+        EncoderWay: {
+            /**
+             * Forward
+             * @description to greater positions
+             */
+            forward: boolean;
+            /**
+             * Position Fullsteps
+             * @description of the motor's counter [full steps]
+             */
+            position_fullsteps: number[];
+            /**
+             * Deviation Fullsteps
+             * @description encoder less position, from the mean of all ways; a count that is set wrong is made up for, where nothing is broken [full steps]
+             */
+            deviation_fullsteps: number[];
+        };
+        /**
          * ErrorHarmonic
          * @description sine * sin(order * angle) + cosine * cos(order * angle): rotor less field, over the field's angle.
          */
@@ -7955,6 +8257,11 @@ export interface components {
              */
             distance: number;
             /**
+             * Distances
+             * @description further ones, to the same side: each run moves by all of them and back, and the time of all together counts [microsteps]; empty: by the one distance alone
+             */
+            distances?: number[];
+            /**
              * Margin
              * @description no step may be lost at so much more speed and acceleration either: 0.1 is 10 %
              * @default 0.1
@@ -7970,6 +8277,11 @@ export interface components {
              * @description the same of the acceleration [pps^2]
              */
             acceleration_max_pps2?: number | null;
+            /**
+             * Shape
+             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
+             */
+            shape?: ("six points" | "bows") | null;
             /**
              * Repeats
              * @description moves there and back with each setting that is tried
@@ -8001,10 +8313,22 @@ export interface components {
             smallest_gain?: number;
             /**
              * Quiet
-             * @description look for little deviation under way too: a front of both
+             * @description look for little deviation under way too: a front of both, of which the setting is proposed that is nearest to the best of both
              * @default false
              */
             quiet?: boolean;
+            /**
+             * Deviation Max Fullsteps
+             * @description with quiet: propose the fastest of the front that never deviates by more under way [full steps]; null: the one nearest to the best of both
+             */
+            deviation_max_fullsteps?: number | null;
+            /**
+             * Candidate
+             * @description search nothing, and prove this setting alone, by the names and units of an earlier study's trial, e.g. speed [pps] and acceleration [pps^2]; null: search
+             */
+            candidate?: {
+                [key: string]: number;
+            } | null;
             /** @description null: on the axis alone */
             twin?: components["schemas"]["Twin-Input"] | null;
             /**
@@ -8036,6 +8360,11 @@ export interface components {
              */
             distance: number;
             /**
+             * Distances
+             * @description further ones, to the same side: each run moves by all of them and back, and the time of all together counts [microsteps]; empty: by the one distance alone
+             */
+            distances: number[];
+            /**
              * Margin
              * @description no step may be lost at so much more speed and acceleration either: 0.1 is 10 %
              * @default 0.1
@@ -8051,6 +8380,11 @@ export interface components {
              * @description the same of the acceleration [pps^2]
              */
             acceleration_max_pps2: number | null;
+            /**
+             * Shape
+             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
+             */
+            shape: ("six points" | "bows") | null;
             /**
              * Repeats
              * @description moves there and back with each setting that is tried
@@ -8082,10 +8416,22 @@ export interface components {
             smallest_gain: number;
             /**
              * Quiet
-             * @description look for little deviation under way too: a front of both
+             * @description look for little deviation under way too: a front of both, of which the setting is proposed that is nearest to the best of both
              * @default false
              */
             quiet: boolean;
+            /**
+             * Deviation Max Fullsteps
+             * @description with quiet: propose the fastest of the front that never deviates by more under way [full steps]; null: the one nearest to the best of both
+             */
+            deviation_max_fullsteps: number | null;
+            /**
+             * Candidate
+             * @description search nothing, and prove this setting alone, by the names and units of an earlier study's trial, e.g. speed [pps] and acceleration [pps^2]; null: search
+             */
+            candidate: {
+                [key: string]: number;
+            } | null;
             /** @description null: on the axis alone */
             twin: components["schemas"]["Twin-Output"] | null;
             /**
@@ -8177,6 +8523,13 @@ export interface components {
              * @description in both coils [A]
              */
             rated_current_a: number;
+            /**
+             * Figures
+             * @description all of this motor by the names of its options, of one of a batch as they were drawn
+             */
+            figures: {
+                [key: string]: number;
+            };
             /**
              * Full Scale A
              * @description peak coil current at current scale 255 [A]
@@ -8271,13 +8624,94 @@ export interface components {
             value: number;
         };
         /**
+         * FigureBound
+         * @description Between what a figure has to stay for a setting to count.
+         */
+        "FigureBound-Input": {
+            /**
+             * Figure
+             * @enum {string}
+             */
+            figure: "time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min";
+            /** Least */
+            least?: number | null;
+            /** Most */
+            most?: number | null;
+        };
+        /**
+         * FigureBound
+         * @description Between what a figure has to stay for a setting to count.
+         */
+        "FigureBound-Output": {
+            /**
+             * Figure
+             * @enum {string}
+             */
+            figure: "time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min";
+            /** Least */
+            least: number | null;
+            /** Most */
+            most: number | null;
+        };
+        /**
+         * FigureEffect
+         * @description One objective of the new setting against the one before, by pairs. Differences are new less old.
+         */
+        FigureEffect: {
+            /**
+             * Figure
+             * @enum {string}
+             */
+            figure: "time_s" | "overshoot_fullsteps" | "peak_fullsteps" | "vibration_fullsteps" | "rest_fullsteps" | "load_min";
+            /** Unit */
+            unit: string;
+            /** Baseline */
+            baseline: number;
+            /** Winner */
+            winner: number;
+            /** Difference */
+            difference: number;
+            /** @description of the mean difference, 95 % */
+            interval: components["schemas"]["Interval"];
+            /**
+             * P
+             * @description of the paired test (Wilcoxon), two-sided; with two objectives taken twice
+             */
+            p: number;
+            /**
+             * Significant
+             * @description shown to be better
+             */
+            significant: boolean;
+            /**
+             * Worse
+             * @description may be worse by more than the smallest gain
+             */
+            worse: boolean;
+        };
+        /**
+         * FigurePair
+         * @description The same moves with the setting before and with the new one: each objective.
+         */
+        FigurePair: {
+            /** Baseline */
+            baseline: number[];
+            /** Winner */
+            winner: number[];
+            /**
+             * Order
+             * @enum {string}
+             */
+            order: "AB" | "BA";
+        };
+        /**
          * Figures
          * @description Of a setting: means over its moves. Null where nothing was measured.
          */
         Figures: {
             /**
              * Time S
-             * @description from the command until the encoder stays in its band [s]
+             * @description from the command until the encoder stays in its band; of several distances: of all together [s]
              */
             time_s: number | null;
             /**
@@ -8285,6 +8719,11 @@ export interface components {
              * @description standard deviation of that [s]
              */
             spread_s: number | null;
+            /**
+             * By Distance S
+             * @description that of each of several distances, in their order [s]; empty of one
+             */
+            by_distance_s: number[];
             /**
              * Deviation Fullsteps
              * @description peak of encoder less position, under way
@@ -8574,6 +9013,21 @@ export interface components {
             motor_teeth: number;
             /** Driven Teeth */
             driven_teeth: number;
+        };
+        /**
+         * Graded
+         * @description One thing of a loop, and how good it is.
+         */
+        Graded: {
+            /** What */
+            what: string;
+            /** Figure */
+            figure: string;
+            /**
+             * Mark
+             * @enum {string}
+             */
+            mark: "good" | "fair" | "poor";
         };
         /**
          * GroundTruth
@@ -8936,6 +9390,11 @@ export interface components {
              * @description holding torque with the run current, as it was told [N m]
              */
             hold_torque_nm: number | null;
+            /**
+             * Supply V
+             * @description motor supply, as it was told [V]
+             */
+            supply_v: number | null;
             /** @description the same by what was told and by the back-EMF, each with the weight of its interval */
             torque_nm: components["schemas"]["Estimate"] | null;
             /** @description of small swings around the field, without detent */
@@ -10120,6 +10579,8 @@ export interface components {
              * @default 0
              */
             inertia_kgm2?: number;
+            /** @description what gives between rotor and load: torque, friction, inertia and the stage's switches are beyond it, encoders on the motor's shaft; null: nothing gives */
+            coupling?: components["schemas"]["CouplingOptions"] | null;
         };
         /**
          * LoadValueOptions
@@ -10160,6 +10621,14 @@ export interface components {
              * @default 0
              */
             pole_tolerance?: number;
+        };
+        /**
+         * LookFound
+         * @description The encoder on ways there and back.
+         */
+        LookFound: {
+            /** Ways */
+            ways: components["schemas"]["EncoderWay"][];
         };
         /**
          * LoopCurves
@@ -10238,6 +10707,18 @@ export interface components {
              */
             settling_s: number | null;
             step: components["schemas"]["LoopStep"] | null;
+            /** @description null: it was not shown to do as asked by its steps */
+            load: components["schemas"]["LoopLoad"] | null;
+            /**
+             * Grades
+             * @description of each thing that is known
+             */
+            grades: components["schemas"]["Graded"][];
+            /**
+             * Grade
+             * @description the worst of them; null: nothing was shown
+             */
+            grade: ("good" | "fair" | "poor") | null;
             /**
              * Captures
              * @description recordings that were made
@@ -10267,6 +10748,21 @@ export interface components {
              * @description the worst of each of the last 60 s, oldest first; null where nothing was measured
              */
             lag_ms_by_second: (number | null)[];
+        };
+        /**
+         * LoopLoad
+         * @description Ramps there and back with the new gains: the load is what accelerates.
+         */
+        LoopLoad: {
+            /** Acceleration Pps2 */
+            acceleration_pps2: number;
+            /**
+             * Deviation Fullsteps
+             * @description of the encoder from the position at the most
+             */
+            deviation_fullsteps: number;
+            /** Lost Fullsteps */
+            lost_fullsteps: number;
         };
         /**
          * LoopStep
@@ -11162,6 +11658,12 @@ export interface components {
              */
             supply_v?: number;
             /**
+             * Supply Resistance Ohm
+             * @description of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much [ohm]; 0: the supply is stiff
+             * @default 0
+             */
+            supply_resistance_ohm?: number;
+            /**
              * Seed of noise and faults
              * @description of the noise in the load value and of bit errors
              * @default 1241
@@ -11471,6 +11973,11 @@ export interface components {
              * @description [N m]
              */
             holding_torque_nm?: number | null;
+            /**
+             * Rotor Inertia Kgm2
+             * @description [kg m2]
+             */
+            rotor_inertia_kgm2?: number | null;
         };
         /**
          * MotorInfo
@@ -11499,6 +12006,11 @@ export interface components {
             inductance_h: number | null;
             /** Holding Torque Nm */
             holding_torque_nm: number | null;
+            /**
+             * Rotor Inertia Kgm2
+             * @description of motors of your own alone: the public list has none
+             */
+            rotor_inertia_kgm2: number | null;
         };
         /**
          * MotorList
@@ -11616,6 +12128,11 @@ export interface components {
              *     }
              */
             load_value?: components["schemas"]["LoadValueOptions"];
+            /**
+             * Batch Seed
+             * @description one motor of a batch: its figures are drawn around those named here, within tolerances, and told in the emulator's state; the same seed is the same motor; null: exactly as named
+             */
+            batch_seed?: number | null;
         };
         /** MotorState */
         MotorState: {
@@ -11649,6 +12166,13 @@ export interface components {
              * @description in both coils [A]
              */
             rated_current_a: number;
+            /**
+             * Figures
+             * @description all of this motor by the names of its options, of one of a batch as they were drawn
+             */
+            figures: {
+                [key: string]: number;
+            };
         };
         /** Move */
         Move: {
@@ -12262,6 +12786,13 @@ export interface components {
              * @enum {string}
              */
             order: "AB" | "BA";
+            /**
+             * Baseline Deviation Fullsteps
+             * @description of two objectives: peak of encoder less position, under way
+             */
+            baseline_deviation_fullsteps: number | null;
+            /** Winner Deviation Fullsteps */
+            winner_deviation_fullsteps: number | null;
         };
         /**
          * ParameterPart
@@ -15673,8 +16204,11 @@ export interface components {
             time_s: number | null;
             /** @description of that, 95 %; null for fewer than two */
             interval_s: components["schemas"]["Interval"] | null;
-            /** Overshoot Fullsteps */
-            overshoot_fullsteps: number;
+            /**
+             * Overshoot Fullsteps
+             * @description null where a stall ended each move
+             */
+            overshoot_fullsteps: number | null;
             /**
              * Peak Fullsteps
              * @description greatest deviation under way
@@ -15682,9 +16216,9 @@ export interface components {
             peak_fullsteps: number;
             /**
              * Vibration Fullsteps
-             * @description root mean square of the deviation under way, less its mean
+             * @description root mean square of the deviation under way, less its mean; null where a stall ended each move
              */
-            vibration_fullsteps: number;
+            vibration_fullsteps: number | null;
             /**
              * Rest Fullsteps
              * @description the same from the end of the ramp on, until it rested
@@ -15697,9 +16231,31 @@ export interface components {
             lost_fullsteps: number;
             /**
              * Load Min
-             * @description least load value of StallGuard on the middle half of the way
+             * @description least load value of StallGuard on the middle half of the way; of a move that a stall ended from there on until it stood, as far as samples show it
              */
             load_min: number | null;
+            /**
+             * Load Margin
+             * @description how far that is above the load value that is a stall; null where a stall ended a move
+             */
+            load_margin: number | null;
+            /**
+             * Stalls
+             * @description moves that a stall ended on their way; no further one is made then
+             * @default 0
+             */
+            stalls: number;
+            /**
+             * Stalled At
+             * @description where it stood then [microsteps]
+             */
+            stalled_at: number | null;
+            /**
+             * Reached
+             * @description least share of the way that a move made: 1 is all of it
+             * @default 1
+             */
+            reached: number;
         };
         /**
          * ScoredMove
@@ -15826,6 +16382,93 @@ export interface components {
              * @description what the reference search does; empty while none runs
              */
             phase: string;
+        };
+        /**
+         * Searchable
+         * @description A setting of an axis that may be searched: how it is named, and what it takes.
+         */
+        Searchable: {
+            /** Name */
+            name: string;
+            /**
+             * Unit
+             * @description of low, high and now; empty: the numbers of the register
+             */
+            unit: string;
+            /** Low */
+            low: number;
+            /**
+             * High
+             * @description as far as the register goes; of currents as now
+             */
+            high: number;
+            /** Now */
+            now: number;
+            /**
+             * One
+             * @description what one more in the register is
+             */
+            one: number;
+            /** Group */
+            group: string;
+            /** Help */
+            help: string;
+        };
+        /**
+         * SearchableList
+         * @description What an own search may try on an axis.
+         */
+        SearchableList: {
+            /** Settings */
+            settings: components["schemas"]["Searchable"][];
+        };
+        /**
+         * SearchedSetting
+         * @description One dimension of a space: a register field, a parameter or a figure of the ramp, and from where to where.
+         */
+        "SearchedSetting-Input": {
+            /**
+             * Name
+             * @description as the catalog has it: a register, register.field, or a parameter of a module; or ramp.speed, ramp.acceleration, ramp.jerk, with all registers that belong to them
+             */
+            name: string;
+            /**
+             * Low
+             * @description in the physical unit where it has one (pps, pps^2, s ...), else raw
+             */
+            low: number;
+            /** High */
+            high: number;
+            /**
+             * Log
+             * @description looked at by equal ratios
+             * @default false
+             */
+            log?: boolean;
+        };
+        /**
+         * SearchedSetting
+         * @description One dimension of a space: a register field, a parameter or a figure of the ramp, and from where to where.
+         */
+        "SearchedSetting-Output": {
+            /**
+             * Name
+             * @description as the catalog has it: a register, register.field, or a parameter of a module; or ramp.speed, ramp.acceleration, ramp.jerk, with all registers that belong to them
+             */
+            name: string;
+            /**
+             * Low
+             * @description in the physical unit where it has one (pps, pps^2, s ...), else raw
+             */
+            low: number;
+            /** High */
+            high: number;
+            /**
+             * Log
+             * @description looked at by equal ratios
+             * @default false
+             */
+            log: boolean;
         };
         /**
          * SequenceMove
@@ -16249,6 +16892,12 @@ export interface components {
              */
             supply_v?: number;
             /**
+             * Supply Resistance Ohm
+             * @description of supply, cable and connectors: what the coils draw lowers the voltage at the driver by so much [ohm]; 0: the supply is stiff
+             * @default 0
+             */
+            supply_resistance_ohm?: number;
+            /**
              * Seed of noise and faults
              * @description of the noise in the load value and of bit errors
              * @default 5160
@@ -16584,6 +17233,40 @@ export interface components {
             backlash_fullsteps?: number;
         };
         /**
+         * StallAlone
+         * @description The threshold that suits one speed alone best. Not proved: it is counted in the very runs it was chosen by.
+         */
+        StallAlone: {
+            /** Threshold */
+            threshold: number;
+            /** Filtered */
+            filtered: boolean;
+            /**
+             * Level
+             * @description at it or below a value is a stall
+             */
+            level: number;
+            /**
+             * False
+             * @description false stalls it would have told in the free runs that were measured
+             */
+            false: number;
+            /** Free Runs */
+            free_runs: number;
+            /**
+             * Missed
+             * @description stalls it would have missed in the runs into the stop that were measured
+             */
+            missed: number;
+            /** Stops */
+            stops: number;
+            /**
+             * May Do
+             * @description whether these runs leave it open that it gets no more wrong than was asked for
+             */
+            may_do: boolean;
+        };
+        /**
          * StallFound
          * @description What StallGuard tells of this axis.
          */
@@ -16863,6 +17546,8 @@ export interface components {
             stop_share: number[];
             /** Roc */
             roc: components["schemas"]["RocPoint"][];
+            /** @description what suits this speed alone, not held out; null: too few runs of it were measured */
+            alone: components["schemas"]["StallAlone"] | null;
             /**
              * Why
              * @description why no threshold does it at this speed; empty where the choice does
@@ -17484,7 +18169,7 @@ export interface components {
              */
             axis?: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["QuietStealthChop-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
+            study: components["schemas"]["CalmChopper-Input"] | components["schemas"]["ClosedLoop-Input"] | components["schemas"]["CustomSearch-Input"] | components["schemas"]["FastestMove-Input"] | components["schemas"]["FirstLook-Input"] | components["schemas"]["Identification-Input"] | components["schemas"]["LeastCurrent-Input"] | components["schemas"]["MicrostepCalibration-Input"] | components["schemas"]["QuietStealthChop-Input"] | components["schemas"]["ResonanceMap-Input"] | components["schemas"]["ScoredMove-Input"] | components["schemas"]["StallGuard-Input"] | components["schemas"]["TorqueCurve-Input"];
             budget?: components["schemas"]["Budget-Input"];
             /**
              * Seed
@@ -17526,7 +18211,7 @@ export interface components {
              */
             axis: number;
             /** Study */
-            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["QuietStealthChop-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
+            study: components["schemas"]["CalmChopper-Output"] | components["schemas"]["ClosedLoop-Output"] | components["schemas"]["CustomSearch-Output"] | components["schemas"]["FastestMove-Output"] | components["schemas"]["FirstLook-Output"] | components["schemas"]["Identification-Output"] | components["schemas"]["LeastCurrent-Output"] | components["schemas"]["MicrostepCalibration-Output"] | components["schemas"]["QuietStealthChop-Output"] | components["schemas"]["ResonanceMap-Output"] | components["schemas"]["ScoredMove-Output"] | components["schemas"]["StallGuard-Output"] | components["schemas"]["TorqueCurve-Output"];
             budget: components["schemas"]["Budget-Output"];
             /**
              * Seed
@@ -17546,7 +18231,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "custom_search" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Device */
@@ -17599,11 +18284,16 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "chopper" | "closed_loop" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
+            kind: "chopper" | "closed_loop" | "custom_search" | "fastest_move" | "first_look" | "identification" | "least_current" | "microstep_calibration" | "resonance_map" | "scored_move" | "stallguard" | "stealthchop" | "torque_curve";
             /** Title */
             title: string;
             /** Purpose */
             purpose: string;
+            /**
+             * Goes On
+             * @description cut off and resumed, it keeps what is whole and goes on with the rest; else it begins anew
+             */
+            goes_on: boolean;
         };
         /**
          * StudyLeft
@@ -17685,6 +18375,12 @@ export interface components {
              * @description what nothing of it would notice
              */
             unwatched: string[];
+            /**
+             * Goes On
+             * @description cut off, it keeps what is whole and goes on with the rest; else it begins anew
+             * @default false
+             */
+            goes_on: boolean;
             /**
              * No Twin
              * @description why nothing of it can be tried on an emulated twin; empty: it can
@@ -17805,6 +18501,8 @@ export interface components {
             verdict: string;
             /** Findings */
             findings: components["schemas"]["Finding"][];
+            /** @description of a first look: its encoder on the way */
+            looked: components["schemas"]["LookFound"] | null;
             /** @description of a microstep calibration */
             microsteps: components["schemas"]["MicrostepFigures"] | null;
             /** @description motor and machine, as a study found them */
@@ -17822,10 +18520,23 @@ export interface components {
              */
             way_fullsteps: number;
             /**
+             * Start
+             * @description where it began, and goes on from [microsteps]
+             */
+            start: number | null;
+            /**
+             * Ran S
+             * @description how long it has run, all its beginnings together [s]
+             * @default 0
+             */
+            ran_s: number;
+            /**
              * Left
              * @description what is not as it was before; empty where all is
              */
             left: string[];
+            /** @description what the axis was set to of it; null: nothing, or undone */
+            taken: components["schemas"]["Taken"] | null;
             /** Recording */
             recording: string | null;
             /**
@@ -17847,6 +18558,8 @@ export interface components {
             resonances: components["schemas"]["ResonanceFound"] | null;
             /** @description of a scored move */
             scored: components["schemas"]["Scored"] | null;
+            /** @description of an own search */
+            custom: components["schemas"]["CustomFound"] | null;
             /**
              * Noticed
              * @description the scored move was made by somebody, and noticed
@@ -17867,10 +18580,15 @@ export interface components {
         StudyTake: {
             /**
              * Which
-             * @description what the study found, or what was before it
+             * @description what the study found, what was before it, or a trial of its front
              * @enum {string}
              */
-            which: "best" | "baseline";
+            which: "best" | "baseline" | "trial";
+            /**
+             * Trial
+             * @description its number, where a trial is taken: it held when it was tried, and is not proved
+             */
+            trial?: number | null;
         };
         /**
          * SwitchChange
@@ -17981,6 +18699,19 @@ export interface components {
              * @description where in a datagram the rest of the address begins
              */
             tag_lsb: number;
+        };
+        /**
+         * Taken
+         * @description The setting of a study that the axis was set to.
+         */
+        Taken: {
+            /** Trial */
+            trial: number;
+            /**
+             * Proved
+             * @description whether the study has shown it to be better; false: it held when it was tried
+             */
+            proved: boolean;
         };
         /**
          * TakenBack
@@ -18799,6 +19530,16 @@ export interface components {
             friction_nm: number;
             /** Points */
             points: components["schemas"]["TorquePoint"][];
+            /**
+             * First Radps2
+             * @description what there is at the first speed, about
+             */
+            first_radps2: number | null;
+            /**
+             * Speeds Rps
+             * @description at which it looks, as soon as that is known
+             */
+            speeds_rps: number[];
             margin: components["schemas"]["RampMargin"] | null;
             /**
              * Speed Most Rps
@@ -18840,6 +19581,11 @@ export interface components {
             torque_nm: number | null;
             /** @description 95 %, with that of the inertia */
             interval_nm: components["schemas"]["Interval"] | null;
+            /**
+             * Asked Rps
+             * @description the one of `speeds_rps` that it was looked for
+             */
+            asked_rps: number | null;
             /**
              * Slips
              * @description runs that lost steps
@@ -18962,6 +19708,16 @@ export interface components {
              * @description "regulated", "open", "shorted", or "voltage" while PWM drives them
              */
             bridges: string;
+            /**
+             * Load Fullsteps
+             * @description where the load is, behind what gives between it and the rotor
+             */
+            load_fullsteps: number;
+            /**
+             * Supply V
+             * @description motor supply at the driver, where it may sag [V]
+             */
+            supply_v: number;
         };
         /**
          * Twin
@@ -19141,6 +19897,30 @@ export interface components {
              */
             load_friction_nm?: number;
             /**
+             * Friction Nm
+             * @description Coulomb friction of the motor itself: 0 where the load's is that of both
+             * @default 0.005
+             */
+            friction_nm?: number;
+            /**
+             * Viscous Nms
+             * @description viscous friction: what damps the resonance
+             * @default 0.001
+             */
+            viscous_nms?: number;
+            /**
+             * Detent Torque Nm
+             * @description its amplitude
+             * @default 0.02
+             */
+            detent_torque_nm?: number;
+            /**
+             * Backlash Deg
+             * @description play between the shaft and its encoder [deg of the shaft]
+             * @default 0
+             */
+            backlash_deg?: number;
+            /**
              * Supply V
              * @default 24
              */
@@ -19192,6 +19972,30 @@ export interface components {
              * @default 0
              */
             load_friction_nm: number;
+            /**
+             * Friction Nm
+             * @description Coulomb friction of the motor itself: 0 where the load's is that of both
+             * @default 0.005
+             */
+            friction_nm: number;
+            /**
+             * Viscous Nms
+             * @description viscous friction: what damps the resonance
+             * @default 0.001
+             */
+            viscous_nms: number;
+            /**
+             * Detent Torque Nm
+             * @description its amplitude
+             * @default 0.02
+             */
+            detent_torque_nm: number;
+            /**
+             * Backlash Deg
+             * @description play between the shaft and its encoder [deg of the shaft]
+             * @default 0
+             */
+            backlash_deg: number;
             /**
              * Supply V
              * @default 24
@@ -20592,6 +21396,8 @@ export interface components {
              * @description upper bound of the winner's loss rate, 95 %: what so many runs can show
              */
             loss_rate_max: number;
+            /** @description of two objectives: the other one */
+            deviation: components["schemas"]["DeviationEvidence"] | null;
         };
         /**
          * Evidence
@@ -33293,6 +34099,83 @@ export interface operations {
             };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_searchable: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                device: string;
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchableList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
