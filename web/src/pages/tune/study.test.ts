@@ -148,7 +148,13 @@ describe("a study on the page", () => {
     expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBe(FIRST_TWIN);
     const known = named(FIRST_TWIN, motor);
     expect(named(FIRST_TWIN, { ...motor, rotor_inertia_kgm2: 7e-6 }).motor.rotor_inertia_kgm2).toBe(7e-6);
-    const figures = { holding_torque_nm: 0.59, rated_current_a: 2, resistance_ohm: 1.4, load_inertia_kgm2: 0, supply_v: 24 };
+    const figures = {
+      holding_torque_nm: 0.59,
+      rated_current_a: 2,
+      resistance_ohm: 1.4,
+      load_inertia_kgm2: 0,
+      supply_v: 24,
+    };
     expect(twinOf(known)).toEqual({ motor: figures });
     expect(twinOf({ ...known, on: false })).toBeNull();
     const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };

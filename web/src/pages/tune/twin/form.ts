@@ -50,7 +50,8 @@ export function named(form: TwinForm, motor: NamedMotor): TwinForm {
  */
 export function asIdentified(form: TwinForm, found: Identified, when: string): TwinForm | null {
   if (found.inertia_kgm2 === null) return null;
-  const friction = found.friction_nm === null ? {} : { load_friction_nm: Math.max(0, found.friction_nm.value), friction_nm: 0 };
+  const friction =
+    found.friction_nm === null ? {} : { load_friction_nm: Math.max(0, found.friction_nm.value), friction_nm: 0 };
   const swing = {
     ...(found.viscous_nms && { viscous_nms: Math.max(0, found.viscous_nms.value) }),
     ...(found.detent_torque_nm && { detent_torque_nm: found.detent_torque_nm.value }),
