@@ -32,6 +32,13 @@ def test_the_adc_tells_the_supply(supply_v: float) -> None:
     assert bench.field("ADC_VSUPPLY_AIN", "ADC_AIN") == 0, "nothing is connected to it"
 
 
+def test_the_adc_tells_a_supply_that_sags() -> None:
+    bench = moving(MODEL, rigid=False, current=31, supply_v=24.0, supply_resistance_ohm=10.0)
+    truth = bench.state().axes[0].truth.supply_v
+    assert 10.0 < truth < 23.6
+    assert bench.field("ADC_VSUPPLY_AIN", "ADC_VSUPPLY") * 9.732e-3 == pytest.approx(truth, abs=9.732e-3)
+
+
 @pytest.mark.parametrize("celsius", [-20.0, 0.0, 25.0, 85.0])
 def test_the_adc_tells_the_temperature(celsius: float) -> None:
     bench = Bench(MODEL)

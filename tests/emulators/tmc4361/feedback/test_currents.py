@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from app.emulators.drive import MotorOptions
@@ -126,6 +128,19 @@ def test_the_driver_regulates_the_coils_to_the_scaled_currents(scale: int) -> No
     a, b = both(bench.unit.read(CURRENTS_SPI))
     assert truth.current_a_a == pytest.approx(2.1 * (a + 0.5) / 248, rel=1e-6)
     assert truth.current_b_a == pytest.approx(2.1 * (b + 0.5) / 248, rel=1e-6)
+
+
+def test_a_supply_that_sags_and_a_load_behind_a_spring_are_there_after_a_reset_too() -> None:
+    load = {"inertia_kgm2": 2e-5, "torque_nm": 0.1, "coupling": {"stiffness_nm_rad": 3.0, "damping_nms": 2e-3}}
+    bench = Bench({CURRENT_CONF: DRIVE, SCALE_VALUES: 255 << 8}, load=load, supply_resistance_ohm=8.0)
+    for reset in (False, True):
+        if reset:
+            bench.unit.reset()
+            bench.write({CURRENT_CONF: DRIVE, SCALE_VALUES: 255 << 8})
+        bench.run(0.5)
+        truth = bench.unit.plant_state
+        assert truth.rotor_fullsteps - truth.load_fullsteps == pytest.approx(0.1 / 3.0 * 100 / math.pi, rel=0.02)
+        assert 12.0 < truth.supply_v < 23.0
 
 
 def scale_while(bench: Bench, ramp_state: int, velocity: float = 1000.0) -> int:
