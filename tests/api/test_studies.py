@@ -269,7 +269,7 @@ async def test_what_was_set_meanwhile_goes_back_before_a_study_goes_on(
     document = {"device": slide, "study": MOVE, "budget": {"trials": 3, "time_s": 60}}
     study = (await client.post("studies", json=document)).json()["id"]
     await clock.advance(7.0)
-    await client.post(f"studies/{study}/stop")
+    await client.post("stop")
     cut = await over(client, clock, study, 30)
     assert cut["ran_s"] == pytest.approx(7.0, abs=1.0)
     await client.put("devices/slide/registers/VMAX?axis=0", json={"value": 20_000})
@@ -277,7 +277,7 @@ async def test_what_was_set_meanwhile_goes_back_before_a_study_goes_on(
     resumed = await client.post(f"studies/{study}/resume")
     assert resumed.is_success, resumed.text
     assert {one["name"]: one["value"] for one in resumed.json()["baseline"] if one["name"] in NAMES} == before
-    await client.post(f"studies/{study}/stop")
+    await client.post("stop")
     await over(client, clock, study, 30)
     assert await held(client) == before
 
@@ -287,7 +287,7 @@ async def test_a_study_whose_budget_is_used_up_does_not_go_on(
 ) -> None:
     study = (await client.post("studies", json={"device": slide, "study": MOVE})).json()["id"]
     await clock.advance(3.0)
-    await client.post(f"studies/{study}/stop")
+    await client.post("stop")
     await over(client, clock, study, 30)
     record = bench_of(app).studies.get(study)
     record.ran_s = record.document.budget.time_s + 1
