@@ -40,7 +40,6 @@ SHAPED = ((1.0, 1.0, 0.5, 1.25), (1.1, 0.9, 0.6, 1.4), (1.25, 0.75, 0.6, 1.6), (
 accelerates below."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
-
 CANDIDATE = 1
 """Number of the trial of a setting that is to be proved without a search."""
 
