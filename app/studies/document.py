@@ -105,8 +105,8 @@ class FastestMove(Part):
     shape: Shape | None = Field(
         default=None,
         description="what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates "
-        "and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or "
-        "S-ramps of one jerk where they are set",
+        "and brakes by more, and how much more it brakes than it accelerates; bows: the jerk near rest and that near "
+        "the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set",
     )
     repeats: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
         default=2, description="moves there and back with each setting that is tried"

@@ -21,6 +21,7 @@ from .table_settings import with_registers
 
 SPEED, ACCELERATION, JERK = "speed", "acceleration", "jerk"
 KNEE, KNEE_ACCELERATION = "knee speed", "acceleration below the knee"
+DECELERATION, KNEE_DECELERATION = "deceleration", "deceleration below the knee"
 REST_JERK, TOP_JERK = "jerk near rest", "jerk near full speed"
 UNITS = {
     SPEED: "pps",
@@ -28,6 +29,8 @@ UNITS = {
     JERK: "pps^3",
     KNEE: "pps",
     KNEE_ACCELERATION: "pps^2",
+    DECELERATION: "pps^2",
+    KNEE_DECELERATION: "pps^2",
     REST_JERK: "pps^3",
     TOP_JERK: "pps^3",
 }
@@ -55,11 +58,13 @@ class Fitting(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """Between which shares of another setting a setting is looked for."""
+    """Between which shares of another setting a setting is looked for. like : the setting whose share it has, where it
+    is not looked for by itself"""
 
     of: str
     low: float
     high: float
+    like: str = ""
 
 
 @dataclass(frozen=True, slots=True)

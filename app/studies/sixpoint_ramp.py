@@ -8,10 +8,24 @@ from ..calc.ramps.sixpoint import SixPoint, position_plan
 from ..profiles.items import key_of
 from ..profiles.physical import UnitContext
 from ..registers.catalog import MODELS
-from .ramp_settings import ACCELERATION, KNEE, KNEE_ACCELERATION, SPEED, LeastTime, Share
+from .ramp_settings import (
+    ACCELERATION,
+    DECELERATION,
+    KNEE,
+    KNEE_ACCELERATION,
+    KNEE_DECELERATION,
+    SPEED,
+    LeastTime,
+    Share,
+)
 
-SHARES = {KNEE: Share(SPEED, 0.2, 0.95), KNEE_ACCELERATION: Share(ACCELERATION, 1.0, 4.0)}
-"""Of the greatest speed, and of the acceleration above: torque falls with speed, so below V1 it is never less."""
+SHARES = {
+    KNEE: Share(SPEED, 0.2, 0.95),
+    KNEE_ACCELERATION: Share(ACCELERATION, 1.0, 4.0),
+    DECELERATION: Share(ACCELERATION, 1.0, 2.0),
+    KNEE_DECELERATION: Share(KNEE_ACCELERATION, 1.0, 2.0, like=DECELERATION),
+}
+"""Torque falls with speed, so below V1 the acceleration is never less; friction helps to brake, above V1 and below."""
 
 
 def six_point_time(v_start: str, v_stop: str) -> LeastTime:
@@ -22,11 +36,11 @@ def six_point_time(v_start: str, v_stop: str) -> LeastTime:
         ramp = SixPoint(
             v_max=setting[SPEED],
             a_max=setting[ACCELERATION],
-            d_max=setting[ACCELERATION],
+            d_max=setting[DECELERATION],
             v_start=min(_speed(units, axis, v_start), stop_pps),
             a1=setting[KNEE_ACCELERATION],
             v1=setting[KNEE],
-            d1=setting[KNEE_ACCELERATION],
+            d1=setting[KNEE_DECELERATION],
             v_stop=stop_pps,
         )
         return position_plan(ramp, distance).duration_s

@@ -54,12 +54,16 @@ class Ranges:
         least, which is a trapezoid, where it asks for none."""
         found = dict(asked)
         for name, share in self.space.shares.items():
-            found[name] = min(asked.get(name, share.low) * asked[share.of], self.most[name])
+            times = asked.get(share.like or name, share.low)
+            found[name] = min(times * found[share.of], self.most[name])
         return found
 
     def trapezoid(self, setting: Mapping[str, float]) -> dict[str, float]:
         """A setting whose shares of others are the least, which is a trapezoid."""
-        return {**setting, **{name: share.low * setting[share.of] for name, share in self.space.shares.items()}}
+        found = dict(setting)
+        for name, share in self.space.shares.items():
+            found[name] = share.low * found[share.of]
+        return found
 
     def asked(self, setting: Mapping[str, float], times: float = 1.0) -> dict[str, float]:
         """What the search would ask for to get that setting, `times` as fast, as far as its space goes. The least of
@@ -180,10 +184,13 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
         if space.most(name) < now[name] * FASTER and ranges[name][1] == space.most(name) / (1 + wanted.margin)
     ]
     dimensions = tuple(Dimension(name, low, high) for name, (low, high) in ranges.items())
-    dimensions += tuple(Dimension(name, share.low, share.high) for name, share in space.shares.items())
+    dimensions += tuple(
+        Dimension(name, share.low, share.high) for name, share in space.shares.items() if not share.like
+    )
     # A share of a setting may be as much as that itself may be.
     most = {name: high for name, (_, high) in ranges.items()}
-    most |= {name: min(most[share.of], space.most(name) / (1 + wanted.margin)) for name, share in space.shares.items()}
+    for name, share in space.shares.items():
+        most[name] = min(most[share.of], space.most(name) / (1 + wanted.margin))
     if wanted.candidate is not None and (wrong := _misfit(wanted.candidate, space, most)):
         say(wrong)
         return looked

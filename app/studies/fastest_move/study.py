@@ -13,7 +13,15 @@ from ...procedures.procedure import Failed
 from ..document import FastestMove
 from ..parts import Interval
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
-from ..ramp_settings import ACCELERATION, KNEE, KNEE_ACCELERATION, SPEED, UNITS
+from ..ramp_settings import (
+    ACCELERATION,
+    DECELERATION,
+    KNEE,
+    KNEE_ACCELERATION,
+    KNEE_DECELERATION,
+    SPEED,
+    UNITS,
+)
 from ..record import DeviationEvidence, Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
@@ -35,9 +43,14 @@ LADDER = (1.5, 2.2, 3.2, 5.0, 8.0)
 TRAPEZOIDS, PASSED_OVER = 0.5, 6
 """Where a knee is searched too, a trapezoid is found first, by fewer settings than both at once would take: with that
 share of the trials, or until so many are passed over for one that is tried. Then it begins at the best of them."""
-SHAPED = ((1.0, 1.0, 0.5, 1.25), (1.1, 0.9, 0.6, 1.4), (1.25, 0.75, 0.6, 1.6), (1.0, 0.85, 0.6, 1.3))
+SHAPED = (
+    (1.0, 1.0, 0.5, 1.25, 1.0),
+    (1.1, 0.9, 0.6, 1.4, 1.15),
+    (1.25, 0.75, 0.6, 1.6, 1.15),
+    (1.0, 0.85, 0.6, 1.3, 1.3),
+)
 """The first settings with a knee: so many times the best speed and acceleration, where it lies, and how much more it
-accelerates below."""
+accelerates below, and how much more it brakes."""
 CANDIDATES = 8
 """So many of the best go to the proof, one after the other, where one of them loses steps there."""
 CANDIDATE = 1
@@ -205,9 +218,14 @@ class FastestMoveStudy(StudyRun):
         if best is None:
             return []
         found = []
-        for speeds, accelerations, knee, below in SHAPED:
+        for speeds, accelerations, knee, below, braking in SHAPED:
             speed, acceleration = speeds * best.setting[SPEED], accelerations * best.setting[ACCELERATION]
-            shape = {KNEE: knee * speed, KNEE_ACCELERATION: below * acceleration}
+            shape = {
+                KNEE: knee * speed,
+                KNEE_ACCELERATION: below * acceleration,
+                DECELERATION: braking * acceleration,
+                KNEE_DECELERATION: below * braking * acceleration,
+            }
             found.append(self._ranges.asked({SPEED: speed, ACCELERATION: acceleration, **shape}))
         return found
 

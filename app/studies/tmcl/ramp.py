@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from ..ramp_settings import ACCELERATION, KNEE, KNEE_ACCELERATION, SPEED, RampRegisters
+from ..ramp_settings import (
+    ACCELERATION,
+    DECELERATION,
+    KNEE,
+    KNEE_ACCELERATION,
+    KNEE_DECELERATION,
+    SPEED,
+    RampRegisters,
+)
 from ..sixpoint_ramp import SHARES, six_point_time
 
 _ACCELERATIONS = ("maximum_acceleration", "maximum_deceleration")
@@ -14,9 +22,11 @@ RAMP = RampRegisters(
 SIX_POINTS = RampRegisters(
     {
         SPEED: ("maximum_positioning_speed",),
-        ACCELERATION: _ACCELERATIONS,
+        ACCELERATION: _ACCELERATIONS[:1],
         KNEE: ("velocity_v1",),
-        KNEE_ACCELERATION: ("acceleration_a1", "deceleration_d1"),
+        KNEE_ACCELERATION: ("acceleration_a1",),
+        DECELERATION: _ACCELERATIONS[1:],
+        KNEE_DECELERATION: ("deceleration_d1",),
     },
     brake=(_ACCELERATIONS[1], "deceleration_d1"),
     shares=SHARES,

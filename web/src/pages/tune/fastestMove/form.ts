@@ -10,7 +10,7 @@ export function shapesOf(can: FieldsProps<never>["can"]): { value: Shape | ""; l
   if (can("ramp.sixpoint")) {
     return [
       { value: "", label: "a trapezoid" },
-      { value: "six points", label: "six points: V1, A1 and D1 too" },
+      { value: "six points", label: "six points: V1, A1, D1 and DMAX too" },
     ];
   }
   if (can("ramp.s")) {
