@@ -105,6 +105,23 @@ async def test_a_stall_threshold_of_a_module_is_one_parameter_that_also_stops_th
         assert await words(s) == before
 
 
+async def test_a_move_by_hand_that_a_stall_ends_is_scored_of_a_module_too(tmp_path: Path) -> None:
+    stage = {"left_at_fullsteps": -5000.0, "right_at_fullsteps": 5000.0, "right_end_fullsteps": 300.0}
+    async with studied(tmp_path, load=LIGHT, stage=stage) as s:
+        await s.device.registers.write("stallguard2_threshold", 0, 0)
+        await s.device.registers.write("stop_on_stall", 0, 30_000)
+        begin = (await s.device.monitor.axis_state(0)).position
+        document = s.document({"kind": "scored_move", "distance": 2 * 51_200, "repeats": 2})
+        record = await s.finish(s.begin(document), 100)
+        found = record.scored
+        assert (record.state, found is not None) == ("done", True), record.message
+        assert found is not None
+        assert (found.moves, found.stalls, found.time_s, found.load_margin) == (1, 1, None, None)
+        assert 0.5 < found.reached < 1
+        assert record.trials[0].setting["smartenergy hysteresis start"] == 0
+        assert (await s.device.monitor.axis_state(0)).position == begin
+
+
 async def test_the_least_current_of_a_module_keeps_two_parameters(tmp_path: Path) -> None:
     study = {"kind": "least_current", "distance": 25_600, "loss_rate_max": 0.2, "coolstep": False, "speed_margin": 0.0}
     async with studied(tmp_path, load=LIGHT) as s:
