@@ -52,7 +52,9 @@ class MoveWatchInfo(Answer):
     device: str
     axis: int
     noticed: int = Field(description="moves that were scored since")
-    missed: int = Field(description="that could not be: stopped but by a stall, to and fro without a rest, too short, or with gaps")
+    missed: int = Field(
+        description="that could not be: stopped but by a stall, to and fro without a rest, too short, or with gaps"
+    )
     message: str = Field(description="why none is noticed now; empty while they are")
 
 

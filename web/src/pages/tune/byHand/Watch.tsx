@@ -33,6 +33,8 @@ export function Watch({ device, axis }: Props) {
 function told(noticed: number, missed: number): string {
   const moves = noticed === 1 ? "1 move was" : `${noticed} moves were`;
   const others =
-    missed === 0 ? "" : `; ${missed} could not be: stopped on the way but by a stall, to and fro without a rest, or too short`;
+    missed === 0
+      ? ""
+      : `; ${missed} could not be: stopped on the way but by a stall, to and fro without a rest, or too short`;
   return `On: ${moves} scored since${others}.`;
 }
