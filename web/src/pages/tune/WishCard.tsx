@@ -33,8 +33,10 @@ export function WishCard({ device, axis, changes, busy }: Props) {
     setForms((before) => ({ ...before, [of]: { ...before[of], ...part } }));
   const wish = documentOf(kind, forms, device.id, axis.index);
   const connected = device.state === "connected";
-  const plan = usePlan(wish, connected && !busy);
-  const ready = connected && !busy && plan.data?.missing.length === 0 && !plan.isPlaceholderData;
+  // An own search begins with a setting that its user chooses: before that there is nothing to plan.
+  const stated = wish.study.kind !== "custom_search" || wish.study.space.length > 0;
+  const plan = usePlan(wish, connected && !busy && stated);
+  const ready = connected && !busy && stated && plan.data?.missing.length === 0 && !plan.isPlaceholderData;
   return (
     <Card title="What do you want?">
       <div className="column">

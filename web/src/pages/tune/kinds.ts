@@ -1,6 +1,7 @@
 import { SCORED_MOVE } from "./byHand/form";
 import { CHOPPER } from "./chopper/form";
 import { CLOSED_LOOP } from "./closedLoop/form";
+import { CUSTOM_SEARCH } from "./customSearch/form";
 import { FASTEST_MOVE } from "./fastestMove/form";
 import { FIRST_LOOK } from "./firstLook/form";
 import { IDENTIFICATION } from "./identification/form";
@@ -27,6 +28,7 @@ const OF_KINDS = {
   chopper: CHOPPER,
   stealthchop: STEALTHCHOP,
   scored_move: SCORED_MOVE,
+  custom_search: CUSTOM_SEARCH,
 };
 /** The form of each kind: what was typed stays when another one is looked at. */
 export type Forms = { [K in Kind]: ReturnType<(typeof OF_KINDS)[K]["first"]> };

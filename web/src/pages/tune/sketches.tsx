@@ -31,6 +31,10 @@ const SKETCHES: Readonly<Record<string, ReactNode>> = {
     <path d="M4 26h14c8 0 7-20 11-20s3 20 11 20h4c5 0 4-10 7-10s2 10 7 10h10" />,
   ),
   least_current: sketch(<path d="M4 7h64" />, <path d="M4 7h14v9h14v7h36" />),
+  custom_search: sketch(
+    <path d="M4 8h64M4 15h64M4 22h64" />,
+    <path d="M4 22 25 8l21 12 22-9M4 9.5v-3M25 16.5v-3M46 23.5v-3" />,
+  ),
   scored_move: sketch(<path d="M4 8h64M4 15h64M4 22h64" />, <path d="M20 4v8M48 11v8M30 18v8" />),
   torque_curve: sketch(<path d="M6 3v23h62" />, <path d="M6 6h24c14 0 20 12 36 15" />),
   chopper: sketch(

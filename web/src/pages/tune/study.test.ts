@@ -3,6 +3,8 @@ import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ra
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { coilOf, coilWith, FIRST_COIL } from "./coil";
+import { presetOf, type Searchable } from "./customSearch/form";
+import { type CustomFound, evidenceRows, frontOfBoth, objectiveRanges, overTrials } from "./customSearch/found";
 import { furtherOf, shapesOf } from "./fastestMove/form";
 import { at, movesOf, timesOf } from "./fastestMove/moves";
 import { choicesOf, crossings, frontOf, historyOf, nearestOf, proofOf, rangesOf, spaceOf } from "./fastestMove/trials";
@@ -492,6 +494,80 @@ describe("a study on the page", () => {
     const middle = crossings(trial(9, "feasible", Math.sqrt(1e5), 0.75), ranges);
     for (const height of middle) expect(height).toBeCloseTo(0.5);
     expect(rangesOf({ ...study, trials: TRIALS.slice(0, 1) } as Study)).toEqual([]);
+  });
+
+  it("asks for an own search, and offers settings with what they take", () => {
+    const about = { unit: "pps^2", low: 0, high: 250_000, now: 200_001.5, one: 116, group: "ramp", help: "" };
+    const ramp: Searchable = { ...about, name: "AMAX" };
+    const off: Searchable = { ...about, name: "CHOPCONF.toff", unit: "", low: 1, high: 15, now: 3, one: 1 };
+    expect(presetOf(ramp)).toEqual({ name: "AMAX", unit: "pps^2", low: 100_000, high: 250_000, log: true });
+    expect(presetOf(off)).toEqual({ name: "CHOPCONF.toff", unit: "", low: 1, high: 15, log: false });
+    const forms = firstForms(51_200);
+    const own = { ...forms.custom_search, settings: [presetOf(ramp), presetOf(off)], timeMost: 0.5 };
+    const { study } = documentOf(
+      "custom_search",
+      { ...forms, custom_search: { ...own, second: "time_s" } },
+      "slide",
+      0,
+    );
+    expect(study).toMatchObject({
+      space: [
+        { name: "AMAX", low: 100_000, high: 250_000, log: true },
+        { name: "CHOPCONF.toff", low: 1, high: 15, log: false },
+      ],
+      distances: [51_200],
+      objectives: ["peak_fullsteps", "time_s"],
+      bounds: [{ figure: "time_s", most: 0.5 }],
+      more_current: false,
+    });
+  });
+
+  it("shows the figures of an own search over its trials, as a front, and across parallel axes", () => {
+    const one = (number: number, peak: number, time: number | null) => ({
+      number,
+      figures: { peak_fullsteps: peak, time_s: time },
+      told: [],
+      violation: -1,
+    });
+    const found = {
+      objectives: ["peak_fullsteps", "time_s"],
+      tried: [one(0, 0.4, 1), one(2, 4, null), one(3, 0.2, 1.5), one(4, 0.5, 1.2)],
+      effects: [
+        {
+          figure: "peak_fullsteps",
+          unit: "full steps",
+          baseline: 0.4,
+          winner: 0.2,
+          difference: -0.2,
+          interval: { low: -0.3, high: -0.1 },
+          p: 0.002,
+          significant: true,
+          worse: false,
+        },
+      ],
+    } as unknown as CustomFound;
+    expect(overTrials({ trials: TRIALS }, found, "peak_fullsteps")).toEqual([
+      [0, 2, 3, 4],
+      [0.4, null, 0.2, 0.5],
+      [null, 4, null, null],
+    ]);
+    expect(frontOfBoth({ trials: TRIALS, front: [3, 0] }, found)).toEqual([
+      [0.2, 0.4, 0.5],
+      [1.5, 1, 1.2],
+      [1.5, 1, null],
+    ]);
+    expect(evidenceRows(found)[0]?.at(-1)).toBe("better");
+    const units = { speed: "pps" };
+    const study = { trials: TRIALS, units } as unknown as Study;
+    const ranges = rangesOf(study, objectiveRanges(found));
+    expect(ranges.map(({ name, low, high }) => [name, low, high])).toEqual([
+      ["speed", 100, 1000],
+      ["greatest deviation", 0.2, 4],
+      ["time until it rests", 1, 1.5],
+    ]);
+    expect(crossings(TRIALS[3] as Trial, ranges).slice(1)).toEqual([0, 1]);
+    // Settings that may be 0 or below, as a threshold of StallGuard, are no ratios.
+    expect(crossings(trial(9, "feasible", 5, 1), [{ name: "speed", unit: "", low: -5, high: 15 }])).toEqual([0.5]);
   });
 
   it("draws a Campbell plot: each order's frequency at each speed, the strongest dot on top", () => {

@@ -3,6 +3,8 @@ import { Fields as ChopperFields } from "./chopper/Fields";
 import { Results as ChopperResults } from "./chopper/Results";
 import { Fields as ClosedLoopFields } from "./closedLoop/Fields";
 import { Results as ClosedLoopResults } from "./closedLoop/Results";
+import { Fields as CustomSearchFields } from "./customSearch/Fields";
+import { Results as CustomSearchResults } from "./customSearch/Results";
 import { Fields as FastestMoveFields } from "./fastestMove/Fields";
 import { Results as FastestMoveResults } from "./fastestMove/Results";
 import { Fields as FirstLookFields } from "./firstLook/Fields";
@@ -37,5 +39,6 @@ export const VIEWS: { readonly [K in Kind]: KindView<Forms[K]> } = {
   scored_move: { Fields: ScoredMoveFields, Results: null },
   closed_loop: { Fields: ClosedLoopFields, Results: ClosedLoopResults },
   stallguard: { Fields: StallGuardFields, Results: StallGuardResults },
+  custom_search: { Fields: CustomSearchFields, Results: CustomSearchResults },
   torque_curve: { Fields: TorqueFields, Results: TorqueResults },
 };

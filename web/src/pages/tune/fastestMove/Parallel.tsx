@@ -1,27 +1,30 @@
 import { compact } from "../../../lib/format";
 import { Savable } from "../../../plots/Savable";
 import type { Study } from "../study";
-import { crossings, rangesOf } from "./trials";
+import { crossings, type Range, rangesOf } from "./trials";
 import classes from "./tune.module.css";
 
 interface Props {
   study: Study;
   held: string;
   lost: string;
+  /** axes behind those of the settings; left out: the time */
+  figures?: readonly Range[];
 }
 
 const TOP = 8;
 const BOTTOM = 92;
 
-/** Parallel coordinates: a line a trial across all settings and the time; the best is thick. */
-export function Parallel({ study, held, lost }: Props) {
-  const ranges = rangesOf(study);
+/** Parallel coordinates: a line a trial across all settings and figures; the best is thick. */
+export function Parallel({ study, held, lost, figures }: Props) {
+  const ranges = rangesOf(study, figures);
+  const label = figures ? "All settings and figures of each trial" : "All settings and the time of each trial";
   if (ranges.length === 0) return null;
   const x = (index: number) => 4 + (92 * index) / (ranges.length - 1);
   const y = (height: number) => BOTTOM - height * (BOTTOM - TOP);
   return (
-    <Savable name="All settings and the time of each trial">
-      <figure className={classes.parallel} aria-label="All settings and the time of each trial">
+    <Savable name={label}>
+      <figure className={classes.parallel} aria-label={label}>
         <svg viewBox="0 0 100 100" preserveAspectRatio="none" role="presentation">
           {ranges.map(({ name }, index) => (
             <line key={name} x1={x(index)} x2={x(index)} y1={TOP} y2={BOTTOM} className={classes.axis} />

@@ -79,10 +79,12 @@ export interface Range {
   unit: string;
   low: number;
   high: number;
+  /** of an axis that is no setting: its value of each trial that has one, by the trial's number */
+  values?: ReadonlyMap<number, number>;
 }
 
-/** The axes of parallel coordinates: each setting, then the time. */
-export function rangesOf(study: Study): Range[] {
+/** The axes of parallel coordinates: each setting, then `figures`, by default the time. */
+export function rangesOf(study: Study, figures?: readonly Range[]): Range[] {
   const tried = study.trials.filter(moved);
   const range = (name: string, unit: string, values: number[]): Range => ({
     name,
@@ -101,18 +103,22 @@ export function rangesOf(study: Study): Range[] {
     ? []
     : [
         ...settings,
-        range(
-          "time",
-          "s",
-          tried.map(({ figures, expected_s: expected }) => figures.time_s ?? expected ?? 0),
-        ),
+        ...(figures ?? [
+          range(
+            "time",
+            "s",
+            tried.map(({ figures, expected_s: expected }) => figures.time_s ?? expected ?? 0),
+          ),
+        ]),
       ];
 }
 
-/** How high a trial crosses each axis: 0 at its lower end, 1 at its upper one; settings in equal ratios. */
+/** How high a trial crosses each axis: 0 at its lower end, 1 at its upper one; settings in equal ratios where all are above 0. */
 export function crossings(trial: Trial, ranges: readonly Range[]): number[] {
-  return ranges.map(({ name, low, high }) => {
-    if (high <= low) return 0.5;
+  return ranges.map(({ name, low, high, values }) => {
+    if (!(high > low)) return 0.5;
+    if (values) return ((values.get(trial.number) ?? high) - low) / (high - low);
+    if (low <= 0 && name !== "time") return ((trial.setting[name] ?? low) - low) / (high - low);
     if (name === "time") return ((trial.figures.time_s ?? trial.expected_s ?? 0) - low) / (high - low);
     return Math.log((trial.setting[name] ?? low) / low) / Math.log(high / low);
   });
