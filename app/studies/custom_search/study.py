@@ -150,22 +150,27 @@ class CustomSearchStudy(StudyRun):
             await searcher.fail(asked)
             return trial
         self.keeper.mark(f"trial {asked.number}: {self._words(setting)}")
-        try:
-            places = self._ground.places(wanted.repeats)
-            found = await self._trials.measure(trial.registers, self._words(setting), places)
-        except ProfileLeft:
-            raise
-        except (Failed, SoftLimit, WrongState, ProfileTakenBack) as error:
-            trial.state, trial.why = "failed", str(error)
+        found = await self._measured(trial, self._ground.places(wanted.repeats))
+        if found is None:
             await searcher.fail(asked)
-            await self._rest()
-            await self._trials.home()
             return trial
         told = self._judged(trial, found)
         trial.figures = _figures(found, wanted.repeats)
         self.found.tried.append(told)
         await searcher.tell(asked, told.told, told.violation)
         return trial
+
+    async def _measured(self, trial: Trial, places: Sequence[int]) -> Scored | None:
+        """All moves with a trial's setting; None where they came to nothing, which stands in the trial."""
+        try:
+            return await self._trials.measure(trial.registers, self._words(trial.setting), places)
+        except ProfileLeft:
+            raise
+        except (Failed, SoftLimit, WrongState, ProfileTakenBack) as error:
+            trial.state, trial.why = "failed", str(error)
+            await self._rest()
+            await self._trials.home()
+            return None
 
     def _judged(self, trial: Trial, found: Scored) -> CustomTried:
         """What the figures of a trial are worth, and whether it held."""
@@ -245,8 +250,9 @@ class CustomSearchStudy(StudyRun):
                 break
             self.tell("search", SEARCH_SHARE, f"trial {one.number} again")
             self.keeper.mark(f"trial {one.number} again: {self._words(trial.setting)}")
-            measured = await self._trials.measure(trial.registers, self._words(trial.setting), places)
-            again.append(self._judged(trial, measured))
+            measured = await self._measured(trial, places)
+            if measured is not None:
+                again.append(self._judged(trial, measured))
         found.again = again
         self._judge()
         await self.keeper.save(record)
@@ -285,9 +291,12 @@ class CustomSearchStudy(StudyRun):
             place, order = drawn.randrange(self._ground.period), pair_order(index)
             costs: dict[str, list[float]] = {}
             for which in order:
-                registers = self._ground.space.before if which == "A" else best.registers
-                what = BEFORE if which == "A" else self._words(best.setting)
-                one = await self._trials.measure(registers, what, [place])
+                if which == "A":
+                    one = await self._trials.measure(self._ground.space.before, BEFORE, [place])
+                elif (new := await self._measured(best, [place])) is not None:
+                    one = new
+                else:
+                    return self._refuted(best, best.why)
                 said = judged(wanted, one)
                 if one.lost_fullsteps or said.costs is None:
                     if which == "A":
