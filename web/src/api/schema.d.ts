@@ -8279,7 +8279,7 @@ export interface components {
             acceleration_max_pps2?: number | null;
             /**
              * Shape
-             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
+             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more, and how much more it brakes than it accelerates; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
              */
             shape?: ("six points" | "bows") | null;
             /**
@@ -8382,7 +8382,7 @@ export interface components {
             acceleration_max_pps2: number | null;
             /**
              * Shape
-             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
+             * @description what is searched beside speed and acceleration. six points: a speed V1 below which it accelerates and brakes by more, and how much more it brakes than it accelerates; bows: the jerk near rest and that near the greatest speed apart. null: a trapezoid, or S-ramps of one jerk where they are set
              */
             shape: ("six points" | "bows") | null;
             /**
@@ -12294,7 +12294,7 @@ export interface components {
             noticed: number;
             /**
              * Missed
-             * @description that could not be: stopped, to and fro without a rest, too short, or with gaps
+             * @description that could not be: stopped but by a stall, to and fro without a rest, too short, or with gaps
              */
             missed: number;
             /**
