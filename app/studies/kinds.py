@@ -271,6 +271,7 @@ KINDS: dict[Kind, StudyKind] = {
         "as you say: your own settings, ranges, moves and objectives, searched and proved like any other",
         (*POSITIONS, "load_value"),
         _custom_search,
+        goes_on=True,
         no_twin="a twin does not model all that may be searched",
     ),
 }

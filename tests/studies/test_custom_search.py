@@ -149,10 +149,12 @@ async def test_it_goes_on_where_it_was_cut_off(tmp_path: Path) -> None:
         run = s.begin(s.document(STUDY, budget={"trials": 5}))
         while len(run.record.trials) < 3:
             await s.clock.advance(0.2)
-        await s.passing(run.abort("cut off"))
-        tried = [trial.number for trial in run.record.trials]
-        record = await s.finish(s.begin(run.record.document, run.record), 600)
+        start = run.record.start
+        cut = await s.killed(run)
+        tried = [trial.number for trial in cut.trials]
+        record = await s.finish(s.begin(cut.document, cut), 600)
         assert record.state == "done", record.message
+        assert (record.start, (await s.b.state()).position) == (start, start), "it went back to where it began"
         numbers = [trial.number for trial in record.trials]
         assert numbers[: len(tried)] == tried
         assert len(set(numbers)) == len(numbers) > len(tried)

@@ -50,6 +50,8 @@ class CustomSearchStudy(StudyRun):
         record, wanted = self.record, self.wanted
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        if await self.returned(ground.start):
+            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         self._trials = CustomTrials(self.device, self.axis, self.clock, wanted, ground, self.apply)
         self._trials.losing = lambda: self.keeper.mark("steps lost: the position is taken from the encoder")
         way_before = record.way_fullsteps
