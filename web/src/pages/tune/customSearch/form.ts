@@ -1,4 +1,5 @@
 import type { Schemas } from "../../../api/client";
+import { rounded } from "../../../lib/format";
 import type { KindForm } from "../kind";
 
 export type Searchable = Schemas["Searchable"];
@@ -42,8 +43,8 @@ const DIGITS = 3;
 /** A setting as it is offered: half to twice what it is now where it has a unit, else all that its register takes. */
 export function presetOf({ name, unit, low, high, now }: Searchable): Searched {
   const around = unit !== "" && now > 0;
-  const least = around ? Math.max(low, Number((now / 2).toPrecision(DIGITS))) : low;
-  const most = around ? Math.min(high, Number((2 * now).toPrecision(DIGITS))) : high;
+  const least = around ? Math.max(low, rounded(now / 2, DIGITS)) : low;
+  const most = around ? Math.min(high, rounded(2 * now, DIGITS)) : high;
   const [from, to] = least < most ? [least, most] : [low, high];
   return { name, unit, low: from, high: to, log: around && from > 0 };
 }
