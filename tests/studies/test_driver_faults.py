@@ -27,6 +27,11 @@ NEEDS: dict[str, dict[str, Any]] = {
     "least_current": {"distance": 25_600},
     "fastest_move": {"distance": 12_800},
     "scored_move": {"distance": 12_800},
+    "custom_search": {
+        "space": [{"name": "ramp.acceleration", "low": 1e5, "high": 1e6}],
+        "distances": [12_800],
+        "objectives": ["time_s"],
+    },
     "stallguard": {"stop_confirmed": True, "within_fullsteps": 400.0},
     "stealthchop": {**COIL, "holding_torque_nm": 0.45, "rated_current_a": 1.5},
 }

@@ -25,17 +25,16 @@ INDEX_CONF = {
 """ENC_IN_CONF by which each N event latches ENC_POS and sets nothing."""
 
 
-class Encoder(EncoderSetting, UnsetEncoder, EncoderIndex):
+class Encoder(EncoderSetting, UnsetEncoder):
     """ENC_IN_RES by the way that was seen, and ENC_POS from the position; nothing where ENC_CONST is not known."""
 
     ENCODER_REGISTERS = frozenset(
         {"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"}
     )
 
-    def __init__(self, session: Session, memory: ChipMemory, registers: Registers) -> None:
+    def __init__(self, session: Session, memory: ChipMemory) -> None:
         self._session = session
         self._memory = memory
-        self._registers = registers
 
     def require_encoder(self, axis: int, /) -> None:
         self._session.axis(axis)
@@ -48,17 +47,6 @@ class Encoder(EncoderSetting, UnsetEncoder, EncoderIndex):
         """ENC_IN_RES, from which the chip finds ENC_CONST."""
         self._session.axis(axis)
         return {"ENC_IN_RES": {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}}
-
-    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
-        """ENC_IN_CONF: ENC_POS is latched at each edge of N to active, whatever A and B are then."""
-        self._session.axis(axis)
-        return {roles.ENC_IN_CONF.name: INDEX_CONF}
-
-    async def index_met(self, axis: int, /) -> int | None:
-        status = await self._registers.read(roles.STATUS.name, axis)
-        if not status.fields["ENC_LATCH_F"]:
-            return None
-        return (await self._registers.read("ENC_LATCH", axis)).value  # which ends the flag
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         axis = self._session.axis(axis).index
@@ -81,3 +69,22 @@ class Encoder(EncoderSetting, UnsetEncoder, EncoderIndex):
             writes.insert(1, (roles.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
             back = ", the other way"
         return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)
+
+
+class Index(EncoderIndex):
+    """Latches ENC_POS at the N channel."""
+
+    def __init__(self, session: Session, registers: Registers) -> None:
+        self._session = session
+        self._registers = registers
+
+    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENC_IN_CONF: ENC_POS is latched at each edge of N to active, whatever A and B are then."""
+        self._session.axis(axis)
+        return {roles.ENC_IN_CONF.name: INDEX_CONF}
+
+    async def index_met(self, axis: int, /) -> int | None:
+        status = await self._registers.read(roles.STATUS.name, axis)
+        if not status.fields["ENC_LATCH_F"]:
+            return None
+        return (await self._registers.read("ENC_LATCH", axis)).value  # which ends the flag

@@ -23,7 +23,7 @@ from .counter import COUNTER_WRITES, Counter
 from .cruise import Cruise
 from .departure import Departure
 from .driver_behind import DriverBehind
-from .encoder import Encoder
+from .encoder import Encoder, Index
 from .events import Events
 from .expected_motion import ExpectedMotion
 from .identity import found_by
@@ -81,7 +81,8 @@ def compose(
             moves,
             position,
             DriverBehind(link, memory, cruise, position),
-            Encoder(session, memory, registers),
+            Encoder(session, memory),
+            Index(session, registers),
             StartPin(link, memory, moves),
             Pace(link, registers, cruise),
             MicrostepTable(link, memory, writes),

@@ -22,17 +22,15 @@ INDEX_MODE = {"pol_N": 1, "ignore_AB": 1, "clr_cont": 1, "clr_once": 0, "pos_edg
 """ENCMODE by which each event latches X_ENC and clears nothing."""
 
 
-class SixPointEncoders(EncoderSetting, UnsetEncoder, EncoderIndex):
-    """Knows which ENC_CONST fits the way that was seen, and one for an encoder that nobody has set yet; reads the
-    place of its index."""
+class SixPointEncoders(EncoderSetting, UnsetEncoder):
+    """Knows which ENC_CONST fits the way that was seen, and one for an encoder that nobody has set yet."""
 
     ENCODER_REGISTERS = REGISTERS
 
-    def __init__(self, session: Session, memory: ChipMemory, decoded: DecodedRegisters, registers: Registers) -> None:
+    def __init__(self, session: Session, memory: ChipMemory, decoded: DecodedRegisters) -> None:
         self._session = session
         self._memory = memory
         self._decoded = decoded
-        self._registers = registers
 
     def require_encoder(self, axis: int, /) -> None:
         if not self.has_encoder(axis):
@@ -62,19 +60,6 @@ class SixPointEncoders(EncoderSetting, UnsetEncoder, EncoderIndex):
         turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
         decimal, word = encoder_constant(Fraction(turn, counts))
         return {rows.encoder_mode.name: {"enc_sel_decimal": int(decimal)}, rows.enc_const.name: word}
-
-    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
-        """ENCMODE: X_ENC is latched at each rising edge of N, whatever A and B are then."""
-        self._session.axis(axis)
-        return {"ENCMODE": INDEX_MODE}
-
-    async def index_met(self, axis: int, /) -> int | None:
-        status = await self._registers.read("ENC_STATUS", axis)
-        if not status.fields["n_event"]:
-            return None
-        if not self._registers.clears_when_read("ENC_STATUS", axis):
-            await self._registers.write("ENC_STATUS", axis, fields={"n_event": 1})
-        return (await self._registers.read("ENC_LATCH", axis)).value
 
     def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
         """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not
@@ -108,3 +93,24 @@ class SixPointEncoders(EncoderSetting, UnsetEncoder, EncoderIndex):
         )
         back = ", the other way" if (found.counts_per_turn < 0) != (constant < 0) else ""
         return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)
+
+
+class SixPointEncoderIndex(EncoderIndex):
+    """Latches X_ENC at the N channel."""
+
+    def __init__(self, session: Session, registers: Registers) -> None:
+        self._session = session
+        self._registers = registers
+
+    def index_setting(self, axis: int, /) -> Mapping[str, int | Mapping[str, int]]:
+        """ENCMODE: X_ENC is latched at each rising edge of N, whatever A and B are then."""
+        self._session.axis(axis)
+        return {"ENCMODE": INDEX_MODE}
+
+    async def index_met(self, axis: int, /) -> int | None:
+        status = await self._registers.read("ENC_STATUS", axis)
+        if not status.fields["n_event"]:
+            return None
+        if not self._registers.clears_when_read("ENC_STATUS", axis):
+            await self._registers.write("ENC_STATUS", axis, fields={"n_event": 1})
+        return (await self._registers.read("ENC_LATCH", axis)).value

@@ -24,7 +24,7 @@ from .clearing import FlagClearing
 from .configuration import Configuration
 from .counter import Counter
 from .decoded_registers import DecodedRegisters
-from .encoder import SixPointEncoders
+from .encoder import SixPointEncoderIndex, SixPointEncoders
 from .events import Events
 from .identity import found_by
 from .limits import SixPointRules
@@ -89,7 +89,8 @@ def compose(
             memory,
             decoded,
             log,
-            SixPointEncoders(session, memory, decoded, registers),
+            SixPointEncoders(session, memory, decoded),
+            SixPointEncoderIndex(session, registers),
             calls,
             ChipStall(session, memory, decoded, registers, calls),
             FlagClearing(session, link, memory, log, reader, standstill, registers),

@@ -59,12 +59,12 @@ def cycles(chopper: Chopper, wanted_a: Floats) -> Cycles:
     start = low * (1 - lost)
     chopped = up > 0.0
     rise_s = np.divide(peak - start, up, out=np.zeros_like(up), where=chopped)
-    fall_s = (decayed - low) / down
+    fall_s = np.divide(decayed - low, down, out=np.zeros_like(down), where=chopped)
     length_s = rise_s + fall_s + 2 * chopper.decay_s
     area = ((start + peak) * rise_s + (peak + decayed + low + start) * chopper.decay_s + (decayed + low) * fall_s) / 2
     highest, lowest = np.maximum(peak, start), np.minimum(low, start)
     return Cycles(
-        np.where(chopped, np.maximum(area / length_s, 0.0), wanted_a),
+        np.where(chopped, np.maximum(np.divide(area, length_s, out=np.zeros_like(area), where=chopped), 0.0), wanted_a),
         np.where(chopped, highest - lowest, 0.0),
         np.where(chopped, length_s, 0.0),
     )

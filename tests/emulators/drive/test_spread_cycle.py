@@ -64,6 +64,8 @@ def test_a_current_that_the_supply_cannot_drive_is_not_chopped() -> None:
     weak = Chopper(10.0, 4e-3, 12.0, 1e-6, 5e-6, 0.05)
     found = cycles(weak, np.array([1.5]))
     assert (found.mean_a[0], found.ripple_a[0]) == (1.5, 0.0)
+    off = cycles(Chopper(10.0, 4e-3, 0.0, 1e-6, 5e-6, 0.05), np.array([0.0, 1.5]))
+    assert off.mean_a.tolist() == [0.0, 1.5]
 
 
 def test_a_wave_is_bent_alike_on_both_sides_and_not_at_all_without_current() -> None:
