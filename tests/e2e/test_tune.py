@@ -144,7 +144,7 @@ def test_moves_by_hand_are_scored_ranked_taken_and_undone(
 
 def fill(page: Page, fields: dict[str, str]) -> None:
     for label, value in fields.items():
-        field = page.get_by_role("textbox", name=label, exact=True)
+        field = page.get_by_role("textbox", name=label, exact=label == "Distance")
         field.fill(value)
         field.press("Tab")
 

@@ -48,7 +48,7 @@ async def test_a_faster_ramp_is_found_and_proved_by_the_switch_alone(tmp_path: P
 async def test_several_distances_are_each_looked_at_by_the_switch(tmp_path: Path) -> None:
     async with studied(tmp_path, BLIND, load=HEAVY, stage=NEAR) as s:
         study = {**MOVE, "distances": [6_400], "margin": 0.0}
-        record = await s.finish(s.begin(s.document(study, budget={"trials": 3})))
+        record = await s.finish(s.begin(s.document(study, budget={"trials": 8})))
         assert (record.state, record.left) == ("done", []), record.message
         assert any(trial.figures.lost_fullsteps for trial in record.trials)
         assert all(len(trial.figures.by_distance_s) == 2 for trial in record.trials if trial.state == "feasible")
