@@ -18,46 +18,48 @@ export function FrontChoice({ study, chosen, onPick, onTake, onProve, busy }: Pr
   const proof = proofOf(study, chosen);
   return (
     <>
-      <Table withRowBorders={false} verticalSpacing={2} aria-label="Settings of the front">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Trial</Table.Th>
-            {Object.entries(study.units).map(([name, unit]) => (
-              <Table.Th key={name} scope="col">
-                {name} [{unit}]
-              </Table.Th>
-            ))}
-            <Table.Th scope="col">Time [s]</Table.Th>
-            <Table.Th scope="col">Deviation [full steps]</Table.Th>
-            <Table.Th scope="col" aria-label="How sure" />
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {choicesOf(study).map(({ number, setting, figures }) => (
-            <Table.Tr key={number}>
-              <Table.Td>
-                <label className="row gap-8">
-                  <input
-                    type="radio"
-                    name={`front of ${study.id}`}
-                    checked={number === chosen.number}
-                    onChange={() => onPick(number)}
-                  />
-                  {number}
-                </label>
-              </Table.Td>
-              {Object.keys(study.units).map((name) => (
-                <Table.Td key={name} className="num">
-                  {compact(setting[name])}
-                </Table.Td>
+      <Table.ScrollContainer minWidth={420} type="native">
+        <Table withRowBorders={false} verticalSpacing={2} aria-label="Settings of the front">
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col">Trial</Table.Th>
+              {Object.entries(study.units).map(([name, unit]) => (
+                <Table.Th key={name} scope="col">
+                  {name} [{unit}]
+                </Table.Th>
               ))}
-              <Table.Td className="num">{compact(figures.time_s)}</Table.Td>
-              <Table.Td className="num">{compact(figures.deviation_fullsteps, 3)}</Table.Td>
-              <Table.Td>{proved(number) ? "best, proved" : number === study.best ? "best" : ""}</Table.Td>
+              <Table.Th scope="col">Time [s]</Table.Th>
+              <Table.Th scope="col">Deviation [full steps]</Table.Th>
+              <Table.Th scope="col" aria-label="How sure" />
             </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </Table>
+          </Table.Thead>
+          <Table.Tbody>
+            {choicesOf(study).map(({ number, setting, figures }) => (
+              <Table.Tr key={number}>
+                <Table.Td>
+                  <label className="row gap-8">
+                    <input
+                      type="radio"
+                      name={`front of ${study.id}`}
+                      checked={number === chosen.number}
+                      onChange={() => onPick(number)}
+                    />
+                    {number}
+                  </label>
+                </Table.Td>
+                {Object.keys(study.units).map((name) => (
+                  <Table.Td key={name} className="num">
+                    {compact(setting[name])}
+                  </Table.Td>
+                ))}
+                <Table.Td className="num">{compact(figures.time_s)}</Table.Td>
+                <Table.Td className="num">{compact(figures.deviation_fullsteps, 3)}</Table.Td>
+                <Table.Td>{proved(number) ? "best, proved" : number === study.best ? "best" : ""}</Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </Table>
+      </Table.ScrollContainer>
       {study.state !== "running" && (
         <Group gap="xs" mt="xs">
           <Button
