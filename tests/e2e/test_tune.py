@@ -383,31 +383,38 @@ def test_a_chip_without_an_encoder_is_made_faster_by_its_switch(
 
 
 def test_settings_of_ones_own_are_searched_and_proved(
-    page: Page, slide: Chip, check_axe: Callable[[Page], None]
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
 ) -> None:
-    select(page, slide)
-    page.goto("/tune")
-    page.get_by_role("radio", name="As you say").check()
-    expect(page.get_by_test_id("begin")).to_be_disabled()
-    setting = page.get_by_role("combobox", name="Setting to be searched")
-    setting.fill("ramp.accel")
-    page.get_by_role("option", name="ramp.acceleration").click()
-    group = page.get_by_role("group", name="ramp.acceleration")
-    expect(group).to_contain_text("now 400")
-    expect(page.get_by_role("combobox", name="And another setting")).to_have_value("")
-    plan = page.get_by_test_id("plan")
-    fill(page, {"Distance": "0.25", "Settings tried at most": "3"})
-    page.get_by_label("What is to be better").select_option("less: time until it rests")
-    expect(plan).to_contain_text("ramp.acceleration")
-    check_axe(page)
-    page.get_by_test_id("begin").click()
-    verdict = page.get_by_test_id("verdict")
-    expect(verdict).to_contain_text(re.compile("time until it rests|stays as it is"), timeout=2 * LONG_MS)
-    expect(page.get_by_role("figure", name="time until it rests of each trial")).to_be_visible()
-    check_axe(page)
-    page.set_viewport_size(PHONE)
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    page.goto("/connections")  # before the chip is gone
+    with a_chip(api, "own settings") as chip:
+        started = {**START, "counts_per_rev": 40_000}
+        api.post(f"/devices/{chip.device}/start-up", json=started).raise_for_status()
+        chip.emulator(time_scale=4.0)
+        select(page, chip)
+        page.goto("/tune")
+        page.get_by_role("radio", name="As you say").check()
+        expect(page.get_by_test_id("begin")).to_be_disabled()
+        setting = page.get_by_role("combobox", name="Setting to be searched")
+        setting.fill("ramp.accel")
+        page.get_by_role("option", name="ramp.acceleration").click()
+        group = page.get_by_role("group", name="ramp.acceleration")
+        expect(group).to_contain_text("now 400")
+        expect(page.get_by_role("combobox", name="And another setting")).to_have_value("")
+        plan = page.get_by_test_id("plan")
+        fill(page, {"Distance": "0.25", "Settings tried at most": "3"})
+        page.get_by_label("What is to be better").select_option("less: time until it rests")
+        expect(plan).to_contain_text("ramp.acceleration")
+        check_axe(page)
+        page.get_by_test_id("begin").click()
+        bar = page.get_by_role("progressbar", name="How far the study is")
+        expect(bar).to_be_visible(timeout=LONG_MS)
+        expect(bar).to_have_count(0, timeout=2 * LONG_MS)
+        verdict = page.get_by_test_id("verdict")
+        expect(verdict).to_contain_text(re.compile("time until it rests|stays as it is"))
+        expect(page.get_by_role("img", name=re.compile("time until it rests of each trial"))).to_be_visible()
+        check_axe(page)
+        page.set_viewport_size(PHONE)
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.goto("/connections")  # before the chip is gone
 
 
 def test_the_plan_of_one_goal_is_not_shown_for_another(page: Page, slide: Chip) -> None:
