@@ -6,7 +6,7 @@ import asyncio
 import logging
 import time
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -20,6 +20,7 @@ from ..profiles.apply import Transaction
 from .driver_faults import DriverFault
 from .moves import MeasuredMoves
 from .own_motion import StopWhenBack
+from .plan import Looked
 from .ramp_settings import document_of
 from .record import Held, Phase, StudyRecord
 from .twins.executor import Executor, no_executor
@@ -35,6 +36,19 @@ TELLS_FROM = 0.03
 """So much progress tells how fast a study gets on: less is its first move or two."""
 WORKS_WITHIN_S = 300.0
 """The longest fits take 10 s of an idle processor [s]."""
+
+
+class Ground(Protocol):
+    """What a study stands on."""
+
+    @property
+    def start(self) -> int:
+        """Where it begins [microsteps]."""
+        ...
+
+
+G = TypeVar("G", bound=Ground)
+W = TypeVar("W")
 
 
 class Keeper(Protocol):
@@ -135,6 +149,17 @@ class StudyRun(Procedure):
             return await worked_out(self.clock, work, *arguments, within_s=WORKS_WITHIN_S)
         except NotWorkedOut as error:
             raise Failed(f"what was measured could not be worked out: {error}") from error
+
+    async def looked(self, look: Callable[[Device, int, W], Awaitable[Looked[G]]], wanted: W) -> G:
+        """What a study that goes on finds where it began: it goes back there first, and looks once more.
+
+        Raises WrongState where anything is missing, and what `look` and `returned` do.
+        """
+        self.tell("preconditions", 0.0, "looking at the axis")
+        ground = (await look(self.device, self.axis, wanted)).required()
+        if await self.returned(ground.start):
+            ground = (await look(self.device, self.axis, wanted)).required()
+        return ground
 
     async def returned(self, position: int) -> bool:
         """Go back to where the study began, where it was cut off elsewhere: so it stays within what its plan told.

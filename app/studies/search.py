@@ -62,6 +62,16 @@ class Told:
     violation: float
 
 
+def unbeaten(among: Sequence[T], costs: Callable[[T], Sequence[float]]) -> list[T]:
+    """Those that no other beats: nowhere worse and somewhere better. costs : of each, the less the better"""
+
+    def beats(one: T, other: T) -> bool:
+        here, there = costs(one), costs(other)
+        return all(a <= b for a, b in zip(here, there, strict=True)) and here != there
+
+    return [one for one in among if not any(beats(other, one) for other in among)]
+
+
 def _connected(path: Path) -> sqlite3.Connection:
     """To a file that outlives a killed server; what the last moments before a power cut told may be gone.
 

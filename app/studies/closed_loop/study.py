@@ -106,10 +106,7 @@ class ClosedLoopStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        ground = self._ground = await self.looked(look, wanted)
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         record.findings, record.units = [], UNITS
         self._pieces = Pieces(self.keeper.folder, LoopPiece, aside=isinstance(self.clock, WallClock))

@@ -17,7 +17,7 @@ from ..proof import LEVEL, Compared, compared_pairs, pair_order, rate_bound
 from ..record import Figures, Trial
 from ..run import StudyRun
 from ..scored_move.found import Scored
-from ..search import Asked, Searcher, Space
+from ..search import Asked, Searcher, Space, unbeaten
 from .figures import NAMES, broken, judged, sign_of, value_of
 from .found import CustomFound, CustomTried, FigureEffect, FigurePair
 from .plan import AGAIN, FINALISTS, Ground, look
@@ -48,10 +48,7 @@ class CustomSearchStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        ground = self._ground = await self.looked(look, wanted)
         self._trials = CustomTrials(self.device, self.axis, self.clock, wanted, ground, self.apply)
         self._trials.losing = lambda: self.keeper.mark("steps lost: the position is taken from the encoder")
         way_before = record.way_fullsteps
@@ -221,8 +218,8 @@ class CustomSearchStudy(StudyRun):
         held = self._held(found.again or found.tried)
         self.record.best = held[0].number if held else None
         if len(self.wanted.objectives) > 1:
-            held = self._held(found.tried)
-            self.record.front = [one.number for one in held if not any(_beats(other, one) for other in held)]
+            front = unbeaten(self._held(found.tried), lambda one: one.told)
+            self.record.front = [one.number for one in front]
 
     def _tried(self, number: int | None) -> CustomTried | None:
         return next((one for one in (*self.found.again, *self.found.tried) if one.number == number), None)
@@ -404,8 +401,3 @@ def _told(effect: FigureEffect) -> str:
         f"{name} {plain(effect.baseline, 4)} to {plain(effect.winner, 4)} {unit}".rstrip()
         + f" ({share}95 %: {plain(effect.interval.low, 3)} to {plain(effect.interval.high, 3)})"
     )
-
-
-def _beats(one: CustomTried, other: CustomTried) -> bool:
-    """Whether it is nowhere worse and somewhere better."""
-    return all(a <= b for a, b in zip(one.told, other.told, strict=True)) and one.told != other.told

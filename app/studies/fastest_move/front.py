@@ -6,12 +6,13 @@ import math
 from collections.abc import Sequence
 
 from ..record import Figures, Trial
+from ..search import unbeaten
 
 
 def front_of(trials: Sequence[Trial]) -> list[Trial]:
     """Those that held which no other beats: nowhere worse and somewhere better."""
     held = [trial for trial in trials if trial.state == "feasible" and _known(trial.figures)]
-    return [one for one in held if not any(_beats(other.figures, one.figures) for other in held)]
+    return unbeaten(held, lambda trial: _of(trial.figures))
 
 
 def proposed(
@@ -59,8 +60,3 @@ def _of(figures: Figures) -> tuple[float, float]:
     assert figures.time_s is not None
     assert figures.deviation_fullsteps is not None
     return figures.time_s, figures.deviation_fullsteps
-
-
-def _beats(one: Figures, other: Figures) -> bool:
-    here, there = _of(one), _of(other)
-    return all(a <= b for a, b in zip(here, there, strict=True)) and here != there

@@ -71,10 +71,7 @@ class FastestMoveStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ranges = self._ranges = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ranges.start):
-            ranges = self._ranges = (await look(self.device, self.axis, wanted)).required()
+        ranges = self._ranges = await self.looked(look, wanted)
         seed = record.document.seed + len(record.trials)
         self._trials = MoveTrials(self.device, self.axis, self.clock, wanted, ranges, seed, self.apply)
         by = wanted.seen_by

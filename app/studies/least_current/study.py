@@ -54,10 +54,7 @@ class LeastCurrentStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        ground = self._ground = await self.looked(look, wanted)
         record.trials, record.best, record.findings = [], None, []
         if not record.baseline:
             cool = [] if ground.cool is None else ground.cool.before

@@ -56,10 +56,7 @@ class ResonanceMapStudy(StudyRun):
 
     async def _study(self) -> None:
         record = self.record
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, self.wanted)).required()
+        ground = self._ground = await self.looked(look, self.wanted)
         self._apart = 0.0
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, band_fullsteps=1.0)
         self._mended = 0

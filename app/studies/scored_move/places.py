@@ -22,3 +22,13 @@ class HandPlace:
     name: str
     place: Place
     only: Only | None = None
+
+
+def whole(*names: str, only: Only | None = None) -> tuple[HandPlace, ...]:
+    """Registers, each by its own name."""
+    return tuple(HandPlace(name, Place(name), only) for name in names)
+
+
+def fields(register: str, *names: str, only: Only | None = None) -> tuple[HandPlace, ...]:
+    """Fields of a register, each by its own name."""
+    return tuple(HandPlace(name, Place(register, name), only) for name in names)

@@ -84,10 +84,7 @@ class StallGuardStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        ground = self._ground = await self.looked(look, wanted)
         self._scale = ground.stall.scale
         self._runs = StallRuns(self.device, self.axis, self.clock, ground.full_step, ground.way)
         self._runs.runs, self._runs.way_fullsteps = record.runs, record.way_fullsteps

@@ -89,10 +89,7 @@ class StealthChopStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
-        self.tell("preconditions", 0.0, "looking at the axis")
-        ground = self._ground = (await look(self.device, self.axis, wanted)).required()
-        if await self.returned(ground.start):
-            ground = self._ground = (await look(self.device, self.axis, wanted)).required()
+        ground = self._ground = await self.looked(look, wanted)
         beside = (f"velocity.{self.axis}",)
         self._moves = MeasuredMoves(self.device, self.axis, self.clock, ground.full_step, 1.0, beside)
         self._moves.way_fullsteps = record.way_fullsteps
