@@ -1,11 +1,11 @@
 """A tuning session over REST, from nothing to a report: connect, set up, try accelerations, keep the best.
 
 For each device of bench.json: connect it by TCP as if it were hardware, write what it needs to run, then move there and
-back with rising accelerations while telemetry runs. Of the moves that arrived, and whose prediction held, the quickest
-is kept in the device. What was found goes to the terminal, as report.md and report.json into a folder, and into the
-dashboard: a recording of each device has its moves as a plot, a mark for each acceleration, and its part of the report,
-all of which the page `REPORT` shows; what was kept is a profile. At the end every axis goes slowly back and forth,
-until whoever comes stops it.
+back with rising accelerations while telemetry runs; where the prediction did not hold, once more. Of the moves that
+arrived, and whose prediction held, the quickest is kept in the device. What was found goes to the terminal, as
+report.md and report.json into a folder, and into the dashboard: a recording of each device has its moves as a plot, a
+mark for each acceleration, and its part of the report, all of which the page `REPORT` shows; what was kept is a
+profile. At the end every axis goes slowly back and forth, until whoever comes stops it.
 """
 
 from __future__ import annotations
@@ -64,8 +64,13 @@ class Try:
     ended: str = "arrived"
 
     @property
+    def late(self) -> bool:
+        """It arrived, but not as predicted: a busy machine now and then, an axis that is not understood each time."""
+        return self.ended == "arrived" and self.residual_rms > LATE_MAX_S * self.peak_pps
+
+    @property
     def good(self) -> bool:
-        return self.ended == "arrived" and self.residual_rms <= LATE_MAX_S * self.peak_pps
+        return self.ended == "arrived" and not self.late
 
 
 @dataclass
@@ -260,7 +265,10 @@ def tune(bench: Bench, entry: dict[str, str], host: str, log: Log) -> Outcome:
             for name, value in plan.accelerate(bench, device, acceleration):
                 bench.write(device, name, value, AXIS)
             bench.call("POST", f"recordings/{recording.id}/marks", {"text": f"acceleration {acceleration}"})
-            outcome.tries.append(tried := try_move(bench, device, acceleration, plan.distance))
+            tried = try_move(bench, device, acceleration, plan.distance)
+            if tried.late:
+                tried = try_move(bench, device, acceleration, plan.distance)
+            outcome.tries.append(tried)
             log(f"{entry['name']}: {acceleration} -> {tried.duration_s:.3f} s, residual {tried.residual_peak:g}")
         bench.stop_recording(recording.id)
         good = [tried for tried in outcome.tries if tried.good]

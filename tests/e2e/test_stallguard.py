@@ -79,6 +79,8 @@ def test_a_sweep_fills_the_plot_and_ends(load: Page, motor: Motor, errors: Error
     speeds = whole_run(load, motor, "sweep")
     assert max(speeds) > 0 > min(speeds), "there and back"
     assert samples(load) > 100
+    # the page hears of the last of the motion a little later than this test
+    wait_for(lambda: shown(load, "speed") == 0, "the page has all of it")
     load.get_by_test_id("clear-speed").click()
     wait_for(lambda: samples(load) == 0, "cleared")
 

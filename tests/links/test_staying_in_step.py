@@ -16,7 +16,7 @@ from app.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind
 from app.links.queue import LinkQueue
 from app.links.serial_line import LinePort
-from app.links.tmcl import Reply, Request, version_string
+from app.links.tmcl import Reply, Request, sound, version_string
 from app.links.tmcl_session import FENCES
 from app.registers.tmcl.commands import Opcode, Status
 from tests.links.pty_module import (
@@ -430,6 +430,9 @@ async def test_a_thousand_corrupt_answers() -> None:
         assert bad > 300
         assert len(port.incidents.list()) == 200
         assert sum(port.incidents.counts.values()) > 1000
+        # Noise may look like a wrong checksum; then the module is filled up, and what it makes of that is no command.
+        commands = [frame for frame in module.seen if sound(frame)]
         # GAP is one of them; and a busy machine may lose a fence, and then another one is sent
-        assert {frame[1] for frame in module.seen} <= FENCES.keys()
-        assert len(module.asked()) <= 1 + 1000 + 4  # nothing was asked twice
+        assert {frame[1] for frame in commands} <= FENCES.keys()
+        asked = [frame for frame in commands if frame[1] == Opcode.GAP and frame[2] != FENCES[Opcode.GAP]]
+        assert len(asked) <= 1 + 1000 + 1 - 4  # nothing was asked twice

@@ -115,6 +115,20 @@ describe("TelemetrySource", () => {
     expect(sockets).toHaveLength(5);
   });
 
+  it("shows the history of a new socket when the whole of it has come", () => {
+    tell(START);
+    tell(frame([1, 2], [10, 20]));
+    sockets.at(-1)?.onclose?.({ code: 1006, reason: "" });
+    vi.advanceTimersByTime(400);
+    tell({ ...START, history_rows: 3 });
+    tell(frame([0.5, 1], [5, 10]));
+    expect([...(source.buffer.column("position.0") ?? [])]).toEqual([10, 20, Number.NaN]);
+    tell(frame([2], [20]));
+    expect([...(source.buffer.column("position.0") ?? [])]).toEqual([5, 10, 20]);
+    tell(frame([3], [30]));
+    expect([...(source.buffer.column("position.0") ?? [])]).toEqual([5, 10, 20, 30]);
+  });
+
   it("says why the server refused", () => {
     sockets.at(-1)?.onclose?.({ code: 4404, reason: "no channel position.7" });
     expect(source.link()).toMatchObject({ phase: "refused", reason: "no channel position.7" });

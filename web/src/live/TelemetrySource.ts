@@ -1,5 +1,5 @@
 import type { Schemas } from "../api/client";
-import { decodeFrame } from "./frames";
+import { decodeFrame, type Frame } from "./frames";
 import { bufferFor, type TelemetryRequest, telemetryUrl } from "./request";
 import { type OpenSocket, Successor } from "./Successor";
 import type { TraceBuffer } from "./TraceBuffer";
@@ -73,6 +73,8 @@ export class TelemetrySource {
   program: readonly Of<"program">[] = [];
   private socket: WebSocket | null = null;
   private next: Successor | null = null;
+  /** the history of a new socket, and how many rows of it are still to come */
+  private past: { buffer: TraceBuffer; missing: number } | null = null;
   /** texts that both sockets of a change tell, and only the first of them is to be heard */
   private readonly heard = new Set<string>();
   private state: LinkState;
@@ -152,6 +154,7 @@ export class TelemetrySource {
   private hangUp(): void {
     this.next?.close();
     this.next = null;
+    this.past = null;
     this.heard.clear();
     close(this.socket);
     this.socket = null;
@@ -197,9 +200,19 @@ export class TelemetrySource {
       this.buffer.gap();
       this.update({ dropped: frame.dropped });
     }
-    this.buffer.append(frame);
+    if (this.past) this.onPast(this.past, frame);
+    else this.buffer.append(frame);
     if (this.next) this.takeOver(this.next);
     if (this.state.phase !== "live") this.update({ phase: "live", reason: null });
+  }
+
+  /** Nobody sees half of it: whoever counts rows would take its end for the present, and count the rest anew. */
+  private onPast(past: { buffer: TraceBuffer; missing: number }, frame: Frame): void {
+    past.buffer.append(frame);
+    past.missing -= frame.rows;
+    if (past.missing > 0) return;
+    this.buffer = past.buffer;
+    this.past = null;
   }
 
   private started(message: Of<"start">): void {
@@ -224,7 +237,8 @@ export class TelemetrySource {
     switch (message.type) {
       case "start":
         // The history that follows is complete: what was kept before the break is part of it.
-        this.buffer = bufferFor(this.request);
+        if (message.history_rows > 0) this.past = { buffer: bufferFor(this.request), missing: message.history_rows };
+        else this.buffer = bufferFor(this.request);
         this.program = [];
         this.heard.clear();
         this.started(message);

@@ -14,13 +14,15 @@ const COLUMNS = ["Time", "Who", "Device", "Action", "What", "Old → new", "Outc
 
 interface Props {
   audit: Audit;
+  /** what is shown answers an earlier question */
+  asking: boolean;
   /** somebody reads further down: new entries wait above */
   reading: boolean;
   toTop: () => void;
 }
 
 /** Entries of the log with its news, the newest first. */
-export function AuditEntries({ audit, reading, toTop }: Props) {
+export function AuditEntries({ audit, asking, reading, toTop }: Props) {
   const devices = useDevices();
   const { select } = useSelection();
   // biome-ignore lint/correctness/useExhaustiveDependencies: another function each time, and always the same
@@ -56,7 +58,8 @@ export function AuditEntries({ audit, reading, toTop }: Props) {
       <table
         className={`${classes.table} fades text-12 tight w-full anywhere`}
         data-testid="audit"
-        data-stale={audit.stale}
+        data-stale={audit.stale || asking}
+        aria-busy={asking}
       >
         <thead>
           <tr>

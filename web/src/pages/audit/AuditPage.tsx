@@ -1,7 +1,6 @@
 import { Button, Group, Text } from "@mantine/core";
-import { useDebouncedValue } from "@mantine/hooks";
 import { IconHistory } from "@tabler/icons-react";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useState } from "react";
 import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { Loading } from "../../lib/Loading";
@@ -9,8 +8,9 @@ import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AuditEntries } from "./AuditEntries";
 import { FilterBar } from "./FilterBar";
-import { EVERYTHING, isFiltered, queryOf } from "./filters";
+import { EVERYTHING } from "./filters";
 import { type Audit, useAudit } from "./useAudit";
+import { useAuditQuery } from "./useAuditQuery";
 import { useFilters } from "./useFilters";
 
 /** Scrolled down further than that, rows are read: new ones wait above. */
@@ -19,10 +19,7 @@ const READING_PX = 80;
 /** Who did what, when, and what came of it. */
 export default function AuditPage() {
   const [filters, setFilters] = useFilters();
-  const [settled] = useDebouncedValue(filters, 200);
-  const minute = useMinute();
-  // a span ends now: the question is another one each minute, and only then
-  const query = useMemo(() => queryOf(settled, new Date(minute * 60_000)), [settled, minute]);
+  const { query, behind } = useAuditQuery(filters);
   const audit = useAudit(query);
   const reading = useScrolledDown();
   return (
@@ -37,9 +34,14 @@ export default function AuditPage() {
             </Group>
           )
         ) : audit.entries.length + audit.news.length === 0 ? (
-          <Nothing filtered={isFiltered(settled)} onAll={() => setFilters(EVERYTHING)} />
+          <Nothing filtered={Object.keys(query).length > 0} onAll={() => setFilters(EVERYTHING)} />
         ) : (
-          <AuditEntries audit={audit} reading={reading} toTop={() => window.scrollTo({ top: 0 })} />
+          <AuditEntries
+            audit={audit}
+            asking={audit.asking || behind}
+            reading={reading}
+            toTop={() => window.scrollTo({ top: 0 })}
+          />
         )}
       </Card>
     </Page>
@@ -67,17 +69,6 @@ function Nothing({ filtered, onAll }: { filtered: boolean; onAll: () => void }) 
       )}
     </EmptyState>
   );
-}
-
-const now = () => Math.floor(Date.now() / 60_000);
-
-function useMinute(): number {
-  const [minute, setMinute] = useState(now);
-  useEffect(() => {
-    const timer = setInterval(() => setMinute(now()), 5000);
-    return () => clearInterval(timer);
-  }, []);
-  return minute;
 }
 
 function useScrolledDown(): boolean {

@@ -26,6 +26,8 @@ export interface Audit {
   /** entries that have come since the page was asked for, the newest first */
   news: Entry[];
   error: unknown;
+  /** what is shown answers an earlier question */
+  asking: boolean;
   /** what is shown may be old: the server does not answer */
   stale: boolean;
   /** there are older ones */
@@ -68,6 +70,7 @@ export function useAudit(query: Query): Audit {
     entries: known,
     news: news.data ?? [],
     error: pages.error,
+    asking: pages.isPlaceholderData,
     stale: news.isError,
     more: pages.hasNextPage && (known?.length ?? 0) < SHOWN_MAX,
     loadingMore: pages.isFetchingNextPage,

@@ -121,7 +121,12 @@ export function LoadView(props: Props) {
             color={colorOf("velocity", scheme)}
           />
         )}
-        <LiveNumber label="Speed" unit="rpm" read={() => fixed((last("velocity") / microstepsPerTurn) * 60, 1)} />
+        <LiveNumber
+          label="Speed"
+          unit="rpm"
+          read={() => fixed((last("velocity") / microstepsPerTurn) * 60, 1)}
+          testId="speed"
+        />
         <LiveNumber label="Mode by speed" unit="" read={zone} />
       </Card>
       <div className="live columns side-left until-62">

@@ -34,7 +34,12 @@ export function LogPanel({ device }: DeviceProps) {
             Nothing was done to {device.name} yet.
           </Text>
         ) : (
-          <AuditEntries audit={audit} reading={reading} toTop={() => list.current?.scrollTo({ top: 0 })} />
+          <AuditEntries
+            audit={audit}
+            asking={audit.asking}
+            reading={reading}
+            toTop={() => list.current?.scrollTo({ top: 0 })}
+          />
         )}
       </section>
     </Card>
