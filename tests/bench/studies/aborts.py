@@ -409,7 +409,10 @@ def aborted(model: str, numbers: Sequence[int]) -> list[Aborted]:
         bench.connected()
         bench.new()
         for number in numbers:
-            one = _abort(bench, number)
+            try:
+                one = _abort(bench, number)
+            except httpx.HTTPStatusError as error:  # which itself does not go from one process to another
+                raise RuntimeError(f"abort {number}: {error}: {error.response.text}") from None
             print(one, file=sys.stderr, flush=True)
             found.append(one)
     return found
