@@ -8,17 +8,17 @@ from ..core.capabilities import Identity
 from ..core.register_link import RegisterLink
 from ..core.unread_registers import NOTHING, on_board
 from . import roles
+from .events import Events
 from .identity import is_one
-from .memory import ChipMemory
 
 
 class ChipIdentity(Identity):
     """Tells one TMC4361 from everything else; `tasks` are the driver's own, which end when it is let go."""
 
-    def __init__(self, link: RegisterLink, memory: ChipMemory, tasks: BackgroundTasks) -> None:
+    def __init__(self, link: RegisterLink, events: Events, tasks: BackgroundTasks) -> None:
         self._link = link
         self._session = link.session
-        self._memory = memory
+        self._events = events
         self._tasks = tasks
 
     async def probe(self) -> str:
@@ -41,7 +41,7 @@ class ChipIdentity(Identity):
 
     async def refresh(self) -> None:
         async with self._link.turn() as turn:
-            await self._memory.refresh(self._link.io(turn))
+            await self._events.take(self._link.io(turn), roles.REMEMBERED)
 
     def only_reads(self, frame: bytes) -> bool:
         return self._link.access.is_read(frame)

@@ -73,7 +73,14 @@ class Events(EventLog, LatchedFlags):
     # --- reading without losing one -------------------------------------------------------------
 
     async def peek(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
-        """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared."""
+        """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared but RST_EV: what is
+        written from now on is lost with the next reset, which has to be seen too."""
+        held = await self._look(io, registers)
+        if self.has(RESET):
+            await self.clear(io, roles.event(RESET) & await self._clearable(io))
+        return held
+
+    async def _look(self, io: RegisterIO, registers: Sequence[Register]) -> Snapshot:
         kept = await self._user_keeps(io)
         asked = (*registers, roles.EVENTS)
         if kept == ALL:
@@ -97,12 +104,15 @@ class Events(EventLog, LatchedFlags):
 
     async def take(self, io: RegisterIO, registers: Sequence[Register] = ()) -> Snapshot:
         """`peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
-        held = await self.peek(io, registers)
+        held = await self._look(io, registers)
+        await self.clear(io, self.present & await self._clearable(io))
+        return held
+
+    async def _clearable(self, io: RegisterIO) -> int:
+        """Events that nobody waits for."""
         interrupts = self._memory.known(roles.INTR_CONF) or 0
         stays = roles.BLOCKING | (COVER_DONE if self._datagrams_of_its_own() else 0)
-        free = ALL & ~(stays | (await self._user_keeps(io)) | interrupts)
-        await self.clear(io, self.present & free & EVENT_MASK)
-        return held
+        return EVENT_MASK & ~(stays | (await self._user_keeps(io)) | interrupts)
 
     def _datagrams_of_its_own(self) -> bool:
         """Whether COVER_DONE comes with each datagram that the chip sends by itself, and so over and over."""

@@ -66,7 +66,7 @@ def compose(
     stops = Stops(link, memory, cruise, expected)
     position = Position(link, memory, cruise, expected, registers)
     parts = Parts(
-        identity=ChipIdentity(link, memory, tasks),
+        identity=ChipIdentity(link, events, tasks),
         registers=registers,
         raw=RawDatagrams(link, writes, DatagramsByHand(memory, writes)),
         motion=ChipMotion(session, moves, rotation, stops, expected),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from ...calc.units.mechanics import Mechanics
 from ...errors import BenchError
 from ...registers.model import Register, to_raw
 from ...registers.tmc4361.general import RESET_CODE
-from ..core.register_io import RegisterIO, Snapshot
+from ..core.register_io import Snapshot
 from ..core.register_link import RegisterLink
 from ..core.results import DeviceState
 from . import roles
@@ -73,10 +73,6 @@ class ChipMemory:
             self.covered[word >> 17 & 7] = word & 0xF_FFFF
         if register is roles.RESET and roles.part(roles.RESET, "RESET_REG").unpack(word) == RESET_CODE:
             self.forget_at_reset()
-
-    async def refresh(self, io: RegisterIO, registers: Sequence[Register] = roles.REMEMBERED) -> None:
-        """Read these again."""
-        self.saw_all(Snapshot(registers, await io.read_many(registers)))
 
     # --- what is true no more -------------------------------------------------------------------
 

@@ -137,6 +137,27 @@ async def test_a_reset_is_noticed_and_forgets_what_was_written() -> None:
         assert b.memory.kept_word(b.device.family.table.get("PID_P", 0)) is None
 
 
+async def test_of_two_resets_between_two_polls_the_later_one_is_noticed_too() -> None:
+    """A plug that bounces: what was written in between is gone as well."""
+    async with bench() as b:
+        resolution = b.device.family.table.get("ENC_IN_RES", 0)
+        b.patch(Tmc4361Patch(power_cycle=True))
+        await b.state()
+        await b.device.registers.write("ENC_IN_RES", 0, 40_000)
+        await b.state()
+        assert b.memory.kept_word(resolution) == 40_000
+        b.patch(Tmc4361Patch(power_cycle=True))
+        await b.state()
+        assert b.memory.kept_word(resolution) is None
+
+
+async def test_a_reset_is_noticed_though_nothing_was_polled_since_it_is_connected() -> None:
+    async with bench() as b:
+        b.patch(Tmc4361Patch(power_cycle=True))
+        await b.state()
+        assert b.memory.kept_word(b.device.family.table.get("ENC_IN_RES", 0)) is None
+
+
 async def test_events_are_told_to_listeners() -> None:
     async with bench() as b:
         await b.device.motion.move(0, 500)

@@ -59,21 +59,25 @@ def test_what_a_command_writes_over_vmax_is_not_what_the_user_wants() -> None:
     assert memory.as_set(roles.VMAX, 700) == 700
 
 
-async def test_peeking_at_events_clears_none_and_clearing_tells_first() -> None:
+async def test_peeking_clears_a_reset_alone_and_clearing_tells_first() -> None:
     link = a_link()
     events = Events(link, ChipMemory(link, Cruise()))
     async with link.turn() as turn:
         io = link.io(turn)
         await events.peek(io)
+        assert not events.has("RST_EV")  # it was told, and is to be seen to come again
+        await io.write_many([(roles.XACTUAL, 100), (roles.XTARGET, 100)])
+        await events.peek(io)
         seen = events.present
-        assert events.has("RST_EV")
+        assert events.has("TARGET_REACHED")
         await events.peek(io)
         assert events.present == seen
-        await events.clear(io, roles.event("RST_EV"))
+        await events.clear(io, roles.event("TARGET_REACHED"))
         await events.peek(io)
-    assert not events.has("RST_EV")
+    assert not events.has("TARGET_REACHED")
     assert events._owed is None
-    assert [name for entry in events.events(0).events for name in entry.names].count("RST_EV") == 1
+    told = [name for entry in events.events(0).events for name in entry.names]
+    assert (told.count("RST_EV"), told.count("TARGET_REACHED")) == (1, 1)
     assert events.resets == 1
 
 

@@ -156,6 +156,21 @@ async def test_a_reset_while_we_know_the_chip_is_seen_and_forgets_its_setting(mo
         assert not any("was reset" in warning for warning in (await b.device.motion.move(0, 200)).warnings)
 
 
+@pytest.mark.parametrize("model", MODELS)
+async def test_what_is_written_after_a_reset_is_forgotten_at_the_next_one_alone(model: str) -> None:
+    """However many looks there are at the chip before it is polled."""
+    async with bench(model) as b:
+        b.patch(Tmc5xxxPatch(power_cycle=True))
+        await b.state()
+        for _ in range(2):
+            await b.device.registers.write("VMAX", 0, 50_000)
+            await b.state()
+            assert b.ramp(0).words["VMAX"] == 50_000
+            b.patch(Tmc5xxxPatch(power_cycle=True))
+            await b.state()
+            assert b.ramp(0).words["VMAX"] == 0
+
+
 async def test_a_look_at_one_axis_does_not_take_the_reset_from_the_other() -> None:
     async with bench("tmc5062") as b:
         assert (await b.device.counter.poll(0)).reset_seen is True
