@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .parts import PairOrder
+from .parts import Interval, PairOrder
 
 # scipy is imported where it is used: the server starts without it.
 
@@ -28,8 +28,7 @@ class PairedEffect:
     """Mean of (new less old), its 95 % interval, and the two-sided p of Wilcoxon's signed-rank test."""
 
     mean: float
-    low: float
-    high: float
+    interval: Interval
     p: float
 
 
@@ -48,31 +47,31 @@ def paired_effect(old: Sequence[float], new: Sequence[float], seed: int = 0) -> 
     difference = after - before
     mean = float(difference.mean())
     if np.ptp(difference) == 0:
-        low = high = mean
+        around = Interval(low=mean, high=mean)
     else:
         found = stats.bootstrap(
             (difference,), np.mean, n_resamples=RESAMPLES, method="percentile", rng=np.random.default_rng(seed)
         ).confidence_interval
         # A percentile bootstrap of few pairs is too narrow: Student's interval is not.
-        narrow, wide = mean_interval(difference)
-        low, high = min(float(found.low), narrow), max(float(found.high), wide)
+        around = mean_interval(difference)
+        around = Interval(low=min(float(found.low), around.low), high=max(float(found.high), around.high))
     p = 1.0 if not difference.any() else float(stats.wilcoxon(difference).pvalue)
-    return PairedEffect(mean, low, high, p)
+    return PairedEffect(mean, around, p)
 
 
-def mean_interval(values: Sequence[float] | NDArray[np.float64]) -> tuple[float, float]:
+def mean_interval(values: Sequence[float] | NDArray[np.float64]) -> Interval:
     """Student's 95 % interval of a mean, of two values at the least."""
     from scipy import stats
 
     found = np.asarray(values, dtype=float)
     n, mean = len(found), float(found.mean())
     half = float(stats.t.ppf(1 - LEVEL / 2, n - 1)) * float(found.std(ddof=1)) / math.sqrt(n)
-    return mean - half, mean + half
+    return Interval(low=mean - half, high=mean + half)
 
 
 def is_better(effect: PairedEffect, old_mean: float, smallest_share: float) -> bool:
     """Whether less is shown: the test says so, and the whole interval lies below the smallest gain that counts."""
-    return effect.p < LEVEL and effect.high < -abs(smallest_share * old_mean)
+    return effect.p < LEVEL and effect.interval.high < -abs(smallest_share * old_mean)
 
 
 @dataclass(frozen=True, slots=True)

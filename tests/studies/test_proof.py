@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.studies.parts import Interval
 from app.studies.proof import is_better, paired_effect, rate_bound, runs_for
 
 
@@ -20,7 +21,7 @@ def test_a_difference_that_is_always_there_is_shown_with_its_size() -> None:
     before = [1.0 + 0.01 * index for index in range(10)]
     effect = paired_effect(before, [value - 0.1 for value in before])
     assert effect.mean == pytest.approx(-0.1)
-    assert effect.high < -0.099
+    assert effect.interval.high < -0.099
     assert effect.p == pytest.approx(2 / 2**10)  # the exact one of ten differences of one sign
     assert is_better(effect, 1.045, 0.01)
     assert not is_better(effect, 1.045, 0.2), "less than what counts"
@@ -28,7 +29,7 @@ def test_a_difference_that_is_always_there_is_shown_with_its_size() -> None:
 
 def test_what_does_not_differ_at_all_is_no_improvement() -> None:
     effect = paired_effect([1.0] * 10, [1.0] * 10)
-    assert (effect.mean, effect.low, effect.high, effect.p) == (0.0, 0.0, 0.0, 1.0)
+    assert (effect.mean, effect.interval, effect.p) == (0.0, Interval(low=0.0, high=0.0), 1.0)
     assert not is_better(effect, 1.0, 0.0)
 
 
@@ -39,7 +40,7 @@ def test_chance_alone_is_seldom_taken_for_an_improvement_and_the_interval_holds_
         before, after = rng.normal(1.0, 0.05, (2, 10))
         effect = paired_effect(list(before), list(after), seed)
         claimed += is_better(effect, 1.0, 0.0)
-        held += effect.low <= 0 <= effect.high
+        held += effect.interval.low <= 0 <= effect.interval.high
     assert claimed <= 10
     assert held >= 185
 

@@ -9,7 +9,6 @@ from ...clock import WallClock
 from ...number_text import plain
 from ..document import CalmChopper
 from ..moves import MeasuredMoves
-from ..parts import Interval
 from ..proof import compared_pairs, pair_order
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
@@ -279,15 +278,15 @@ class ChopperStudy(StudyRun):
             baseline_fullsteps=old,
             winner_fullsteps=new,
             difference_fullsteps=effect.mean,
-            interval_fullsteps=Interval(low=effect.low, high=effect.high),
+            interval_fullsteps=effect.interval,
             p=effect.p,
             significant=record.improved,
         )
-        setting = _setting(chosen)
+        setting, around = _setting(chosen), effect.interval
         if record.improved:
             record.verdict = (
                 f"{setting.words} instead of {self._ground.chopper.now.words}: the shaft shakes "
-                f"{100 * (1 - new / old):.3g} % less ({100 * -effect.high / old:.3g} to {100 * -effect.low / old:.3g} "
+                f"{100 * (1 - new / old):.3g} % less ({100 * -around.high / old:.3g} to {100 * -around.low / old:.3g} "
                 f"%, 95 %), the chopper at about {plain(chosen.chopper_hz / 1e3, 3)} kHz; "
                 f"{'it is set' if wanted.keep else 'one click takes it'}"
             )

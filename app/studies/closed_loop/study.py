@@ -23,7 +23,6 @@ from ...telemetry.sampling import FloatArray
 from ..document import ClosedLoop
 from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
-from ..parts import Interval
 from ..pieces import Pieces
 from ..proof import compared_pairs, pair_order
 from ..ramp_settings import ACCELERATION
@@ -322,7 +321,7 @@ class ClosedLoopStudy(StudyRun):
             baseline_s=old,
             winner_s=new,
             difference_s=effect.mean,
-            interval_s=Interval(low=effect.low, high=effect.high),
+            interval_s=effect.interval,
             p=effect.p,
             significant=better,
         )

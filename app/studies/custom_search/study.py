@@ -13,7 +13,7 @@ from ...procedures.procedure import Failed
 from ...profiles.errors import ProfileLeft, ProfileTakenBack
 from ..document import CustomSearch
 from ..parts import Interval
-from ..proof import LEVEL, Compared, compared_pairs, pair_order, rate_bound
+from ..proof import compared_pairs, pair_order, rate_bound
 from ..record import Figures, Trial
 from ..run import StudyRun
 from ..scored_move.found import Scored
@@ -363,15 +363,15 @@ class CustomSearchStudy(StudyRun):
         figure = wanted.objectives[index]
         sign = sign_of(figure)
         old, new = [pair.baseline[index] for pair in found.pairs], [pair.winner[index] for pair in found.pairs]
-        shown: Compared = compared_pairs(
+        shown = compared_pairs(
             [sign * value for value in old],
             [sign * value for value in new],
             wanted.smallest_gain,
             self.record.document.seed,
+            figures=len(wanted.objectives),
         )
-        effect, ends = shown.effect, sorted((sign * shown.effect.low, sign * shown.effect.high))
-        # Two objectives are two chances to be better by luck.
-        p = min(1.0, effect.p * len(wanted.objectives))
+        effect, around = shown.effect, shown.effect.interval
+        ends = sorted((sign * around.low, sign * around.high))
         return FigureEffect(
             figure=figure,
             unit=NAMES[figure][1],
@@ -379,9 +379,9 @@ class CustomSearchStudy(StudyRun):
             winner=sign * shown.new,
             difference=sign * effect.mean,
             interval=Interval(low=ends[0], high=ends[1]),
-            p=p,
-            significant=shown.better and p < LEVEL,
-            worse=effect.high > abs(wanted.smallest_gain * shown.old) and not shown.better,
+            p=effect.p,
+            significant=shown.better,
+            worse=around.high > abs(wanted.smallest_gain * shown.old),
         )
 
 

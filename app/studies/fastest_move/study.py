@@ -11,7 +11,6 @@ from ...clock import WallClock
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FastestMove
-from ..parts import Interval
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
 from ..ramp_settings import (
     ACCELERATION,
@@ -446,7 +445,7 @@ class FastestMoveStudy(StudyRun):
             baseline_s=old,
             winner_s=shown.new,
             difference_s=effect.mean,
-            interval_s=Interval(low=effect.low, high=effect.high),
+            interval_s=effect.interval,
             share=effect.mean / old,
             p=effect.p,
             test=f"{test}; each p counts twice, for two figures" if wanted.quiet else test,
@@ -478,7 +477,7 @@ class FastestMoveStudy(StudyRun):
             baseline_fullsteps=shown.old,
             winner_fullsteps=shown.new,
             difference_fullsteps=effect.mean,
-            interval_fullsteps=Interval(low=effect.low, high=effect.high),
+            interval_fullsteps=effect.interval,
             share=effect.mean / shown.old if shown.old else 0.0,
             p=effect.p,
             significant=shown.better,

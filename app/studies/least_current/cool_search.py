@@ -255,7 +255,7 @@ class CoolSearch:
         old, new = [pair.without for pair in found.pairs], [pair.with_it for pair in found.pairs]
         seen = compared_pairs(old, new, bench.wanted.smallest_gain, bench.seed)
         found.saved_share, found.p = -seen.effect.mean, seen.effect.p
-        found.interval_share = Interval(low=-seen.effect.high, high=-seen.effect.low)
+        found.interval_share = Interval(low=-seen.effect.interval.high, high=-seen.effect.interval.low)
         if not seen.better:
             around = found.interval_share
             raise _Told(

@@ -16,7 +16,6 @@ from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import MicrostepCalibration
 from ..moves import MeasuredMoves
-from ..parts import Interval
 from ..proof import compared_pairs, pair_order
 from ..ramp_settings import SPEED
 from ..record import AngleEffect, AnglePair, Figures, MicrostepFigures, Trial
@@ -233,7 +232,7 @@ class MicrostepCalibrationStudy(StudyRun):
             baseline_deg=old,
             winner_deg=new,
             difference_deg=effect.mean,
-            interval_deg=Interval(low=effect.low, high=effect.high),
+            interval_deg=effect.interval,
             p=effect.p,
             significant=record.improved,
         )

@@ -15,7 +15,6 @@ from ...procedures.procedure import Failed
 from ..document import ResonanceMap
 from ..fitted import estimate
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, Sampled
-from ..parts import Interval
 from ..pieces import Pieces
 from ..proof import is_better, paired_effect
 from ..ramp_settings import ACCELERATION, SPEED
@@ -221,8 +220,7 @@ class ResonanceMapStudy(StudyRun):
             old, new = (list(side) for side in zip(*pairs, strict=True))
             effect = paired_effect(old, new, record.document.seed)
             change.before_deg = float(np.mean(old))
-            change.difference_deg, change.p = effect.mean, effect.p
-            change.interval_deg = Interval(low=effect.low, high=effect.high)
+            change.difference_deg, change.interval_deg, change.p = effect.mean, effect.interval, effect.p
             change.quieter = not change.lost_rps and is_better(effect, change.before_deg, self.wanted.smallest_gain)
         self.found.changes.append(change)
         record.trials.append(

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ..parts import Interval
 from ..proof import LEVEL, mean_interval, paired_effect
 from .found import StealthEffect, StealthPair
 
@@ -87,7 +86,6 @@ def _effect(
     """`count` figures are looked at: each p so many times (Bonferroni)."""
     effect = paired_effect(old, new, seed)
     p = min(count * effect.p, 1.0)
-    low, high = mean_interval(new)
     return StealthEffect(
         name=name,
         unit=unit,
@@ -95,8 +93,8 @@ def _effect(
         baseline=statistics.fmean(old),
         winner=statistics.fmean(new),
         difference=effect.mean,
-        interval=Interval(low=effect.low, high=effect.high),
-        winner_interval=Interval(low=low, high=high),
+        interval=effect.interval,
+        winner_interval=mean_interval(new),
         p=p,
-        significant=p < LEVEL and effect.high < -least,
+        significant=p < LEVEL and effect.interval.high < -least,
     )
