@@ -27,6 +27,8 @@ from .database import Database
 if TYPE_CHECKING:  # the page is there before the database is: see `database_file`
     from sqlalchemy.orm import Session
 
+    from .audit_queries import AuditQueries
+
 log = logging.getLogger("stepscope.audit")
 
 FLUSH_S = 0.25
@@ -162,13 +164,9 @@ class AuditLog:
             trim = self._since_trim >= TRIMMED_EVERY
             written = [_loss(batch[0], lost), *batch] if lost else batch
 
-            def insert(session: Session) -> None:
-                from . import audit_queries
-
-                audit_queries.insert_entries(session, written, kept=KEPT if trim else None)
-
+            kept = KEPT if trim else None
             try:
-                await self._database.write(insert)
+                await self._database.write(lambda session: _on(session).insert_entries(written, kept))
             except StoreUnavailable as problem:
                 self._waiting.extendleft(reversed(batch))
                 self._shed()
@@ -196,69 +194,40 @@ class AuditLog:
         Everything that was added before is among them. Raises StoreUnavailable.
         """
         await self._flush()
-
-        def found(session: Session) -> list[Entry]:
-            from . import audit_queries
-
-            return audit_queries.search(session, wanted, limit, before)
-
-        return await self._database.read(found)
+        return await self._database.read(lambda session: _on(session).search(wanted, limit, before))
 
     async def of_device(self, device: str, first: int) -> list[Entry]:
         """All entries of a device from the id `first` on, the oldest first. Raises StoreUnavailable."""
         await self._flush()
-
-        def found(session: Session) -> list[Entry]:
-            from . import audit_queries
-
-            return audit_queries.of_device(session, device, first)
-
-        return await self._database.read(found)
+        return await self._database.read(lambda session: _on(session).of_device(device, first))
 
     async def first_of_call(self, call: int) -> int:
         """The lowest id of the entries of a request; 0 where it has none. Raises StoreUnavailable."""
-
-        def found(session: Session) -> int:
-            from . import audit_queries
-
-            return audit_queries.first_of_call(session, call)
-
-        return await self._database.read(found)
+        return await self._database.read(lambda session: _on(session).first_of_call(call))
 
     async def last_writes(self, device: str, before: int) -> list[Entry]:
         """Of each register of a device its last write before the id `before`, since the device was added last.
 
         Raises StoreUnavailable.
         """
-
-        def found(session: Session) -> list[Entry]:
-            from . import audit_queries
-
-            return audit_queries.last_writes(session, device, before)
-
-        return await self._database.read(found)
+        return await self._database.read(lambda session: _on(session).last_writes(device, before))
 
     async def first_since(self, unix_s: float) -> tuple[int, float | None]:
         """The id that entries since then begin with, and when the log itself begins [s]. Raises StoreUnavailable."""
         await self._flush()
-
-        def found(session: Session) -> tuple[int, float | None]:
-            from . import audit_queries
-
-            return audit_queries.first_since(session, unix_s)
-
-        return await self._database.read(found)
+        return await self._database.read(lambda session: _on(session).first_since(unix_s))
 
     async def known(self) -> Known:
         """All names that entries bear. Raises StoreUnavailable."""
         await self._flush()
+        return await self._database.read(lambda session: _on(session).known())
 
-        def found(session: Session) -> Known:
-            from . import audit_queries
 
-            return audit_queries.known(session)
+def _on(session: Session) -> AuditQueries:
+    """What is asked of the log: imported with the first session, for the page is there before the database is."""
+    from .audit_queries import AuditQueries
 
-        return await self._database.read(found)
+    return AuditQueries(session)
 
 
 def _loss(first: Entry, lost: int) -> Entry:

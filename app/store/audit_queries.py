@@ -17,56 +17,56 @@ from .tables import AuditRow
 REFUSED = "refused%"
 
 
-def insert_entries(session: Session, entries: Sequence[Entry], kept: int | None) -> None:
-    """New ones; with `kept` only so many of all stay, the oldest go."""
-    session.execute(insert(AuditRow), [row_of(entry) for entry in entries])
-    if kept is not None:
-        newest = select(func.max(AuditRow.id)).scalar_subquery()
-        session.execute(delete(AuditRow).where(AuditRow.id <= newest - kept))
+class AuditQueries:
+    """What is asked of the audit log in the database, on a session of the caller's."""
 
+    def __init__(self, session: Session) -> None:
+        self._session = session
 
-def search(session: Session, wanted: EntryFilter, limit: int, before: int | None) -> list[Entry]:
-    """The latest `limit` that are wanted, newest first; with `before` those with lower ids."""
-    query = matching(wanted).order_by(AuditRow.id.desc()).limit(limit)
-    if before is not None:
-        query = query.where(AuditRow.id < before)
-    return [entry_of(row) for row in session.scalars(query)]
+    def insert_entries(self, entries: Sequence[Entry], kept: int | None) -> None:
+        """New ones; with `kept` only so many of all stay, the oldest go."""
+        self._session.execute(insert(AuditRow), [row_of(entry) for entry in entries])
+        if kept is not None:
+            newest = select(func.max(AuditRow.id)).scalar_subquery()
+            self._session.execute(delete(AuditRow).where(AuditRow.id <= newest - kept))
 
+    def search(self, wanted: EntryFilter, limit: int, before: int | None) -> list[Entry]:
+        """The latest `limit` that are wanted, newest first; with `before` those with lower ids."""
+        query = matching(wanted).order_by(AuditRow.id.desc()).limit(limit)
+        if before is not None:
+            query = query.where(AuditRow.id < before)
+        return [entry_of(row) for row in self._session.scalars(query)]
 
-def of_device(session: Session, device: str, first: int) -> list[Entry]:
-    """All of a device from the id `first` on, the oldest first."""
-    query = select(AuditRow).where(AuditRow.device == device, AuditRow.id >= first).order_by(AuditRow.id)
-    return [entry_of(row) for row in session.scalars(query)]
+    def of_device(self, device: str, first: int) -> list[Entry]:
+        """All of a device from the id `first` on, the oldest first."""
+        query = select(AuditRow).where(AuditRow.device == device, AuditRow.id >= first).order_by(AuditRow.id)
+        return [entry_of(row) for row in self._session.scalars(query)]
 
+    def first_of_call(self, call: int) -> int:
+        """The lowest id of the entries of a request; 0 where it has none."""
+        return self._session.scalar(select(func.min(AuditRow.id)).where(AuditRow.call == call)) or 0
 
-def first_of_call(session: Session, call: int) -> int:
-    """The lowest id of the entries of a request; 0 where it has none."""
-    return session.scalar(select(func.min(AuditRow.id)).where(AuditRow.call == call)) or 0
+    def last_writes(self, device: str, before: int) -> list[Entry]:
+        """Of each register of a device its last write before the id `before`, since the device was added last."""
+        earlier = (AuditRow.device == device, AuditRow.id < before)
+        added = self._session.scalar(select(func.max(AuditRow.id)).where(*earlier, AuditRow.action == ADDED)) or 0
+        last = (
+            select(func.max(AuditRow.id))
+            .where(*earlier, AuditRow.id > added, AuditRow.action == WRITTEN, AuditRow.outcome.not_like(REFUSED))
+            .group_by(AuditRow.subject, AuditRow.axis)
+        )
+        return [entry_of(row) for row in self._session.scalars(select(AuditRow).where(AuditRow.id.in_(last)))]
 
+    def first_since(self, unix_s: float) -> tuple[int, float | None]:
+        """The id that entries since then begin with, and when the log itself begins [s]."""
+        since = self._session.scalar(select(func.min(AuditRow.id)).where(AuditRow.at_unix_s >= unix_s))
+        newest = self._session.scalar(select(func.max(AuditRow.id))) or 0
+        return since or newest + 1, self._session.scalar(select(func.min(AuditRow.at_unix_s)))
 
-def last_writes(session: Session, device: str, before: int) -> list[Entry]:
-    """Of each register of a device its last write before the id `before`, since the device was added last."""
-    earlier = (AuditRow.device == device, AuditRow.id < before)
-    added = session.scalar(select(func.max(AuditRow.id)).where(*earlier, AuditRow.action == ADDED)) or 0
-    last = (
-        select(func.max(AuditRow.id))
-        .where(*earlier, AuditRow.id > added, AuditRow.action == WRITTEN, AuditRow.outcome.not_like(REFUSED))
-        .group_by(AuditRow.subject, AuditRow.axis)
-    )
-    return [entry_of(row) for row in session.scalars(select(AuditRow).where(AuditRow.id.in_(last)))]
-
-
-def first_since(session: Session, unix_s: float) -> tuple[int, float | None]:
-    """The id that entries since then begin with, and when the log itself begins [s]."""
-    since = session.scalar(select(func.min(AuditRow.id)).where(AuditRow.at_unix_s >= unix_s))
-    newest = session.scalar(select(func.max(AuditRow.id))) or 0
-    return since or newest + 1, session.scalar(select(func.min(AuditRow.at_unix_s)))
-
-
-def known(session: Session) -> Known:
-    """All names that entries bear."""
-    devices = _names(session, AuditRow.device)
-    return Known(devices, _names(session, AuditRow.who), _names(session, AuditRow.action))
+    def known(self) -> Known:
+        """All names that entries bear."""
+        devices = _names(self._session, AuditRow.device)
+        return Known(devices, _names(self._session, AuditRow.who), _names(self._session, AuditRow.action))
 
 
 def _names(session: Session, column: InstrumentedAttribute[str] | InstrumentedAttribute[str | None]) -> list[str]:
