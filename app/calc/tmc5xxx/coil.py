@@ -172,6 +172,13 @@ class CurrentStage:
             for scale in range(SCALES):
                 yield Setting(scale, chosen, full * (scale + 1) / SCALES)
 
+    def run_and_hold(self, run_a: float, hold_a: float) -> tuple[Setting, Setting]:
+        """The best settings of at most `run_a`, else the least there is, and nearest to `hold_a` [A RMS]. Raises
+        ValueError as `ranked`."""
+        within = (s for s in self.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9))
+        run = next(within, None) or min(self.settings(), key=lambda setting: setting.peak_a)
+        return run, nearest_hold(self.settings(run.select), hold_a * math.sqrt(2))
+
     def ranked(self, peak_a: float, select: int | None = None) -> list[Setting]:
         """Settings for a wanted peak [A], best first; of a TMC5160 one for each scale, with its best scaler.
 

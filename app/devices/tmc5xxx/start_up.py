@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ...calc.tmc5xxx.chips import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage
 from ...calc.units.tmc5xxx import acceleration_units, velocity_units
 from ...errors import OutOfRange, UsageError
 from ..core.config import AxisSettings
@@ -116,11 +116,8 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
         full_a = stage.full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
         if run_a > full_a:
             raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
-        hold_a = min(one.hold_current_a(run_a), run_a)
-        least = min(stage.settings(), key=lambda setting: setting.peak_a)
-        within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
-        run = within[0] if within else least
-        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select, None
+        run, hold = stage.run_and_hold(run_a, min(one.hold_current_a(run_a), run_a))
+        return run.scale, hold.scale, run.select, None
     shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
     if shares is not None:
         run_share, hold_share = shares

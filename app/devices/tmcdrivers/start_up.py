@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from ...calc.families import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage
 from ...errors import OutOfRange, UsageError
 from ...registers.model import Register
 from ..core.device import Device
@@ -88,11 +88,8 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
         full_a = stage.full_scale_a(0) / math.sqrt(2)
         if run_a > full_a:
             raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
-        hold_a = min(one.hold_current_a(run_a), run_a)
-        least = min(stage.settings(), key=lambda setting: setting.peak_a)
-        within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
-        run = within[0] if within else least
-        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select, None
+        run, hold = stage.run_and_hold(run_a, min(one.hold_current_a(run_a), run_a))
+        return run.scale, hold.scale, run.select, None
     shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
     if shares is not None:
         enough = (n for n in range(len(ranges)) if range_share(model, n) >= max(shares))
