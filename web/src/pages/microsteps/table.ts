@@ -45,18 +45,19 @@ export function withEntry(values: readonly number[], index: number, value: numbe
   return values.map((old, at) => (at === index ? clamp(value) : old));
 }
 
-/** With a stroke of the pen: every entry that the line from one point to the other passes. */
+/** With a stroke of the pen: every entry that the line from one point to the other passes, as a table holds it. */
 export function withStroke(
   values: readonly number[],
   from: { index: number; value: number },
   to: { index: number; value: number },
+  held = clamp,
 ): number[] {
   const [left, right] = from.index <= to.index ? [from, to] : [to, from];
   const span = right.index - left.index;
   return values.map((old, at) => {
     if (at < left.index || at > right.index) return old;
-    if (span === 0) return clamp(to.value);
-    return clamp(left.value + ((right.value - left.value) * (at - left.index)) / span);
+    if (span === 0) return held(to.value);
+    return held(left.value + ((right.value - left.value) * (at - left.index)) / span);
   });
 }
 

@@ -4,22 +4,10 @@ import type { Schemas } from "../../../api/client";
 import { coordinate, fixed } from "../../../lib/format";
 import { useFrame } from "../../../live/useFrame";
 import { Savable } from "../../../plots/Savable";
+import { withStroke } from "../table";
 import classes from "./Mslut.module.css";
 import type { Seen } from "./seen";
-import {
-  bent,
-  clamp,
-  currentAt,
-  ENTRIES,
-  entryAt,
-  POSITIONS,
-  pairOf,
-  SINE,
-  stroked,
-  type Table,
-  TOP,
-  WIDTH_HUES,
-} from "./wave";
+import { bent, clamp, currentAt, ENTRIES, entryAt, POSITIONS, pairOf, SINE, type Table, TOP, WIDTH_HUES } from "./wave";
 
 export type Tool = "bend" | "point" | "draw";
 export type View = "quarter" | "period";
@@ -160,7 +148,7 @@ export function WaveEditor(props: Props) {
     if (!from) return;
     const here = at(event);
     if (tool === "draw") {
-      onChange(stroked(values, from, here), "stroke");
+      onChange(withStroke(values, from, here, clamp), "stroke");
       held.current = { ...here, base: values };
       setActive(here.index);
     } else if (tool === "bend") {

@@ -1,8 +1,10 @@
 import { describe, expect, it } from "vitest";
+import { withStroke } from "../table";
 import { Seen } from "./seen";
 import {
   bent,
   cArray,
+  clamp,
   currentAt,
   DEFAULT,
   decode,
@@ -16,7 +18,6 @@ import {
   type Register,
   rippleOf,
   SINE,
-  stroked,
   wordsOf,
 } from "./wave";
 
@@ -108,12 +109,10 @@ describe("drawing", () => {
     expect(Math.max(...bent(POWER_ON.values, 250, 900))).toBe(255);
   });
 
-  it("takes a stroke of the pen either way", () => {
+  it("takes a stroke of the pen up to its own top", () => {
     const flat = new Array<number>(256).fill(0);
-    const there = stroked(flat, { index: 10, value: 0 }, { index: 20, value: 40 });
-    expect(there).toEqual(stroked(flat, { index: 20, value: 40 }, { index: 10, value: 0 }));
-    expect(there.slice(9, 22)).toEqual([0, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 0]);
-    expect(stroked(flat, { index: 4, value: 9 }, { index: 4, value: 9 })[4]).toBe(9);
+    const there = withStroke(flat, { index: 10, value: 0 }, { index: 20, value: 400 }, clamp);
+    expect(there.slice(9, 18)).toEqual([0, 0, 40, 80, 120, 160, 200, 240, 255]);
   });
 });
 

@@ -132,21 +132,6 @@ export function bent(values: readonly number[], index: number, to: number): numb
   });
 }
 
-/** With a stroke of the pen: every entry that the line from one point to the other passes. */
-export function stroked(
-  values: readonly number[],
-  from: { index: number; value: number },
-  to: { index: number; value: number },
-): number[] {
-  const [left, right] = from.index <= to.index ? [from, to] : [to, from];
-  const span = right.index - left.index;
-  return values.map((old, at) => {
-    if (at < left.index || at > right.index) return old;
-    if (span === 0) return clamp(to.value);
-    return clamp(left.value + ((right.value - left.value) * (at - left.index)) / span);
-  });
-}
-
 /** The wave that register words make: bit i says by which of its segment's two amounts entry i differs. */
 export function decode(words: readonly number[], select: number, start: number): { values: number[]; mirror: number } {
   const borders = [8, 16, 24].map((shift) => (select >>> shift) & 0xff);
