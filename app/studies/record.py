@@ -109,8 +109,7 @@ class Evidence(Part):
     p: float = Field(description="of the paired test (Wilcoxon), two-sided")
     test: str
     significant: bool
-    lost_runs: int = Field(description="of the winner's, margin included")
-    runs: int
+    runs: int = Field(description="of the winner, margin included; none of them lost a step")
     loss_rate_max: float = Field(description="upper bound of the winner's loss rate, 95 %: what so many runs can show")
     deviation: DeviationEvidence | None = Field(default=None, description="of two objectives: the other one")
 

@@ -47,7 +47,8 @@ class StudyStore:
             if not ID.fullmatch(path.parent.name):
                 continue
             try:
-                record = StudyRecord.model_validate(Document(path).read())
+                # What an older version told beside is no reason to leave a study out.
+                record = StudyRecord.model_validate(Document(path).read(), extra="ignore")
             except (UnreadableDocument, ValidationError) as error:
                 log.warning("%s is left out, and stays: %s", path, error)
                 continue

@@ -95,7 +95,6 @@ def evidence(share: float, significant: bool, deviation: float, calmer: bool, p:
         p=0.004,
         test="",
         significant=significant,
-        lost_runs=0,
         runs=20,
         loss_rate_max=0.14,
         deviation=other,

