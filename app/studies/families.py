@@ -104,11 +104,6 @@ def identification_of(device: Device) -> IdentificationPlaces:
     return _known(IDENTIFICATIONS, device, "no study identifies what hangs on a {} yet", remedy)
 
 
-def sets_current(device: Device) -> bool:
-    """Whether studies set its current."""
-    return device.family.family in CURRENTS
-
-
 def current_of(device: Device) -> CurrentPlaces:
     """Where it keeps the scales of its current. Raises WrongState for a family whose current no study sets."""
     return _known(CURRENTS, device, "no study sets the current of a {} yet", "set it by hand on its page of currents")

@@ -14,7 +14,7 @@ from ...number_text import plain
 from ...profiles.capture import CapturedConfiguration
 from ..current_settings import CurrentSpace
 from ..document import ResonanceMap, StudyDocument
-from ..families import current_of, ripple_of, sets_current
+from ..families import CURRENTS, current_of, ripple_of
 from ..field_settings import FieldSpace, place_of, word_before
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
@@ -150,7 +150,7 @@ def _settings(
 ) -> Sequence[Setting]:
     """The changes that this chip can be set to; what they set joins `before`. Raises WrongState."""
     told: list[Setting] = []
-    if wanted.current_shares and sets_current(device):
+    if wanted.current_shares and device.family.family in CURRENTS:
         current = CurrentSpace(device, axis, current_of(device), held)
         before.extend(current.before)
         for share in wanted.current_shares:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -467,8 +466,9 @@ class StealthChopStudy(StudyRun):
         held = [each for each in tried if self._holds(each[1][1])]
         if not held:
             return None
-        told = [each.added_share for _, (_, each) in held if each.added_share is not None]
-        near = [each for each in held if any(told) and _added(each[1][1]) <= min(told) + ALIKE]
+        told = [(each, added) for each in held if (added := each[1][1].added_share) is not None]
+        least = min((added for _, added in told), default=0.0)
+        near = [each for each, added in told if added <= least + ALIKE] if any(added for _, added in told) else []
         # Where nothing is regulated, which shows by nothing that is added to any, what it needs when it is, or what is
         # calculated.
         others = [each for one in (needed, calculated) for each in held if each[0] == one]
@@ -555,11 +555,6 @@ class StealthChopStudy(StudyRun):
             return
         then = "it is set" if wanted.keep else "one click takes it"
         record.verdict = f"{new} instead of {old}: {'; '.join(_told(each) for each in shown.effects)}; {then}"
-
-
-def _added(tried: StealthTried) -> float:
-    """What its regulation added; where nothing told it, it is not the one that needs least."""
-    return math.inf if tried.added_share is None else tried.added_share
 
 
 def _told(effect: StealthEffect) -> str:

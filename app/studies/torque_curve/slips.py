@@ -12,6 +12,7 @@ import numpy as np
 from ...calc.motors.pull_out import PullOut, pull_out
 from ...devices.core.capabilities import PositionFromEncoder
 from ...devices.core.results import AxisState
+from ...number_text import plain
 from ...procedures.procedure import POLL_S, Failed
 from ..document import TorqueCurve
 from ..moves import MeasuredMoves, deviation_of
@@ -151,10 +152,14 @@ class Slips:
         self._positive = not self._positive
         pps = speed_rps * ground.turn
         beyond = min(up_to_pps or BEYOND[0] * pps + BEYOND[1] * ground.turn, ground.most[SPEED])
-        needed = pps**2 / (2 * gentle) + (beyond**2 - pps**2) / (2 * hard_pps2) + beyond**2 / (2 * hard_pps2)
-        needed += ROOM_TURNS * ground.turn
-        needed = self._way.require_room(speed_rps, needed)
-        begin = ground.start if way > 0 else ground.start + needed
+        up, room = pps**2 / (2 * gentle), abs(ground.far - ground.start)
+        if up + 2 * ROOM_TURNS * ground.turn > room:
+            raise Failed(
+                f"to come up to {plain(speed_rps, 3)} turns/s it needs {plain(up / ground.turn, 3)} turns of way: "
+                "more travel, or a lower greatest speed"
+            )
+        needed = up + (beyond**2 - pps**2) / (2 * hard_pps2) + beyond**2 / (2 * hard_pps2) + ROOM_TURNS * ground.turn
+        begin = ground.start if way > 0 else ground.start + min(room, math.ceil(needed))
         await self._gently_to(begin)
         off = await self._moves.deviation()
         await self._way.accelerate(gentle)

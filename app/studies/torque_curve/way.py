@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 from ...devices.core.results import AxisState
@@ -43,17 +42,6 @@ class Way:
         for each in space.registers({SPEED: space.now()[SPEED], ACCELERATION: pps2}):
             if each.name in space.names(ACCELERATION):
                 await self._run.device.registers.write(each.name, each.axis, each.value)
-
-    def require_room(self, speed_rps: float, needed: float) -> int:
-        """The way that a run takes [microsteps]: what it needs, and the room is at the most. Raises Failed."""
-        ground = self.ground
-        up, room = (speed_rps * ground.turn) ** 2 / (2 * self.gentle_pps2), abs(ground.far - ground.start)
-        if up + 2 * ROOM_TURNS * ground.turn > room:
-            raise Failed(
-                f"to come up to {plain(speed_rps, 3)} turns/s it needs {plain(up / ground.turn, 3)} turns of way: "
-                "more travel, or a lower greatest speed"
-            )
-        return min(room, math.ceil(needed))
 
     async def speed_up(self, pps: float, end: int, slipped: Callable[[AxisState], bool] = lambda _: False) -> bool:
         """Turn at `pps` until that is reached, or its room up to `end` is used up; False where it has slipped before.
