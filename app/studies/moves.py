@@ -145,6 +145,12 @@ class MeasuredMoves:
         """The axis now. Raises DriverFault, BenchError."""
         return await state_now(self._device, self._axis, self._clock)
 
+    async def fall_into_step(self, start: int, way: int = 1) -> None:
+        """By an electrical period to one side of `start` and back: a rotor that stood beside its field when it was
+        switched on falls into step with the first move. Raises Failed, BenchError."""
+        await self.go(start + way * round(PERIOD_FULLSTEPS) * self._microsteps)
+        await self.go(start)
+
     async def go(self, target: int) -> None:
         """Move without measuring. Raises Failed where the motor rests elsewhere, BenchError."""
         state = await self.state()

@@ -39,11 +39,9 @@ class CustomTrials:
         """Called where steps were lost, before that is mended."""
 
     async def begin(self) -> None:
-        """A rotor that stood beside its field when it was switched on falls into step with the first move. Raises
-        Failed, BenchError."""
-        way = 1 if self._wanted.distances[0] > 0 else -1
-        await self.moves.go(self._ground.start + way * self._ground.period)
-        await self.moves.go(self._ground.start)
+        """The rotor falls into step, and where its encoder stands then is what nothing lost is. Raises Failed,
+        BenchError."""
+        await self.moves.fall_into_step(self._ground.start, 1 if self._wanted.distances[0] > 0 else -1)
         self._zero = await self.moves.deviation()
 
     async def measure(self, registers: Sequence[Held], what: str, places: Sequence[int]) -> Scored:

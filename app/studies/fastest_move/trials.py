@@ -70,10 +70,9 @@ class MoveTrials:
         return self._random.randrange(self._ranges.period)
 
     async def begin(self) -> None:
-        """A rotor that stood beside its field when it was switched on falls into step with the first move; then the
-        edge of the switch is found, where one sees lost steps. Raises Failed, BenchError."""
-        await self.moves.go(self._ranges.start + self._way * self._ranges.period)
-        await self.moves.go(self._ranges.start)
+        """The rotor falls into step; then the edge of the switch is found, where one sees lost steps. Raises Failed,
+        BenchError."""
+        await self.moves.fall_into_step(self._ranges.start, self._way)
         if self._edge is not None:
             await self._edge.learn(self._ranges.near)
 

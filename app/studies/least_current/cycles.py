@@ -53,12 +53,6 @@ class LoadCycles:
         self.spent: Callable[[], bool] = lambda: False
         """Whether the budget is used up."""
 
-    async def fall_into_step(self) -> None:
-        """A rotor that stood beside its field when it was switched on falls into step with the first move."""
-        ground = self._ground
-        await self.moves.go(ground.start + ground.cycle.way * ground.period)
-        await self.moves.go(ground.start)
-
     async def once(self, cycle: Cycle) -> Cycled:
         """There and back from a place of the electrical period that is drawn anew. Lost steps are mended."""
         ground = self._ground
@@ -124,7 +118,7 @@ async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocum
         await Transaction(device, document_of(device, registers, what)).run()
 
     load = LoadCycles(device, axis, clock, ground, document.seed + asked.number, apply)
-    await load.fall_into_step()
+    await load.moves.fall_into_step(ground.start, ground.cycle.way)
     scale = round(asked.values[NAME])
     seen = await load.at(scale, wanted.repeats, ground.cycles[0])
     return Trial(

@@ -130,7 +130,7 @@ class LeastCurrentStudy(StudyRun):
     async def _baseline(self) -> None:
         self.tell("baseline", 0.0, "load cycles with the current as it is set now")
         self._touched = True
-        await self._load.fall_into_step()
+        await self._load.moves.fall_into_step(self._ground.start, self._ground.cycle.way)
         for _ in range(BASELINE_CYCLES):
             if not (await self._load.once(self._ground.cycle)).held:
                 raise Failed("it loses steps with the current as it is set now: more current, or a gentler ramp, first")

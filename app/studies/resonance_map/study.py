@@ -67,9 +67,7 @@ class ResonanceMapStudy(StudyRun):
         record.resonances = record.resonances or ResonanceFound(orders=sorted(ORDERS))
         await self.keeper.save(record)
         self._touched = True
-        # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._moves.go(ground.start + 4 * ground.full_step)
-        await self._moves.go(ground.start)
+        await self._moves.fall_into_step(ground.start)
         self._apart = await self._moves.deviation()
         await self._map()
         await self._changes()

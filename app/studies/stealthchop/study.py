@@ -255,9 +255,7 @@ class StealthChopStudy(StudyRun):
         ground, found = self._ground, self.found
         self.tell("baseline", 0.0, "running with StealthChop as it is set now")
         self.keeper.mark("baseline")
-        # A rotor that stood beside its field when it was switched on falls into step with the first move.
-        await self._moves.go(ground.start + 4 * ground.full_step)
-        await self._moves.go(ground.start)
+        await self._moves.fall_into_step(ground.start)
         now = ground.stealth.now
         if not found.pairs:  # those are with the setting before in turn
             found.before = self._tried(now, await self._through(now), "as it was")

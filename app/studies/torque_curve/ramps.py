@@ -64,15 +64,11 @@ class Ramps:
         return max(LOW_RPS, self._swings_rps(ONSET_SWINGS, known) + known * self._late_s / (2 * math.pi))
 
     async def begin(self) -> None:
-        """A rotor that stood beside its field falls into step with the first move; then the edge is found.
-
-        Raises Failed, BenchError.
-        """
+        """The rotor falls into step; then the edge is found. Raises Failed, BenchError."""
         ground = self._ground
         self._run.record.next = UNTOLD
         await self._way.gently()
-        await self._moves.go(ground.start + ground.way * 4 * ground.full_step)
-        await self._moves.go(ground.start)
+        await self._moves.fall_into_step(ground.start, ground.way)
         await self._edge.learn(ground.near)
 
     async def home(self) -> None:
