@@ -105,6 +105,10 @@ class StudyRun(Procedure):
         far = budget.distance_fullsteps is not None and record.way_fullsteps > share * budget.distance_fullsteps
         return far or self.since_s > share * budget.time_s
 
+    def ran(self, moves: MeasuredMoves) -> None:
+        """A run more is over: the record tells it, and the way of all `moves`."""
+        self.record.runs, self.record.way_fullsteps = self.record.runs + 1, moves.way_fullsteps
+
     def tell(self, phase: Phase, progress: float, message: str, left_s: float | None = None) -> None:
         """How far it is, for whoever looks. left_s : how long it takes yet [s]; None: as its progress and plan tell"""
         record = self.record

@@ -51,13 +51,8 @@ class CustomSearchStudy(StudyRun):
         ground = self._ground = await self.looked(look, wanted)
         self._trials = CustomTrials(self.device, self.axis, self.clock, wanted, ground, self.apply)
         self._trials.losing = lambda: self.keeper.mark("steps lost: the position is taken from the encoder")
-        way_before = record.way_fullsteps
-
-        def ran() -> None:
-            record.runs += 1
-            record.way_fullsteps = way_before + self._trials.moves.way_fullsteps
-
-        self._trials.ran = ran
+        self._trials.moves.way_fullsteps = record.way_fullsteps
+        self._trials.ran = lambda: self.ran(self._trials.moves)
         if not record.baseline:
             record.baseline, record.baseline_setting = ground.space.before, ground.space.now
         record.units = ground.space.units

@@ -75,13 +75,8 @@ class FastestMoveStudy(StudyRun):
         self._trials = MoveTrials(self.device, self.axis, self.clock, wanted, ranges, seed, self.apply)
         by = wanted.seen_by
         self._trials.losing = lambda: self.keeper.mark(f"steps lost: the position is taken from the {by}")
-        way_before = record.way_fullsteps
-
-        def ran() -> None:
-            record.runs += 1
-            record.way_fullsteps = way_before + self._trials.moves.way_fullsteps
-
-        self._trials.ran = ran
+        self._trials.moves.way_fullsteps = record.way_fullsteps
+        self._trials.ran = lambda: self.ran(self._trials.moves)
         if not record.baseline:
             record.baseline = ranges.space.before
             record.baseline_setting = ranges.space.now()

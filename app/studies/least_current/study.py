@@ -63,9 +63,9 @@ class LeastCurrentStudy(StudyRun):
         record.units = dict(UNITS)
         self._load = LoadCycles(self.device, self.axis, self.clock, ground, record.document.seed, self.apply)
         self._load.before = record.baseline
-        self._load.ran, self._load.mark, self._load.spent = self._ran, self.keeper.mark, self.spent
-        self._load.left = self._tell_left
+        self._load.mark, self._load.spent, self._load.left = self.keeper.mark, self.spent, self._tell_left
         self._load.moves.way_fullsteps = record.way_fullsteps
+        self._load.ran = lambda: self.ran(self._load.moves)
         earlier = [] if record.least_current is None else record.least_current.tried
         self._gone_over = 0
         self._span = PROOF if ground.cool is None else (PROOF[0], COOL_PROOF[0])
@@ -86,10 +86,6 @@ class LeastCurrentStudy(StudyRun):
         await self._load.moves.go(ground.start)
 
     # --- cycles -----------------------------------------------------------------------------------
-
-    def _ran(self) -> None:
-        self.record.runs += 1
-        self.record.way_fullsteps = self._load.moves.way_fullsteps
 
     def _tell_left(self, left_s: float, done: float) -> None:
         if self.record.phase == "proof":
