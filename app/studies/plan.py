@@ -114,8 +114,10 @@ async def axis_that_sees_lost_steps(device: Device, axis: int, missing: list[str
     return found
 
 
-async def axis_at_a_switch(device: Device, axis: int, missing: list[str], switch: Side) -> AxisNow | None:
-    """The axis before moves whose lost steps a switch sees, and sets right. Raises BenchError."""
+async def axis_seen_by(device: Device, axis: int, missing: list[str], switch: Side | None, why: str) -> AxisNow | None:
+    """The same where a switch may see lost steps, and sets them right; None: the encoder does. Raises BenchError."""
+    if switch is None:
+        return await axis_that_sees_lost_steps(device, axis, missing, why)
     try:
         device.need(PositionSetting)
     except WrongState as error:

@@ -10,7 +10,7 @@ from ...errors import WrongState
 from ...number_text import plain
 from ..document import Budget, FastestMove, StudyDocument
 from ..families import shapes_of
-from ..plan import AxisNow, Looked, StudyPlan, axis_at_a_switch, axis_that_sees_lost_steps, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_seen_by, planned, room_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace
 from ..search import Dimension
@@ -143,11 +143,7 @@ async def look(device: Device, axis: int, wanted: FastestMove) -> Looked[Ranges]
     looked = Looked[Ranges]()
     say = looked.missing.append
     switch = SWITCHES[wanted.seen_by]
-    found = (
-        await axis_that_sees_lost_steps(device, axis, looked.missing, "without one lost steps cannot be seen")
-        if switch is None
-        else await axis_at_a_switch(device, axis, looked.missing, switch)
-    )
+    found = await axis_seen_by(device, axis, looked.missing, switch, "without one lost steps cannot be seen")
     if found is None:
         return looked
     space, state, microsteps = _shaped(device, axis, wanted, found, looked.missing), found.state, found.full_step

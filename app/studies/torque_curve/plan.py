@@ -8,14 +8,7 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...number_text import plain
 from ..document import StudyDocument, TorqueCurve
-from ..plan import (
-    Looked,
-    StudyPlan,
-    axis_at_a_switch,
-    axis_that_sees_lost_steps,
-    planned,
-    room_told,
-)
+from ..plan import Looked, StudyPlan, axis_seen_by, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
 from ..switch_edge import SPANS_MAX, SWITCHES
 from ..until_switch import Side
@@ -71,11 +64,7 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
     looked = Looked[Ground]()
     say = looked.missing.append
     switch = SWITCHES[wanted.seen_by]
-    found = (
-        await axis_that_sees_lost_steps(device, axis, looked.missing, "without one nobody sees a rotor slip")
-        if switch is None
-        else await axis_at_a_switch(device, axis, looked.missing, switch)
-    )
+    found = await axis_seen_by(device, axis, looked.missing, switch, "without one nobody sees a rotor slip")
     if found is None:
         return looked
     space, state, turn = found.space, found.state, found.turn
