@@ -40,6 +40,8 @@ def _tell_plan(plan: dict[str, Any]) -> None:
         typer.echo(f"  {line}")
     if plan["position_from"] is not None:
         typer.echo(f"  between {plan['position_from']} and {plan['position_to']}, about {plain(plan['time_s'], 3)} s")
+    if plan["no_twin"]:
+        typer.echo(f"  not tried on an emulated twin first: {plan['no_twin']}")
     typer.echo(f"  cut off and resumed, it {'goes on with the rest' if plan['goes_on'] else 'begins again'}")
     for line in plan["warnings"]:
         typer.secho(f"stepscope: {line}", fg="yellow", err=True)

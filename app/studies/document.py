@@ -61,14 +61,38 @@ class TwinMotor(Part):
     )
 
 
+AS_IDENTIFIED: Final = "as identified"
+
+
 class Twin(Part):
     """Try on an emulated twin first: an emulator set as the axis is, with a motor as it is told here."""
 
     motor: TwinMotor = Field(default_factory=TwinMotor)
+    as_identified: Annotated[bool, Field(strict=True)] = Field(
+        default=False,
+        description="what the latest study of motor and machine of the axis found takes the place of the told figures",
+    )
     trials: Annotated[int, Field(strict=True, ge=5, le=500)] = Field(default=40, description="settings tried there")
     best: Annotated[int, Field(strict=True, ge=1, le=20)] = Field(
         default=4, description="so many of the best are tried on the axis first"
     )
+    source: Annotated[str, StringConstraints(strict=True, max_length=500)] = Field(
+        default="", description="where the motor's figures are from, for people; filled in where they were identified"
+    )
+
+
+TwinWish: TypeAlias = Annotated[
+    Twin | Literal["as identified"] | None,
+    Field(
+        description="tried first. as identified: made of the latest study of motor and machine of the axis, if that "
+        "tells enough (the plan says so), else none; null: none, on the axis alone. The record has the one it was"
+    ),
+]
+
+
+def told_twin(wish: TwinWish) -> Twin | None:
+    """The twin that is tried; None where it was left open, and nobody made one of what was identified."""
+    return wish if isinstance(wish, Twin) else None
 
 
 SeenBy = Literal["encoder", "left switch", "right switch"]
@@ -140,7 +164,7 @@ class FastestMove(Part):
         description="search nothing, and prove this setting alone, by the names and units of an earlier study's trial, "
         "e.g. speed [pps] and acceleration [pps^2]; null: search",
     )
-    twin: Twin | None = Field(default=None, description="null: on the axis alone")
+    twin: TwinWish = AS_IDENTIFIED
     sampler: Sampler | None = Field(default=None, description="null: TPE for one objective, NSGA-II for two")
 
     @model_validator(mode="after")
@@ -154,16 +178,23 @@ class FastestMove(Part):
             raise ValueError("CMA-ES knows one objective: leave quiet out, or take tpe or nsga2")
         if self.deviation_max_fullsteps is not None and not self.quiet:
             raise ValueError("deviation_max_fullsteps chooses among a front: set quiet too, or leave it out")
-        if self.candidate is not None and self.twin is not None:
+        if self.candidate is not None and isinstance(self.twin, Twin):
             raise ValueError("a candidate is proved on the axis, and nothing is searched: leave the twin out")
         if self.seen_by != "encoder":
             if (self.distance > 0) != (self.seen_by == "left switch"):
                 raise ValueError(f"distance leads into the {self.seen_by}: moves go away from it, and back")
             if self.quiet:
                 raise ValueError("quiet is told by an encoder alone: leave it out, or let the encoder see")
-            if self.twin is not None:
+            if isinstance(self.twin, Twin):
                 raise ValueError("a twin sees lost steps by its encoder: leave it out, or let the encoder see")
         return self
+
+    @property
+    def no_twin(self) -> str:
+        """Why it is tried on no twin, whatever is known of the axis; empty where one may be."""
+        if self.candidate is not None:
+            return "a candidate is proved on the axis, and nothing is searched"
+        return "" if self.seen_by == "encoder" else "a twin sees lost steps by its encoder"
 
     @property
     def every_distance(self) -> tuple[int, ...]:
@@ -378,8 +409,11 @@ class LeastCurrent(Part):
     coolstep: bool = Field(
         default=True, description="then CoolStep as well, where the chip has it: less current where the load is small"
     )
-    twin: Twin | None = Field(
-        default=None, description="every current is tried there first, whatever `trials` says; null: on the axis alone"
+    twin: TwinWish = Field(
+        default=AS_IDENTIFIED,
+        description="every current is tried there first, whatever `trials` says. as identified: made of the latest "
+        "study of motor and machine of the axis, if that tells enough (the plan says so), else none; null: none, on "
+        "the axis alone. The record has the one it was",
     )
 
     @model_validator(mode="after")

@@ -14,6 +14,7 @@ from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import BenchError, WrongState
 from ..profiles.capture import CapturedConfiguration
+from .document import Twin
 from .driver_faults import faults_told
 from .families import ramp_of
 from .parts import Part
@@ -42,7 +43,10 @@ class StudyPlan(Part):
     goes_on: bool = Field(
         default=False, description="cut off, it keeps what is whole and goes on with the rest; else it begins anew"
     )
-    no_twin: str = Field(default="", description="why nothing of it can be tried on an emulated twin; empty: it can")
+    no_twin: str = Field(
+        default="",
+        description="why nothing of it is tried on an emulated twin first, and what helps; empty: it is, or not to be",
+    )
 
 
 @dataclass(slots=True)
@@ -139,6 +143,12 @@ def room_told(limits: AxisLimits) -> list[str]:
     if limits.ranged:
         return []
     return ["no soft limits of position are set: nothing keeps it from going further than it shall"]
+
+
+def twin_told(twin: Twin, what: str) -> str:
+    """The step in which `what` is tried on a twin, and where that twin's motor is from."""
+    source = f" ({twin.source})" if twin.source else ""
+    return f"{what} on an emulated twin{source}: the motor rests meanwhile"
 
 
 async def planned(

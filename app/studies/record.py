@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from .chopper.found import ChopperFound
 from .closed_loop.found import LoopFound
@@ -267,6 +267,7 @@ class StudyRecord(Part):
     taken: Taken | None = Field(default=None, description="what the axis was set to of it; null: nothing, or undone")
     recording: str | None = None
     twin: list[TwinSetting] = Field(default_factory=list, description="the best on the twin, tried on the axis first")
+    no_twin: str = Field(default="", description="why none was tried first, where the document left that open")
     stallguard: StallFound | None = Field(default=None, description="of a study of StallGuard")
     least_current: LeastCurrentFound | None = Field(default=None, description="of a study of the least current")
     chopper: ChopperFound | None = Field(default=None, description="of a study of the chopper")
@@ -277,6 +278,15 @@ class StudyRecord(Part):
     custom: CustomFound | None = Field(default=None, description="of an own search")
     noticed: bool = Field(default=False, description="the scored move was made by somebody, and noticed")
     next: str = Field(default="", description="what would be worth doing next")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _kept_before_twins(cls, data: Any) -> Any:
+        """A record tells the twin that was tried: one that is older than twins names none, and had none."""
+        match data:
+            case {"document": {"study": {"kind": "fastest_move" | "least_current"} as study}}:
+                study.setdefault("twin", None)
+        return data
 
     def trial(self, number: int | None) -> Trial | None:
         """The trial of that number."""

@@ -9,7 +9,7 @@ from ..number_text import plain
 from .chopper import report as chopper
 from .closed_loop import report as closed_loop
 from .custom_search import report as custom_search
-from .document import Kind
+from .document import FastestMove, Kind, LeastCurrent, told_twin
 from .fastest_move import report as fastest_move
 from .first_look import report as first_look
 from .identification import report as identification
@@ -59,10 +59,20 @@ def html_of(record: StudyRecord) -> str:
         parts.append("<h2>What is not as before</h2>" + _list(record.left))
     if record.findings:
         parts.append("<h2>Found</h2>" + _findings(record))
-    parts += SECTIONS[document.study.kind](record)
+    parts += _twin(record) + SECTIONS[document.study.kind](record)
     if record.next:
         parts.append(f"<h2>Next</h2><p>{text(record.next)}</p>")
     return page(f"{document.title}, {record.device_name}", parts)
+
+
+def _twin(record: StudyRecord) -> list[str]:
+    """Where the motor of its twin is from, or why it had none; nothing where its document says so itself."""
+    study = record.document.study
+    twin = told_twin(study.twin) if isinstance(study, FastestMove | LeastCurrent) else None
+    told = f"Tried first on an emulated twin: {twin.source}." if twin and twin.source else ""
+    if record.no_twin:
+        told = f"Nothing was tried on an emulated twin first: {record.no_twin}."
+    return [f"<h2>Twin</h2><p>{text(told)}</p>"] if told else []
 
 
 def _list(lines: Sequence[str]) -> str:

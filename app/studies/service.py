@@ -40,6 +40,7 @@ from .scored_move.watch import MoveWatch, Setting
 from .store import StudyStore
 from .table_settings import with_registers
 from .twins.executor import Executor
+from .twins.identified import with_its_twin
 
 log = logging.getLogger("stepscope.studies")
 
@@ -124,15 +125,20 @@ class StudyService:
         device, axis = self._of(document)
         device.session.require_connected()
         kind = KINDS[document.study.kind]
+        document, no_twin = self._with_its_twin(document)
         plan = await kind.plan(device, axis, document)
         plan.goes_on = kind.goes_on
-        plan.no_twin = "" if kind.on_twin else kind.no_twin or "no twin is known to be like the axis in this"
+        plan.no_twin = no_twin if kind.on_twin else kind.no_twin or "no twin is known to be like the axis in this"
         plan.missing += self._in_the_way(device, axis)
         return plan
 
     def _of(self, document: StudyDocument) -> tuple[Device, int]:
         device = self._device_of(document.device)
         return device, device.axis(document.axis).index
+
+    def _with_its_twin(self, document: StudyDocument) -> tuple[StudyDocument, str]:
+        """The document with the twin that is tried first; or why there is none. Raises UnknownThing."""
+        return with_its_twin(document, *self._of(document), self._store.all())
 
     def _in_the_way(self, device: Device, axis: int) -> list[str]:
         found = [f"a {one.kind} runs on axis {one.axis}: stop it first" for one in self._procedures.running(device)]
@@ -162,7 +168,10 @@ class StudyService:
         plan = await self.plan(document)
         if plan.missing:
             raise WrongState("; ".join(plan.missing), "see to it first: POST .../studies/plan tells the same")
+        # The twin as it is now: a later study of motor and machine does not change this one when it is resumed.
+        document, no_twin = self._with_its_twin(document)
         record = self._store.begin(document)
+        record.no_twin = no_twin
         return await self._begin(record, plan.time_s)
 
     async def resume(self, study: str) -> StudyRecord:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
-from ..document import Budget, FastestMove, StudyDocument
+from ..document import Budget, FastestMove, StudyDocument, told_twin
 from ..families import shapes_of
-from ..plan import AxisNow, Looked, StudyPlan, axis_seen_by, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_seen_by, planned, room_told, twin_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace
 from ..search import Dimension
@@ -241,8 +241,8 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
     told.velocity_max_pps, told.acceleration_max_pps2 = most[SPEED], most[ACCELERATION]
     told.registers = [f"{each.name} of axis {axis}" for each in ranges.space.before]
     present = f"{plain(now[SPEED])} pps, {plain(now[ACCELERATION])} pps^2"
-    twin = wanted.twin
-    on_twin = [] if twin is None else [f"{twin.trials} settings on an emulated twin: the motor rests meanwhile"]
+    twin = told_twin(wanted.twin)
+    on_twin = [] if twin is None else [twin_told(twin, f"{twin.trials} settings")]
     by_switch = (
         []
         if ranges.switch is None

@@ -10,7 +10,7 @@ from typing import Literal
 from ...clock import WallClock
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ..document import FastestMove
+from ..document import FastestMove, told_twin
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
 from ..ramp_settings import (
     ACCELERATION,
@@ -129,7 +129,7 @@ class FastestMoveStudy(StudyRun):
 
     async def _twins(self) -> None:
         """Search on twins, and remember the best; the motor rests meanwhile. What fails there costs nothing here."""
-        record, twin = self.record, self.wanted.twin
+        record, twin = self.record, told_twin(self.wanted.twin)
         if twin is not None and not record.twin and not record.trials:
             await look_on_twins(self, ON_TWIN, twin, self._space(), self._ladder())
 

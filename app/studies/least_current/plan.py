@@ -9,12 +9,13 @@ from ...devices.core.device import Device
 from ...errors import WrongState
 from ...number_text import plain
 from ..current_settings import CurrentSpace
-from ..document import LeastCurrent, StudyDocument
+from ..document import LeastCurrent, StudyDocument, told_twin
 from ..families import coolstep_of, current_of
-from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
+from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told, twin_told
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
+from ..twins.identified import NO_FULL_SCALE
 from .cool_search import CYCLES as COOL_CYCLES
 from .cool_search import HEAT_CYCLES, PAIRS, SETTINGS
 from .cool_setting import CoolSpace
@@ -25,9 +26,6 @@ SEARCHES = 5
 MORE_SEARCHES = 5
 """One with more speed, and a bisection of how much more."""
 BASELINE_CYCLES = 3
-NO_FULL_SCALE = (
-    "how many amperes a full scale is, is not known of this axis (its limits), so a twin would have another torque"
-)
 AROUND_S = 0.6
 """What a move there and back takes beside its ramps: coming to rest, and looking [s]."""
 
@@ -100,7 +98,7 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if wanted.speed_margin and (more is None or more.times < 0.99 * (1 + wanted.speed_margin)):
         held = "no more speed" if more is None else f"{100 * (more.times - 1):.0f} % more speed alone"
         looked.warnings.append(f"{held} can be tried, by limits: what a lower supply does is shown so far only")
-    if wanted.twin is not None and limits.current_full_scale_a is None:
+    if told_twin(wanted.twin) is not None and limits.current_full_scale_a is None:
         looked.warnings.append(f"no current is tried on a twin: {NO_FULL_SCALE}")
     cool, why = _cool(device, axis, wanted, found, cycle)
     if why:
@@ -161,8 +159,9 @@ def _tell(told: StudyPlan, ground: Ground, wanted: LeastCurrent) -> None:
             "the supply limits, and not the current"
         )
     scales = ground.current.run_scale + 1
-    on_twin = [] if wanted.twin is None else [f"{scales} currents on an emulated twin: the motor rests meanwhile"]
-    search = "less current by halves" if wanted.twin is None else "the least one that held there, then by halves"
+    twin = told_twin(wanted.twin)
+    on_twin = [] if twin is None else [twin_told(twin, f"{scales} currents")]
+    search = "less current by halves" if twin is None else "the least one that held there, then by halves"
     told.steps = [
         f"{BASELINE_CYCLES} load cycles (by {wanted.distance} microsteps and back, with the ramp as it is) at first",
         *more,

@@ -7,18 +7,19 @@ from collections.abc import Sequence
 
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ..document import LeastCurrent
+from ..document import LeastCurrent, told_twin
 from ..parts import Interval
 from ..proof import rate_bound, runs_for
 from ..record import Figures, Finding, Trial
 from ..run import StudyRun
 from ..search import Dimension, Space
+from ..twins.identified import NO_FULL_SCALE
 from ..twins.search import look_on_twins
 from .cool_search import Bench, CoolSearch
 from .cycle import Cycle, faster
 from .cycles import NAME, ON_TWIN, LoadCycles
 from .found import CoolStepFound, CurrentTried, LeastCurrentFound, Saving
-from .plan import BASELINE_CYCLES, MORE_SEARCHES, NO_FULL_SCALE, Ground, look
+from .plan import BASELINE_CYCLES, MORE_SEARCHES, Ground, look
 
 PROOFS_MOST = 4
 """So often the edge is taken one scale higher after steps were lost in the proof."""
@@ -166,7 +167,7 @@ class LeastCurrentStudy(StudyRun):
 
     async def _twins(self) -> None:
         """Every scale on twins, and the least that held there remembered; the motor rests meanwhile."""
-        record, twin = self.record, self.wanted.twin
+        record, twin = self.record, told_twin(self.wanted.twin)
         if twin is None or record.twin:
             return
         if self.device.axes[self.axis].settings.limits.current_full_scale_a is None:
