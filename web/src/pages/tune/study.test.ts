@@ -20,7 +20,7 @@ import { torqueFrom } from "./stealthchop/form";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
 import { type Finding, figureOf, remedyOf, type Study, sentencesOf } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
-import { asIdentified, FIRST_TWIN, type Identified, named, twinOf } from "./twin/form";
+import { FIRST_TWIN, isTried, named, takenFrom, twinOf } from "./twin/form";
 
 type Trial = Study["trials"][number];
 
@@ -72,7 +72,7 @@ describe("a study on the page", () => {
       device: "slide",
       axis: 1,
       budget: { trials: 12 },
-      study: { kind: "fastest_move", seen_by: "encoder", distance: 102_400, margin: 0.15, twin: null },
+      study: { kind: "fastest_move", seen_by: "encoder", distance: 102_400, margin: 0.15, twin: "as identified" },
     });
     // Without an encoder a switch sees lost steps: moves go away from it.
     const blind = firstForms(1000, false);
@@ -145,8 +145,8 @@ describe("a study on the page", () => {
 
   it("tries a twin first where the motor is known: by its name, or as identified", () => {
     const motor = PLATE;
-    expect(twinOf(FIRST_TWIN)).toBeNull();
-    expect(twinOf({ ...FIRST_TWIN, typed: "17" })).toBeNull();
+    expect(twinOf(FIRST_TWIN)).toBe("as identified");
+    expect(twinOf({ ...FIRST_TWIN, typed: "17" })).toBe("as identified");
     expect(named(FIRST_TWIN, { ...motor, holding_torque_nm: null })).toBe(FIRST_TWIN);
     const known = named(FIRST_TWIN, motor);
     expect(named(FIRST_TWIN, { ...motor, rotor_inertia_kgm2: 7e-6 }).motor.rotor_inertia_kgm2).toBe(7e-6);
@@ -157,33 +157,13 @@ describe("a study on the page", () => {
       load_inertia_kgm2: 0,
       supply_v: 24,
     };
-    expect(twinOf(known)).toEqual({ motor: figures });
+    expect(twinOf(known)).toEqual({ motor: figures, as_identified: true });
     expect(twinOf({ ...known, on: false })).toBeNull();
-    const torque = { hold_torque_nm: 0.5, torque_nm: { value: 0.6 } };
-    const coil = { resistance_ohm: null, inductance_h: { value: 2e-3 } };
-    const swing = { viscous_nms: { value: 4e-4 }, detent_torque_nm: { value: 0.015 }, friction_nm: { value: 0.02 } };
-    const play = { backlash_microsteps: { value: 6 }, microsteps_per_turn: 51_200, encoder_lines: 1000 };
-    const machine = { inertia_kgm2: { value: 3e-5 }, supply_v: 36, ...swing, ...play };
-    const found = { ...torque, ...coil, ...machine };
-    const twin = asIdentified(known, found as unknown as Identified, "today");
-    expect(twin?.motor).toMatchObject({
-      ...figures,
-      holding_torque_nm: expect.closeTo(0.59 * 1.2),
-      inductance_h: 2e-3,
-      rotor_inertia_kgm2: 3e-5,
-      load_friction_nm: 0.02,
-      friction_nm: 0,
-      viscous_nms: 4e-4,
-      detent_torque_nm: 0.015,
-      backlash_deg: expect.closeTo(0.0422, 4),
-      supply_v: 36,
-      counts_per_turn: 4000,
-    });
-    const little = { ...found, supply_v: null, viscous_nms: null, detent_torque_nm: null, backlash_microsteps: null };
-    const spare = known && asIdentified(known, little as unknown as Identified, "today");
-    expect(spare?.motor).toMatchObject({ supply_v: 24 });
-    expect(Object.keys(spare?.motor ?? {})).not.toContain("viscous_nms");
-    expect(asIdentified(FIRST_TWIN, { ...found, inertia_kgm2: null } as unknown as Identified, "today")).toBeNull();
+    // with what the server knows of the axis: instead of the plate's figures, or instead of all
+    expect(takenFrom({ ...FIRST_TWIN, on: false }, true)).toEqual(FIRST_TWIN);
+    expect(twinOf(takenFrom(FIRST_TWIN, false))).toEqual({ motor: FIRST_TWIN.motor, as_identified: false });
+    expect(twinOf(takenFrom({ ...known, on: false }, true))).toEqual({ motor: figures, as_identified: true });
+    expect([isTried(FIRST_TWIN, false), isTried(FIRST_TWIN, true)]).toEqual([false, true]);
   });
 
   it("fills in what the data base knows of a motor, and what is typed afterwards wins", () => {
@@ -214,7 +194,7 @@ describe("a study on the page", () => {
     const twin = { ...FIRST_TWIN, on: true };
     const wish = documentOf("least_current", { ...forms, least_current: { ...forms.least_current, twin } }, "slide", 0);
     expect(wish.study).toMatchObject({ kind: "least_current", twin: { motor: FIRST_TWIN.motor } });
-    expect(documentOf("least_current", forms, "slide", 0).study).toMatchObject({ twin: null });
+    expect(documentOf("least_current", forms, "slide", 0).study).toMatchObject({ twin: "as identified" });
   });
 
   it("tells a figure in a unit of its size, and how sure it is", () => {

@@ -1,8 +1,9 @@
-import { Button, Switch, Text } from "@mantine/core";
+import { Checkbox, Switch } from "@mantine/core";
 import { NumberField } from "../../../lib/NumberField";
+import { dateTimeOf } from "../../../lib/time";
 import type { FieldsProps } from "../kind";
-import { asIdentified, isTried, type TwinForm } from "./form";
-import { useIdentified } from "./useIdentified";
+import { useStudies } from "../useStudies";
+import { byItself, isTried, type TwinForm, takenFrom } from "./form";
 
 interface Props {
   form: TwinForm;
@@ -12,18 +13,32 @@ interface Props {
 
 /** Whether a twin is tried first, and which motor it has: as it was named, as identified, or as typed. */
 export function TwinFields({ form, change, axis }: Props) {
-  const tried = isTried(form);
+  const identified = useStudies().data?.studies.find(
+    ({ device, axis: index, kind, state }) =>
+      device === axis.device && index === axis.index && kind === "identification" && state === "done",
+  );
+  const known = identified !== undefined;
+  const tried = isTried(form, known);
   const motor = (part: Partial<TwinForm["motor"]>) => change({ ...form, motor: { ...form.motor, ...part } });
   return (
     <>
-      <FromStudy form={form} change={change} axis={axis} />
       <Switch
         label="Try on an emulated twin first"
         description={form.on === null && !tried ? "as soon as the motor is known" : undefined}
         checked={tried}
-        onChange={({ currentTarget }) => change({ ...form, on: currentTarget.checked })}
+        onChange={({ currentTarget: { checked } }) =>
+          change(checked && known ? takenFrom(form, form.asIdentified) : { ...form, on: checked })
+        }
       />
-      {tried && (
+      {tried && identified && (
+        <Checkbox
+          label={`Twin as identified on ${dateTimeOf(identified.started_unix_s * 1000)}`}
+          description="by Motor and machine, as far as that could tell"
+          checked={form.asIdentified}
+          onChange={({ currentTarget: { checked } }) => change(takenFrom(form, checked))}
+        />
+      )}
+      {tried && !byItself(form) && (
         <>
           <NumberField
             label="Holding torque of the motor"
@@ -60,28 +75,5 @@ export function TwinFields({ form, change, axis }: Props) {
         </>
       )}
     </>
-  );
-}
-
-/** Inertia, friction and encoder of the latest study of motor and machine. */
-function FromStudy({ form, change, axis }: Props) {
-  const latest = useIdentified(axis.device, axis.index);
-  if (latest === null) return null;
-  const changed = asIdentified(form, latest.found, latest.when);
-  if (changed === null)
-    return (
-      <Text size="sm" className="dim">
-        Motor and machine, {latest.when}: without the holding torque it could not tell the inertia that a twin takes.
-      </Text>
-    );
-  return (
-    <Button
-      variant="default"
-      size="compact-sm"
-      aria-pressed={form.identified === latest.when}
-      onClick={() => change(changed)}
-    >
-      Twin as identified on {latest.when}
-    </Button>
   );
 }
