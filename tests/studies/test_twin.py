@@ -14,9 +14,13 @@ import pytest
 
 from app.emulators.build import options_of
 from app.errors import WrongState
-from app.studies.document import TwinMotor
+from app.studies.document import Identification, StudyDocument, TwinMotor
+from app.studies.fitted import Estimate
+from app.studies.identification.found import Identified
+from app.studies.parts import Interval
 from app.studies.record import StudyRecord, Trial
 from app.studies.twins.executor import JobLost
+from app.studies.twins.identified import figures_of
 from app.studies.twins.local import Here, Processes
 from app.studies.twins.twin import emulator_options, run_job
 from tests.studies.harness import Studied, studied
@@ -75,6 +79,49 @@ async def test_a_twin_has_what_was_identified_of_motor_machine_and_supply(tmp_pa
     # one whose encoder cannot have play is made all the same
     other = replace(job, model="tmc4361")
     assert options_of(other.model).model_validate(emulator_options(other, motor)).model_dump()["supply_v"] == 36.0
+
+
+def estimate(value: float) -> Estimate:
+    return Estimate(value=value, interval=Interval(low=value - 1, high=value + 1))
+
+
+def test_a_motor_has_what_was_identified_of_it_and_nothing_that_could_not_be_told() -> None:
+    known: dict[str, Any] = {"microsteps_per_turn": 51_200, "run_scale": 31, "inertia_kgm2": estimate(3e-5)}
+    more: dict[str, Any] = {
+        "torque_nm": estimate(0.6),
+        "friction_nm": estimate(0.02),
+        "viscous_nms": estimate(-1e-6),
+        "detent_torque_nm": estimate(0.015),
+        "inductance_h": estimate(2e-3),
+        "backlash_microsteps": estimate(6.0),
+        "encoder_lines": 1000,
+        "supply_v": 36.0,
+    }
+
+    def figures(identified: dict[str, Any], **study: Any) -> dict[str, float]:
+        document = StudyDocument(device="slide", study=Identification(**study))
+        record = StudyRecord(id="one", document=document, started_unix_s=0.0, identified=Identified(**identified))
+        return figures_of(record)
+
+    inertia = {"rotor_inertia_kgm2": 3e-5, "load_inertia_kgm2": 0.0}
+    assert figures(known) == inertia
+    told = {
+        "load_friction_nm": 0.02,
+        "friction_nm": 0.0,
+        "viscous_nms": 0.0,
+        "detent_torque_nm": 0.015,
+        "inductance_h": 2e-3,
+        "backlash_deg": pytest.approx(0.0422, abs=1e-4),
+        "counts_per_turn": 4000,
+        "supply_v": 36.0,
+    }
+    assert figures({**known, **more}) == {**inertia, **told}, "a torque without its current is none"
+    assert figures({**known, **more}, run_current_a=1.2) == {
+        **inertia,
+        **told,
+        "holding_torque_nm": 0.6,
+        "rated_current_a": 1.2,
+    }
 
 
 async def test_a_setting_comes_to_the_same_wherever_its_twin_runs_and_a_dead_process_costs_nothing_else(
