@@ -27,7 +27,7 @@ from .events import Events
 from .expected_motion import ExpectedMotion
 from .memory import ChipMemory
 from .ramp_parameters import RampParameters
-from .switches import home_level, stopped_by
+from .switches import home_level, is_pressed, stopped_by
 
 MODE_NAMES = ("velocity", "positioning")
 SHAPE_NAMES = ("hold", "trapezoid", "S-ramp", "S-ramp")
@@ -108,8 +108,8 @@ class Monitor(AxisMonitor):
             moving=moving,
             mode=f"{MODE_NAMES[ramp.positioning]}, {SHAPE_NAMES[ramp.mode & 3]}",
             switches=Switches(
-                bool(flags["STOPL_ACTIVE_F"]),
-                bool(flags["STOPR_ACTIVE_F"]),
+                is_pressed("left switch", flags, reference),
+                is_pressed("right switch", flags, reference),
                 home_level(
                     held.word(roles.REFERENCE_CONF),
                     bool(flags["HOME_ERROR_F"]),

@@ -28,6 +28,12 @@ def stopped_by(flags: Mapping[str, int], reference: Mapping[str, int], way: int)
     return ""
 
 
+def is_pressed(name: str, flags: Mapping[str, int], reference: Mapping[str, int]) -> bool | None:
+    """Whether a stop switch is active; None where it is off, for its flag tells of an enabled one alone."""
+    flag, switched_on, _ = SWITCH_FLAGS[name]
+    return True if flags[flag] else False if reference[switched_on] else None
+
+
 BY_LEVEL = {3: True, 12: False}
 """home_event codes of a switch that tells the side, and which level the positive side has."""
 BY_ZONE = {2: True, 4: True, 6: True, 9: False, 11: False, 13: False}
