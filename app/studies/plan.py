@@ -134,8 +134,13 @@ async def axis_seen_by(device: Device, axis: int, missing: list[str], switch: Si
     if pressed is None:
         missing.append(f"the {switch} switch is not read as the axis is set: nothing else tells of lost steps")
     elif pressed:
-        missing.append(f"the {switch} switch is pressed: begin a little beside it")
+        missing.append(pressed_told(switch))
     return found
+
+
+def pressed_told(switch: Side) -> str:
+    """What keeps a study from moves near a switch; one that was cut off in it and goes on leaves it first."""
+    return f"the {switch} switch is pressed: begin a little beside it"
 
 
 def room_told(limits: AxisLimits) -> list[str]:

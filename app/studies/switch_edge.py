@@ -19,6 +19,8 @@ SWITCHES: dict[str, Side | None] = {"encoder": None, "left switch": "left", "rig
 """The switch that sees lost steps, by what a study is told does; None: the encoder."""
 UNTOLD = "steps may have been lost since its switch was looked at last, and nothing tells: search the reference"
 """Of a study that ends early, or with the server."""
+LEAVING = "cut off in that switch and resumed: first out of it, slowly, by a turn of the motor at most"
+"""Of the plan of a study that goes on."""
 CLEAR_FULLSTEPS = PERIOD_FULLSTEPS / 2
 """So far from the edge it is looked at whether the switch is pressed, or not."""
 LOST_FULLSTEPS = 6.0

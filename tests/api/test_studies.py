@@ -282,6 +282,34 @@ async def test_what_was_set_meanwhile_goes_back_before_a_study_goes_on(
     assert await held(client) == before
 
 
+async def test_one_that_was_cut_off_in_its_switch_goes_on_and_a_new_one_does_not_begin_there(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str
+) -> None:
+    study = {**MOVE, "seen_by": "left switch"}
+    stage = {"left_at_fullsteps": -9.3}
+    answer = await client.patch("devices/slide/emulator", json={"axes": [{"axis": 0, "stage": stage}]})
+    assert answer.is_success, answer.text
+    document = {"device": slide, "study": study, "budget": {"trials": 3, "time_s": 300}}
+    begun = (await client.post("studies", json=document)).json()["id"]
+    await clock.advance(4.0)
+    await client.post("stop")
+    await over(client, clock, begun, 30)
+    stage["left_at_fullsteps"] = 100.0  # it is in it wherever it was stopped
+    answer = await client.patch("devices/slide/emulator", json={"axes": [{"axis": 0, "stage": stage}]})
+    assert answer.is_success, answer.text
+    await clock.advance(0.1)
+    assert any(
+        "switch is pressed" in each for each in (await client.post("studies/plan", json=document)).json()["missing"]
+    )
+    assert (await client.post("studies", json=document)).status_code == 409
+    resumed = await client.post(f"studies/{begun}/resume")
+    assert resumed.is_success, resumed.text
+    await clock.advance(0.5)
+    assert "out of the left switch" in (await client.get(f"studies/{begun}")).json()["message"]
+    await client.post("stop")
+    assert (await over(client, clock, begun, 30))["left"] == []
+
+
 async def test_a_study_whose_budget_is_used_up_does_not_go_on(
     client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI
 ) -> None:

@@ -13,7 +13,7 @@ import pytest
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.studies.kinds import KINDS
 from app.studies.moves import MeasuredMoves
-from app.studies.switch_edge import SwitchEdge
+from app.studies.switch_edge import LEAVING, SLOW_FULLSTEPS, SwitchEdge
 from app.studies.until_switch import Side
 from tests.studies.harness import START, Studied, studied
 
@@ -93,6 +93,69 @@ async def test_one_that_was_cut_off_looks_for_the_edge_again_and_goes_on(tmp_pat
         assert (record.state, record.left) == ("done", []), record.message
         apart = rotor_fullsteps(s) - (await s.b.state()).position / FULL_STEP
         assert apart - 4 * round(apart / 4) == pytest.approx(0.0, abs=1.0)
+
+
+TORQUE: dict[str, Any] = {"kind": "torque_curve", "seen_by": "left switch", "travel_turns": 200.0, "speeds": 2}
+
+
+@pytest.mark.parametrize("study", [MOVE, TORQUE], ids=lambda study: study["kind"])
+async def test_one_that_was_killed_in_its_switch_leaves_it_slowly_and_goes_on(
+    tmp_path: Path, study: dict[str, Any]
+) -> None:
+    """It was refused: its switch was pressed."""
+    async with studied(tmp_path, replace(BLIND, stops=False), load=HEAVY, stage=NEAR) as s:
+        before = await s.settings(*NAMES)
+        document = s.document(study, budget={"trials": 5})
+        told = await KINDS[document.study.kind].plan(s.device, 0, document)
+        assert LEAVING in told.steps
+        run = s.begin(document)
+        while run.record.runs < 4 or not (await s.b.state()).switches.left:
+            await s.clock.advance(0.05)
+            assert run.running, run.record.message
+        record = await s.killed(run)
+        state = await s.b.state()
+        assert state.switches.left
+        runs, record.state = record.runs, "running"
+        run, fastest, out_of_it = s.begin(document, record), 0.0, False
+        while not out_of_it:
+            await s.clock.advance(0.01)
+            assert run.running, run.record.message
+            state = await s.b.state()
+            assert state.velocity_pps >= 0, "never farther into it"
+            fastest, out_of_it = max(fastest, state.velocity_pps), not state.switches.left
+        assert 0 < fastest <= 1.01 * SLOW_FULLSTEPS * FULL_STEP
+        assert "out of the left switch" in record.message
+        await s.until(run, lambda record: record.runs > runs + 1)
+        await s.device.stop_axes([0])
+        record = await s.finish(run)
+        assert (record.state, record.left) == ("aborted", []), record.message
+        assert await s.settings(*NAMES) == before
+        apart = rotor_fullsteps(s) - (await s.b.state()).position / FULL_STEP
+        assert apart - 4 * round(apart / 4) == pytest.approx(0.0, abs=1.0)
+
+
+async def test_one_that_does_not_get_out_of_its_switch_within_a_turn_ends(tmp_path: Path) -> None:
+    """A rotor that has not turned, or another switch: nobody goes on looking for the way out."""
+    async with studied(tmp_path, replace(BLIND, stops=False), load=HEAVY, stage=NEAR) as s:
+        document = s.document(MOVE, budget={"trials": 5})
+        run = s.begin(document)
+        while run.record.runs < 1 or not (await s.b.state()).switches.left:
+            await s.clock.advance(0.05)
+        record = await s.killed(run)
+        record.state = "running"
+        s.b.patch(Tmc5xxxPatch(axes=[AxisChange(axis=0, blocked=True)]))
+        at = (await s.b.state()).position
+        record = await s.finish(s.begin(document, record))
+        assert (record.state, record.left) == ("failed", [])
+        assert "the left switch is pressed yet, a turn away" in record.message
+        assert (await s.b.state()).position == at + 200 * FULL_STEP
+
+
+async def test_a_new_study_does_not_begin_in_its_switch(tmp_path: Path) -> None:
+    async with studied(tmp_path, BLIND, stage={"left_at_fullsteps": 3.0}) as s:
+        record = await s.finish(s.begin(s.document(MOVE)))
+        assert (record.state, (await s.b.state()).position) == ("failed", 0)
+        assert "the left switch is pressed" in record.message
 
 
 async def looked_for(s: Studied, edge: SwitchEdge) -> float:

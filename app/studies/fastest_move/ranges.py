@@ -14,7 +14,7 @@ from ..plan import AxisNow, Looked, StudyPlan, axis_seen_by, planned, room_told,
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, RampSpace
 from ..search import Dimension
-from ..switch_edge import SPANS_MAX, SWITCHES
+from ..switch_edge import LEAVING, SPANS_MAX, SWITCHES
 from ..until_switch import Side
 
 FASTER, SLOWER = 10.0, 0.5
@@ -249,6 +249,7 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         else [
             f"to the {ranges.switch} switch, {ranges.near} at most: its edge is found by full steps",
             "to that edge after each half of a move, set as it is now: where it is elsewhere, steps were lost",
+            LEAVING,
         ]
     )
     told.steps = [

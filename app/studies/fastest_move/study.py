@@ -11,6 +11,7 @@ from ...clock import WallClock
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import FastestMove, told_twin
+from ..leave_switch import leave_switch
 from ..proof import compared_pairs, pair_order, rate_bound, runs_for
 from ..ramp_settings import (
     ACCELERATION,
@@ -24,7 +25,7 @@ from ..ramp_settings import (
 from ..record import DeviationEvidence, Evidence, Figures, Pair, Trial
 from ..run import StudyRun
 from ..search import Asked, Searcher, Space
-from ..switch_edge import UNTOLD
+from ..switch_edge import SWITCHES, UNTOLD
 from ..twins.search import look_on_twins
 from .effects import effects_told
 from .front import front_of, proposed
@@ -70,6 +71,7 @@ class FastestMoveStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
+        await leave_switch(self, SWITCHES[wanted.seen_by])
         ranges = self._ranges = await self.looked(look, wanted)
         seed = record.document.seed + len(record.trials)
         self._trials = MoveTrials(self.device, self.axis, self.clock, wanted, ranges, seed, self.apply)

@@ -10,7 +10,7 @@ from ...number_text import plain
 from ..document import StudyDocument, TorqueCurve
 from ..plan import Looked, StudyPlan, axis_seen_by, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
-from ..switch_edge import SPANS_MAX, SWITCHES
+from ..switch_edge import LEAVING, SPANS_MAX, SWITCHES
 from ..until_switch import Side
 
 LOW_RPS = 2.0
@@ -145,5 +145,6 @@ def _by_switch(ground: Ground, wanted: TorqueCurve) -> list[str]:
         f"to each of {wanted.speeds} speeds between, away from the switch, with more and less acceleration",
         f"between one that holds {wanted.repeats} times and one that loses steps is what the motor has",
         "to the edge of the switch after each run: elsewhere, steps were lost, and the position is set right",
+        LEAVING,
         "the setting as it is now goes back",
     ]

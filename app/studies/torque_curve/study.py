@@ -10,10 +10,12 @@ import numpy as np
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ..document import TorqueCurve
+from ..leave_switch import leave_switch
 from ..parts import Interval
 from ..ramp_settings import ACCELERATION, SPEED
 from ..record import Finding
 from ..run import StudyRun
+from ..switch_edge import SWITCHES
 from .found import RampMargin, TorqueFound, TorquePoint
 from .plan import LOW_RPS, Ground, look
 from .ramps import Ramps
@@ -75,6 +77,7 @@ class TorqueCurveStudy(StudyRun):
 
     async def _study(self) -> None:
         record, wanted = self.record, self.wanted
+        await leave_switch(self, SWITCHES[wanted.seen_by])
         self.tell("preconditions", 0.0, "looking at the axis")
         ground = self._ground = (await look(self.device, self.axis, wanted)).required()
         if record.start is not None and ground.switch is None:
