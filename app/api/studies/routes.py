@@ -149,7 +149,8 @@ async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
     """Put the axis back as it was, and go on with a study that was cut off.
 
     Kinds that `goes_on` names in the list and in the plan keep what is whole, and spend what is left of the budget;
-    the others begin anew, from where the axis stands. Those that go on move back to where they began first.
+    the others begin anew, from where the axis stands. Those that go on move back to where they began first; one that
+    stands in the switch that sees its lost steps leaves it before that, slowly, by a turn of the motor at most.
     """
     await _require_speed(bench, bench.studies.get(study).document.device)
     return await bench.studies.resume(study)
