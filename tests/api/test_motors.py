@@ -52,6 +52,8 @@ async def test_an_own_motor_is_kept_found_first_and_forgotten(client: httpx.Asyn
     assert (first["name"], first["rotor_inertia_kgm2"]) == ("Spindle 42sth48", 6.8e-6)
     assert second["rotor_inertia_kgm2"] is None  # the public list has none
     assert "Spindle 42sth48" in the_file(settings).read_text()
+    only = (await client.get("motors", params={"own": True, "limit": 1000})).raise_for_status().json()
+    assert (only["found"], [motor["name"] for motor in only["motors"]]) == (1, ["Spindle 42sth48"])
     (await client.delete("motors/Spindle 42sth48")).raise_for_status()
     assert "Spindle 42sth48" not in await names(client, "42sth48")
     gone = await client.delete("motors/Spindle 42sth48")

@@ -10,6 +10,7 @@ from fastapi import Path, Query
 
 from ...calc.motors.data_base import OWN, Motor, found, listed
 from ...errors import StoreUnavailable, UnknownThing, UsageError
+from ...store.motors import KEPT_MAX
 from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
@@ -30,12 +31,14 @@ MotorName = Annotated[
 async def list_motors(
     bench: CurrentBench,
     search: Annotated[str, Query(max_length=100, description="words of the name; all of them")] = "",
-    limit: Annotated[int, Query(ge=1, le=500)] = 50,
+    limit: Annotated[int, Query(ge=1, le=KEPT_MAX)] = 50,
+    own: Annotated[bool, Query(description="only your own, none of the public list")] = False,
 ) -> MotorList:
     """Motors whose names have all these words: your own first, then those of a public list."""
-    own = await asyncio.to_thread(bench.motors.all)
-    names = {motor.name for motor in own}
-    motors = found([*own, *(motor for motor in listed() if motor.name not in names)], search)
+    kept = await asyncio.to_thread(bench.motors.all)
+    names = {motor.name for motor in kept}
+    others = () if own else (motor for motor in listed() if motor.name not in names)
+    motors = found([*kept, *others], search)
     return MotorList(found=len(motors), motors=[_info(motor) for motor in motors[:limit]])
 
 
