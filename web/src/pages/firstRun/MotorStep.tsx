@@ -1,8 +1,20 @@
 import { Autocomplete, Button, Group, Text } from "@mantine/core";
-import { keepPreviousData, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
-import { api } from "../../api/client";
-import { compact } from "../../lib/format";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useEffect, useState } from "react";
+import { api, type Schemas } from "../../api/client";
+import { FurtherFields } from "../../lib/motors/FurtherFields";
+import {
+  alike,
+  draftOf,
+  figuresOf,
+  figuresText,
+  type MotorDraft,
+  NOT_KNOWN,
+  nameProblem,
+} from "../../lib/motors/figures";
+import { MyMotorsButton } from "../../lib/motors/MyMotors";
+import { useKeepMotor } from "../../lib/motors/useOwnMotors";
+import { useRefused } from "../../lib/motors/useRefused";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import classes from "./firstRun.module.css";
@@ -14,7 +26,6 @@ const SHOWN = 20;
 
 /** Which motor it is: of the data base, or as its plate says. */
 export function MotorStep({ device, axis, progress, onDone }: StepProps) {
-  const queries = useQueryClient();
   const asked = progress.motor;
   const [motor, setMotor] = useState<ChosenMotor>(
     asked ?? {
@@ -33,21 +44,35 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
     retry: false,
   });
   const known = found.data?.motors.find(({ name }) => name === motor.name);
-  const keep = useMutation({
-    mutationFn: (own: ChosenMotor) =>
-      api.PUT("/api/v1/motors/{motor}", {
-        path: { motor: own.name },
-        body: { rated_current_a: own.ratedCurrentA, full_steps_per_rev: own.fullStepsPerRev },
-      }),
-    onSettled: () => queries.invalidateQueries({ queryKey: ["motors"] }),
+  const [filled, setFilled] = useState(motor.name);
+  const fill = (one: Schemas["MotorInfo"]) => {
+    const { name, rated_current_a, full_steps_per_rev, ...further } = draftOf(one);
+    setFilled(name);
+    set({ name, ratedCurrentA: one.rated_current_a, fullStepsPerRev: full_steps_per_rev, further });
+  };
+  // picked, or typed before the list had it
+  const meant = known?.name === filled ? undefined : known;
+  useEffect(() => {
+    if (meant) fill(meant);
   });
-  const pick = (name: string) => {
-    const one = found.data?.motors.find((each) => each.name === name);
-    set(
-      one === undefined
-        ? { name }
-        : { name, ratedCurrentA: one.rated_current_a, fullStepsPerRev: one.full_steps_per_rev },
-    );
+  const keep = useKeepMotor();
+  const refused = useRefused();
+  const further = motor.further ?? NOT_KNOWN;
+  const draft: MotorDraft = {
+    name: motor.name.trim(),
+    rated_current_a: motor.ratedCurrentA,
+    full_steps_per_rev: motor.fullStepsPerRev,
+    ...further,
+  };
+  const isNew = draft.name !== "" && known === undefined && found.data !== undefined && !found.isPlaceholderData;
+  const differs = known !== undefined && meant === undefined && !alike(draftOf(known), draft);
+  const wrongName = isNew ? nameProblem(draft.name) : undefined;
+  const keepIt = () => {
+    const figures = figuresOf(draft);
+    if (figures === null) return;
+    setFilled(draft.name);
+    set({ name: draft.name });
+    keep.mutate({ name: draft.name, figures });
   };
   const scale = device.about.current_scale;
   return (
@@ -63,7 +88,9 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
           data={found.data?.motors.map(({ name }) => name) ?? []}
           filter={({ options }) => options}
           value={motor.name}
-          onChange={pick}
+          error={wrongName}
+          // what was filled in of one motor is not kept unseen with the name of another
+          onChange={(name) => set(known === undefined ? { name } : { name, further: NOT_KNOWN })}
           limit={SHOWN}
           maxDropdownHeight={260}
         />
@@ -75,6 +102,7 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
           step={0.1}
           value={motor.ratedCurrentA}
           onChange={(ratedCurrentA) => set({ ratedCurrentA })}
+          onWrong={refused.onWrong("ratedCurrentA")}
         />
         <NumberField
           label="Full steps a turn"
@@ -83,6 +111,7 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
           max={100_000}
           value={motor.fullStepsPerRev}
           onChange={(fullStepsPerRev) => set({ fullStepsPerRev })}
+          onWrong={refused.onWrong("fullStepsPerRev")}
         />
         {scale === "sense_resistor" && (
           <NumberField
@@ -109,13 +138,29 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
           />
         )}
       </div>
+      <details>
+        <summary className="text-13">More of its data sheet, to keep it as your own</summary>
+        <div className={classes.fields}>
+          <FurtherFields
+            figures={further}
+            set={(change) => set({ further: { ...further, ...change } })}
+            onWrong={refused.onWrong}
+          />
+        </div>
+      </details>
       <Group gap="xs" my="sm">
         <Button onClick={() => onDone(motor)}>This is the motor</Button>
-        {motor.name.trim() !== "" && !known && (
-          <Button variant="default" loading={keep.isPending} onClick={() => keep.mutate(motor)}>
-            Keep it as my own motor
+        {(isNew || differs) && (
+          <Button
+            variant="default"
+            loading={keep.isPending}
+            disabled={refused.any || wrongName !== undefined}
+            onClick={keepIt}
+          >
+            {known?.own ? "Keep what I changed of my motor" : "Keep it as my own motor"}
           </Button>
         )}
+        <MyMotorsButton onUse={fill} />
       </Group>
       {!known && found.data && (
         <Text size="sm" className="dim">
@@ -126,14 +171,8 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
       )}
       {known && (
         <Text size="sm" className="dim">
-          {[
-            known.resistance_ohm !== null && compact(known.resistance_ohm, 3, "Ω"),
-            known.inductance_h !== null && compact(known.inductance_h * 1000, 3, "mH"),
-            known.holding_torque_nm !== null && `${known.holding_torque_nm} N m`,
-          ]
-            .filter(Boolean)
-            .join(", ")}
-          : from {known.source}. Look at the plate: what stands there counts.
+          {figuresText(known)}: {known.own ? known.source : `from ${known.source}`}. Look at the plate: what stands
+          there counts.
         </Text>
       )}
       {scale === "sense_resistor" && motor.senseResistorOhm === null && (

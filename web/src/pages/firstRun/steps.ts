@@ -1,5 +1,6 @@
 import type { Device } from "../../api/queries";
 import { can } from "../../api/queries";
+import type { FurtherFigures } from "../../lib/motors/figures";
 
 export type StepId = "link" | "motor" | "limits" | "setUp" | "turn" | "encoder" | "switches" | "move" | "keep";
 
@@ -61,6 +62,8 @@ export interface ChosenMotor {
   /** what makes amperes of current scales; null where the device knows by itself, or nobody does */
   senseResistorOhm: number | null;
   fullScaleA: number | null;
+  /** what else is known of it, to be kept with it */
+  further?: FurtherFigures;
 }
 
 export const BEGIN: Progress = { at: "link", done: [], motor: null };

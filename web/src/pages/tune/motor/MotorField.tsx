@@ -1,7 +1,8 @@
-import { Autocomplete, Text } from "@mantine/core";
+import { Autocomplete, Group, Text } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { api } from "../../../api/client";
+import { MyMotorsButton } from "../../../lib/motors/MyMotors";
 import { useSessionKept } from "../../../lib/useKept";
 import { BEGIN, type Progress, progressKey } from "../../firstRun/steps";
 import type { FieldsProps } from "../kind";
@@ -35,6 +36,7 @@ export function MotorField({ axis, choice, description, usable = () => true, onT
   });
   const motors = found.data?.motors.filter(usable) ?? [];
   const named = motors.find(({ name }) => name === text);
+  const lacking = named === undefined && found.data?.motors.some(({ name }) => name === text);
   // however the name came here, and whenever the list that has it: typed, pasted, chosen, or asked in the first run
   const meant = choice.name === text ? undefined : named;
   useEffect(() => {
@@ -42,21 +44,35 @@ export function MotorField({ axis, choice, description, usable = () => true, onT
   });
   return (
     <>
-      <Autocomplete
-        label="Motor"
-        description={description}
-        placeholder="17HS, 42sth48 …"
-        data={motors.map(({ name }) => name)}
-        filter={({ options }) => options}
-        value={text}
-        onChange={(typed) => onType({ typed, name: "" })}
-        limit={SHOWN}
-        maxDropdownHeight={260}
-      />
+      <Group gap={6} wrap="nowrap" align="flex-end">
+        <Autocomplete
+          className="grow shrink"
+          label="Motor"
+          description={description}
+          placeholder="17HS, 42sth48 …"
+          data={motors.map(({ name }) => name)}
+          filter={({ options }) => options}
+          value={text}
+          onChange={(typed) => onType({ typed, name: "" })}
+          limit={SHOWN}
+          maxDropdownHeight={260}
+        />
+        <MyMotorsButton
+          onUse={(motor) => {
+            if (usable(motor)) onMotor(motor, { typed: motor.name, name: motor.name }, true);
+            else onType({ typed: motor.name, name: "" });
+          }}
+        />
+      </Group>
       {named && (
         <Text size="sm" className="dim" data-testid="motor">
           {knownOf(named)}
           {note && `. ${note}`}
+        </Text>
+      )}
+      {lacking && (
+        <Text size="sm" className="dim" data-testid="motor">
+          {text} does not tell the figure that is filled in here: put that into My motors, or below.
         </Text>
       )}
     </>

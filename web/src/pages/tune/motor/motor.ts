@@ -1,5 +1,5 @@
 import type { Schemas } from "../../../api/client";
-import { compact } from "../../../lib/format";
+import { figuresText } from "../../../lib/motors/figures";
 
 /** A motor of the data base. */
 export type NamedMotor = Schemas["MotorInfo"];
@@ -27,13 +27,5 @@ export function coilFrom({ resistance_ohm, inductance_h }: NamedMotor) {
 
 /** What the data base knows of a motor, in words, and where it is from. */
 export function knownOf(motor: NamedMotor): string {
-  const told = [
-    compact(motor.rated_current_a, 3, "A"),
-    motor.resistance_ohm !== null && compact(motor.resistance_ohm, 3, "Ω"),
-    motor.inductance_h !== null && compact(motor.inductance_h * 1e3, 3, "mH"),
-    motor.holding_torque_nm !== null && compact(motor.holding_torque_nm, 3, "N m"),
-    motor.rotor_inertia_kgm2 !== null && compact(motor.rotor_inertia_kgm2 * 1e7, 3, "g cm²"),
-    `${motor.full_steps_per_rev} full steps`,
-  ];
-  return `${told.filter(Boolean).join(", ")}: ${motor.source}`;
+  return `${figuresText(motor)}: ${motor.source}`;
 }
