@@ -1,12 +1,47 @@
+import { Text } from "@mantine/core";
+import { useDevices } from "../../../api/queries";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
+import { MyMotorsButton } from "../../../lib/motors/MyMotors";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
+import { motorOf } from "./motor";
 
-/** A ring as it was measured, and as it was fitted. */
+/** A ring as it was measured and as it was fitted, and what of all that is the motor's own. */
 export function Results({ study }: { study: Study }) {
+  return (
+    <>
+      <Ring study={study} />
+      <OwnMotor study={study} />
+    </>
+  );
+}
+
+/** What can be kept of the motor, wherever it is built in next. */
+function OwnMotor({ study }: { study: Study }) {
+  const { device, axis } = study.document;
+  const axes = useDevices().data?.find(({ id }) => id === device)?.axes;
+  const draft =
+    study.identified &&
+    motorOf(
+      study.identified,
+      axes?.find(({ index }) => index === axis),
+    );
+  if (!draft) return null;
+  return (
+    <Card title="The motor" actions={<MyMotorsButton label="Keep as my own motor" draft={draft} />}>
+      <Text size="sm" className="dim">
+        Of this, resistance and inductance of a coil are the motor's own, and as it was: warm, and at its run current.
+        Inertia is of rotor and load together, and torque is that of the run current: what the data sheet has of these
+        is to be put in by hand.
+      </Text>
+    </Card>
+  );
+}
+
+function Ring({ study }: { study: Study }) {
   const scheme = useScheme();
   const ringing = study.identified?.ringing;
   if (!ringing) return null;
