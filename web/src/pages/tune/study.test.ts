@@ -1,13 +1,13 @@
 import { describe, expect, it } from "vitest";
-import { changedIn, differences, distancesOf, endedBy, type Move, parallelOf, ranked } from "./byHand/moves";
+import { changedIn, differences, distancesOf, endedBy, type Move, ranked } from "./byHand/moves";
 import { type ChopperFound, type ChopperTried, namedOf, rippleOf } from "./chopper/tried";
 import { bodeOf, type Loop, nicholsOf, tensTicks } from "./closedLoop/curves";
 import { coilOf, coilWith, FIRST_COIL } from "./coil";
 import { presetOf, type Searchable } from "./customSearch/form";
-import { type CustomFound, evidenceRows, frontOfBoth, objectiveRanges, overTrials } from "./customSearch/found";
+import { type CustomFound, evidenceRows } from "./customSearch/found";
 import { furtherOf, shapesOf } from "./fastestMove/form";
 import { at, movesOf, timesOf } from "./fastestMove/moves";
-import { choicesOf, crossings, frontOf, historyOf, nearestOf, proofOf, rangesOf, spaceOf } from "./fastestMove/trials";
+import { choicesOf, nearestOf, proofOf } from "./fastestMove/trials";
 import { withMotor as identified } from "./identification/form";
 import { documentOf, firstForms, goalsOf } from "./kinds";
 import { withMotor as cooler } from "./leastCurrent/form";
@@ -122,7 +122,7 @@ describe("a study on the page", () => {
     expect(timesOf({ ...study, baseline_figures: { ...figures, by_distance_s: [] } } as unknown as Study)).toEqual([]);
   });
 
-  it("asks for the shape of a ramp that the chip can have, and draws all that is searched then", () => {
+  it("asks for the shape of a ramp that the chip can have", () => {
     const forms = firstForms(1000);
     expect(documentOf("fastest_move", forms, "slide", 0).study).toMatchObject({ shape: null });
     const shaped = { ...forms.fastest_move, shape: "six points" } as const;
@@ -133,14 +133,6 @@ describe("a study on the page", () => {
     expect(offered("ramp.sixpoint")).toEqual(["", "six points"]);
     expect(offered("ramp.s")).toEqual(["", "bows"]);
     expect(offered("ramp.pmul")).toEqual([]);
-    const knee = [10, 40].map((value, index) => {
-      const one = trial(index, "feasible", 100 * (index + 1), 1);
-      return { ...one, setting: { ...one.setting, "knee speed": value } };
-    });
-    const units = { speed: "pps", acceleration: "pps^2", "knee speed": "pps" };
-    const ranges = rangesOf({ trials: knee, units } as unknown as Study);
-    expect(ranges.map(({ name }) => name)).toEqual(["speed", "acceleration", "knee speed", "time"]);
-    expect(knee.map((one) => crossings(one as Trial, ranges)[2])).toEqual([0, 1]);
   });
 
   it("tries a twin first where the motor is known: by its name, or as identified", () => {
@@ -392,23 +384,6 @@ describe("a study on the page", () => {
     ]);
   });
 
-  it("shows what held, what lost steps, and the best so far; what was not tried is left out", () => {
-    expect(historyOf(TRIALS)).toEqual([
-      [0, 2, 3, 4],
-      [1, null, 0.6, 0.8],
-      [null, 0.5, null, null],
-      [1, 1, 0.6, 0.6],
-    ]);
-  });
-
-  it("draws the space in rising order of the first setting", () => {
-    expect(spaceOf(TRIALS, ["speed", "acceleration"])).toEqual([
-      [100, 300, 400, 1000],
-      [400, 1200, 1600, null],
-      [null, null, null, 4000],
-    ]);
-  });
-
   it("draws moves over one time, until the slowest has arrived, and nothing where there is none", () => {
     const slow = { which: "before", time_s: [0, 1, 2, 3, 9], fullsteps: [0, 50, 100, 100, 100] } as const;
     const fast = { which: "best", time_s: [0.1, 0.5, 1], fullsteps: [0, 100, 100] } as const;
@@ -422,13 +397,7 @@ describe("a study on the page", () => {
     expect(new Set(Array.from(present ?? []))).toEqual(new Set([null]));
   });
 
-  it("marks the front of two objectives", () => {
-    expect(frontOf(TRIALS, [0, 3], 0)).toEqual([
-      [0.6, 0.8, 1],
-      [3, 4, 0],
-      [3, null, 0],
-      [null, null, 0],
-    ]);
+  it("offers the front of two objectives", () => {
     const choices = choicesOf({ trials: TRIALS, front: [0, 3] } as unknown as Study);
     expect(choices.map(({ number }) => number)).toEqual([3, 0]);
     expect(nearestOf(choices, 0.75)?.number).toBe(3);
@@ -462,20 +431,6 @@ describe("a study on the page", () => {
     });
   });
 
-  it("crosses parallel axes between the least and the greatest, settings by their ratio", () => {
-    const study = { trials: TRIALS, units: { speed: "pps", acceleration: "pps^2" } } as unknown as Study;
-    const ranges = rangesOf(study);
-    expect(ranges.map(({ name, low, high }) => [name, low, high])).toEqual([
-      ["speed", 100, 1000],
-      ["acceleration", 400, 4000],
-      ["time", 0.5, 1],
-    ]);
-    expect(crossings(TRIALS[0] as Trial, ranges)).toEqual([0, 0, 1]);
-    const middle = crossings(trial(9, "feasible", Math.sqrt(1e5), 0.75), ranges);
-    for (const height of middle) expect(height).toBeCloseTo(0.5);
-    expect(rangesOf({ ...study, trials: TRIALS.slice(0, 1) } as Study)).toEqual([]);
-  });
-
   it("asks for an own search, and offers settings with what they take", () => {
     const about = { unit: "pps^2", low: 0, high: 250_000, now: 200_001.5, one: 116, group: "ramp", help: "" };
     const ramp: Searchable = { ...about, name: "AMAX" };
@@ -502,52 +457,17 @@ describe("a study on the page", () => {
     });
   });
 
-  it("shows the figures of an own search over its trials, as a front, and across parallel axes", () => {
-    const one = (number: number, peak: number, time: number | null) => ({
-      number,
-      figures: { peak_fullsteps: peak, time_s: time },
-      told: [],
-      violation: -1,
-    });
-    const found = {
-      objectives: ["peak_fullsteps", "time_s"],
-      tried: [one(0, 0.4, 1), one(2, 4, null), one(3, 0.2, 1.5), one(4, 0.5, 1.2)],
-      effects: [
-        {
-          figure: "peak_fullsteps",
-          unit: "full steps",
-          baseline: 0.4,
-          winner: 0.2,
-          difference: -0.2,
-          interval: { low: -0.3, high: -0.1 },
-          p: 0.002,
-          significant: true,
-          worse: false,
-        },
-      ],
-    } as unknown as CustomFound;
-    expect(overTrials({ trials: TRIALS }, found, "peak_fullsteps")).toEqual([
-      [0, 2, 3, 4],
-      [0.4, null, 0.2, 0.5],
-      [null, 4, null, null],
-    ]);
-    expect(frontOfBoth({ trials: TRIALS, front: [3, 0] }, found)).toEqual([
-      [0.2, 0.4, 0.5],
-      [1.5, 1, 1.2],
-      [1.5, 1, null],
-    ]);
-    expect(evidenceRows(found)[0]?.at(-1)).toBe("better");
-    const units = { speed: "pps" };
-    const study = { trials: TRIALS, units } as unknown as Study;
-    const ranges = rangesOf(study, objectiveRanges(found));
-    expect(ranges.map(({ name, low, high }) => [name, low, high])).toEqual([
-      ["speed", 100, 1000],
-      ["greatest deviation", 0.2, 4],
-      ["time until it rests", 1, 1.5],
-    ]);
-    expect(crossings(TRIALS[3] as Trial, ranges).slice(1)).toEqual([0, 1]);
-    // Settings that may be 0 or below, as a threshold of StallGuard, are no ratios.
-    expect(crossings(trial(9, "feasible", 5, 1), [{ name: "speed", unit: "", low: -5, high: 15 }])).toEqual([0.5]);
+  it("tells whether an own search is shown to be better", () => {
+    const effect = {
+      figure: "peak_fullsteps",
+      unit: "full steps",
+      baseline: 0.4,
+      winner: 0.2,
+      difference: -0.2,
+      p: 0.002,
+    };
+    const effects = [{ ...effect, interval: { low: -0.3, high: -0.1 }, significant: true, worse: false }];
+    expect(evidenceRows({ effects } as unknown as CustomFound)[0]?.at(-1)).toBe("better");
   });
 
   it("draws a Campbell plot: each order's frequency at each speed, the strongest dot on top", () => {
@@ -602,13 +522,6 @@ describe("a study on the page", () => {
     const [first, , third] = moves as [Move, Move, Move, Move];
     expect(differences(first, third)).toEqual([["speed", 200, 100]]);
     expect(differences(first, first)).toEqual([]);
-    const { axes, heights } = parallelOf(moves, "time_s");
-    expect(axes.map(({ name, low, high }) => [name, low, high])).toEqual([
-      ["speed", 100, 400],
-      ["time [s]", 0.5, 2],
-    ]);
-    expect(heights(first)).toEqual([0, 1]);
-    expect(heights(moves[3] as Move).at(-1)).toBeNull();
   });
 
   it("ranks moves by their load, and those that a stall ended by how far they came", () => {
@@ -635,7 +548,6 @@ describe("a study on the page", () => {
     expect(changedIn(moves)).toEqual(["SGT"]);
     const [first, second] = moves as [Move, Move];
     expect(differences(first, second)).toEqual([["SGT", 2, 1]]);
-    expect(parallelOf(moves, "load_min").axes.at(-1)?.name).toBe("load, least");
   });
 
   it("makes a cure's address whole", () => {

@@ -3,10 +3,8 @@ import { useState } from "react";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { colorOf } from "../../../lib/palette";
 import { dateTimeOf } from "../../../lib/time";
-import { useScheme } from "../../../lib/useScheme";
-import { Savable } from "../../../plots/Savable";
+import { Together } from "../trials/TrialsCard";
 import type { Changes } from "../useStudies";
 import classes from "./byHand.module.css";
 import {
@@ -17,7 +15,7 @@ import {
   FIGURES,
   type Figure,
   type Move,
-  parallelOf,
+  pointsOf,
   ranked,
   titleOf,
 } from "./moves";
@@ -67,7 +65,9 @@ export function Ranking({ moves, changes, busy }: Props) {
           />
         )}
       </Group>
-      {rows.length > 1 && <Parallel moves={rows} by={by} />}
+      {rows.length > 1 && names.length > 0 && (
+        <Together trials={pointsOf(rows, by)} label="Settings that were changed, and the figure of each move" />
+      )}
       <Table.ScrollContainer minWidth={480} type="native">
         <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Moves by hand, the best first">
           <Table.Thead>
@@ -175,48 +175,5 @@ function Preview({ move, latest, loading, onTake, onCancel }: PreviewProps) {
         </Button>
       </Group>
     </section>
-  );
-}
-
-const TOP = 8;
-const BOTTOM = 92;
-
-/** A line a move across all settings that were changed, and the figure; the best is thick. */
-function Parallel({ moves, by }: { moves: readonly Move[]; by: Figure }) {
-  const scheme = useScheme();
-  const { axes, heights } = parallelOf(moves, by);
-  const x = (index: number) => (axes.length < 2 ? 50 : 4 + (92 * index) / (axes.length - 1));
-  return (
-    <Savable name="Settings and figure of each move">
-      <figure className={classes.parallel} aria-label="Settings that were changed, and the figure of each move">
-        <svg viewBox="0 0 100 100" preserveAspectRatio="none" role="presentation">
-          {axes.map(({ name }, index) => (
-            <line key={name} x1={x(index)} x2={x(index)} y1={TOP} y2={BOTTOM} className={classes.axis} />
-          ))}
-          {moves.map((move, place) => (
-            <polyline
-              key={move.id}
-              points={heights(move)
-                .map((height, index) => [height, x(index)] as const)
-                .filter(([height]) => height !== null)
-                .map(([height, at]) => `${at},${BOTTOM - (height ?? 0) * (BOTTOM - TOP)}`)
-                .join(" ")}
-              fill="none"
-              stroke={colorOf("velocity", scheme)}
-              strokeWidth={place === 0 ? 3 : 1}
-              strokeOpacity={place === 0 ? 1 : 0.55}
-              vectorEffect="non-scaling-stroke"
-            />
-          ))}
-        </svg>
-        <figcaption className={classes.names}>
-          {axes.map(({ name, low, high }) => (
-            <span key={name}>
-              {name}: {compact(low, 3)} to {compact(high, 3)}
-            </span>
-          ))}
-        </figcaption>
-      </figure>
-    </Savable>
   );
 }

@@ -1,5 +1,7 @@
 import type { Schemas } from "../../../api/client";
+import { dateTimeOf } from "../../../lib/time";
 import type { StudyInfo } from "../study";
+import type { Trials } from "../trials/points";
 
 export type Scored = Schemas["Scored"];
 
@@ -71,19 +73,23 @@ export function differences(move: Move, latest: Move): [name: string, from: numb
     .map(([name, value]) => [name, latest.setting[name] ?? null, value]);
 }
 
-/** Axes of parallel coordinates, and how high each move crosses them: 0 to 1, null where it has no such figure. */
-export function parallelOf(moves: readonly Move[], by: Figure) {
-  const axes = [
-    ...changedIn(moves).map((name) => ({ name, of: ({ setting }: Move) => setting[name] ?? null })),
-    { name: titleOf(by), of: ({ scored }: Move) => scored[by] },
-  ].map(({ name, of }) => {
-    const values = moves.map(of).filter((value) => value !== null);
-    return { name, of, low: Math.min(...values), high: Math.max(...values) };
-  });
-  const heights = (move: Move) =>
-    axes.map(({ of, low, high }) => {
-      const value = of(move);
-      return value === null ? null : high > low ? (value - low) / (high - low) : 0.5;
-    });
-  return { axes, heights };
+/** Moves that are ranked by a figure, as points: what was changed between them, and that figure. */
+export function pointsOf(moves: readonly Move[], by: Figure): Trials {
+  const names = changedIn(moves);
+  const { label, unit, more } = FIGURES[by];
+  return {
+    settings: names.map((text) => {
+      const [, name = text, unit = ""] = /^(.*) \[(.*)\]$/.exec(text) ?? [];
+      return { name, unit };
+    }),
+    figures: [{ name: label, unit, more }],
+    points: moves.map(({ setting, scored, started_unix_s: started }, index) => ({
+      number: index,
+      name: `Move of ${dateTimeOf(started * 1000)}`,
+      state: scored.lost_fullsteps > 0 || scored.stalls > 0 ? "lost" : "held",
+      values: [...names.map((name) => setting[name] ?? null), scored[by]],
+    })),
+    best: moves[0]?.scored.lost_fullsteps === 0 && moves[0].scored.stalls === 0 ? 0 : null,
+    lost: "lost steps, or stalled",
+  };
 }

@@ -6,12 +6,19 @@ import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
-import { type ChopperFound, namedOf, rippleOf } from "./tried";
+import { TrialsCard } from "../trials/TrialsCard";
+import { type ChopperFound, namedOf, pointsOf, rippleOf } from "./tried";
 
 /** How much the shaft shook by which setting, and how sure the best one is. */
 export function Results({ study }: { study: Study }) {
   const found = study.chopper;
-  return found && found.before !== null ? <Found found={found} /> : null;
+  if (!found || found.before === null) return null;
+  return (
+    <>
+      <Found found={found} />
+      <TrialsCard trials={pointsOf(study, found)} />
+    </>
+  );
 }
 
 function Found({ found }: { found: ChopperFound }) {

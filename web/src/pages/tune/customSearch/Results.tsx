@@ -5,19 +5,26 @@ import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
-import { Parallel } from "../fastestMove/Parallel";
 import type { Study } from "../study";
+import { FrontPlot, TrialsCard } from "../trials/TrialsCard";
 import { FIGURES } from "./form";
-import { type CustomFound, evidenceRows, frontOfBoth, objectiveRanges, overTrials } from "./found";
+import { type CustomFound, evidenceRows, pointsOf } from "./found";
 
 /** How sure the best setting is, and what was tried. */
 export function Results({ study }: { study: Study }) {
   const found = study.custom;
   if (!found || found.before === null) return null;
+  const trials = pointsOf(study, found);
   return (
     <>
       {found.effects.length > 0 && <Evidence found={found} better={study.improved === true} />}
-      {found.tried.length > 0 && <Trials study={study} found={found} />}
+      <TrialsCard trials={trials} space>
+        <FrontPlot
+          trials={trials}
+          front={study.front}
+          summary={`${study.front.length} settings that none beats in both`}
+        />
+      </TrialsCard>
     </>
   );
 }
@@ -50,49 +57,6 @@ function Evidence({ found, better }: { found: CustomFound; better: boolean }) {
           data={[differences.map((_, index) => index + 1), differences]}
         />
       )}
-    </Card>
-  );
-}
-
-function Trials({ study, found }: { study: Study; found: CustomFound }) {
-  const scheme = useScheme();
-  const held = colorOf("velocity", scheme);
-  const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
-  const dots = { dots: 7, line: false } as const;
-  const [first, second] = found.objectives.map((figure) => ({ figure, ...FIGURES[figure] }));
-  const tried = study.trials.filter(({ state }) => state !== "pruned").length;
-  if (!first) return null;
-  return (
-    <Card title="Trials" note={`${tried} tried, ${study.trials.length - tried} passed over`}>
-      <div className="column">
-        <Plot
-          label={`${first.label} of each trial`}
-          summary={`${tried} settings were tried`}
-          height={170}
-          series={[
-            { label: "held", color: held, ...dots },
-            { label: "did not hold", color: lost, ...dots },
-          ]}
-          x={{ label: "trial" }}
-          scales={{ y: { label: first.label, unit: first.unit } }}
-          data={overTrials(study, found, first.figure)}
-        />
-        {second && (
-          <Plot
-            label={`${second.label} over ${first.label}: the front of both`}
-            summary={`${study.front.length} settings that none beats in both`}
-            height={170}
-            series={[
-              { label: "held", color: held, ...dots },
-              { label: "front", color: colorOf("acceleration", scheme), dots: 11, line: true },
-            ]}
-            x={{ label: first.label, unit: first.unit }}
-            scales={{ y: { label: second.label, unit: second.unit } }}
-            data={frontOfBoth(study, found)}
-          />
-        )}
-        <Parallel study={study} held={held} lost={lost} figures={objectiveRanges(found)} />
-      </div>
     </Card>
   );
 }

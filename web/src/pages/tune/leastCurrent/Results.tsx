@@ -1,11 +1,19 @@
 import { Table, Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
-import { colorOf } from "../../../lib/palette";
-import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Study } from "../study";
-import { type CoolSetting, type CoolStepFound, type LeastCurrentFound, triedOf } from "./tried";
+import { Parallel } from "../trials/Parallel";
+import { useStateColors } from "../trials/useStateColors";
+import {
+  type CoolSetting,
+  type CoolStepFound,
+  coolPointsOf,
+  FIELDS,
+  isSame,
+  type LeastCurrentFound,
+  triedOf,
+} from "./tried";
 
 /** What held at which current, and what it saves. */
 export function Results({ study }: { study: Study }) {
@@ -21,7 +29,6 @@ export function Results({ study }: { study: Study }) {
   );
 }
 
-const FIELDS = ["semin", "semax", "seup", "sedn", "seimin"] as const;
 const settingOf = (setting: CoolSetting) =>
   FIELDS.map((field) => `${field.toUpperCase()} ${setting[field]}`).join(", ");
 
@@ -39,6 +46,7 @@ function CoolStep({ cool }: { cool: CoolStepFound }) {
           cycles){saving && `, about ${compact(saving.saved_w, 3, "W")}`}.
         </Text>
       )}
+      <Parallel trials={coolPointsOf(cool)} label="All settings of CoolStep that were tried" />
       {cool.tried.length > 0 && (
         <Table.ScrollContainer minWidth={420} type="native">
           <Table mt="xs" withRowBorders={false} verticalSpacing={2} aria-label="Settings of CoolStep that were tried">
@@ -58,7 +66,7 @@ function CoolStep({ cool }: { cool: CoolStepFound }) {
             <Table.Tbody>
               {cool.tried.map((one, index) => (
                 // biome-ignore lint/suspicious/noArrayIndexKey: a setting may be tried again, and the list only grows
-                <Table.Tr key={index} fw={setting && settingOf(one.setting) === settingOf(setting) ? 700 : undefined}>
+                <Table.Tr key={index} fw={setting && isSame(one.setting, setting) ? 700 : undefined}>
                   {FIELDS.map((field) => (
                     <Table.Td className="num" key={field}>
                       {one.setting[field]}
@@ -81,8 +89,7 @@ function CoolStep({ cool }: { cool: CoolStepFound }) {
 }
 
 function Found({ found }: { found: LeastCurrentFound }) {
-  const scheme = useScheme();
-  const lost = scheme === "dark" ? "#ff8787" : "#c92a2a";
+  const { held, lost } = useStateColors();
   const { saving } = found;
   const cooler = found.heat_share === null ? undefined : `${compact(100 * (1 - found.heat_share), 3, "%")} less heat`;
   const note = found.limited_by_supply ? "limited by the supply voltage" : cooler;
@@ -92,7 +99,7 @@ function Found({ found }: { found: LeastCurrentFound }) {
         label="Peak deviation over the run current"
         height={190}
         series={[
-          { label: "no step was lost", color: colorOf("velocity", scheme), dots: 7 },
+          { label: "no step was lost", color: held, dots: 7 },
           { label: "steps were lost", color: lost, dots: 7 },
         ]}
         x={{ label: "run current", unit: "1/32" }}

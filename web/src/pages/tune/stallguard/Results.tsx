@@ -6,7 +6,8 @@ import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
-import { aloneText, distributionsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
+import { Parallel } from "../trials/Parallel";
+import { aloneText, distributionsOf, pointsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
 
 /** What came of each speed: both rates, how load values are distributed, and what each threshold would do. */
 export function Results({ study }: { study: Study }) {
@@ -14,7 +15,7 @@ export function Results({ study }: { study: Study }) {
   if (!found) return null;
   return (
     <>
-      <Rates found={found} />
+      <Rates found={found} study={study} />
       {found.speeds
         .filter(({ roc }) => roc.length > 0)
         .map((speed) => (
@@ -24,7 +25,7 @@ export function Results({ study }: { study: Study }) {
   );
 }
 
-function Rates({ found }: { found: StallFound }) {
+function Rates({ found, study }: { found: StallFound; study: Study }) {
   return (
     <Card title="How sure" note={`StallGuard${found.generation}`}>
       <FiguresTable
@@ -44,6 +45,7 @@ function Rates({ found }: { found: StallFound }) {
         {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %. Alone: the threshold that suits that speed best, by
         the runs it was chosen by.
       </Text>
+      <Parallel trials={pointsOf(study)} label="Settings that were tried on held-out runs" />
     </Card>
   );
 }

@@ -1,6 +1,8 @@
 import type { Schemas } from "../../../api/client";
 import { compact } from "../../../lib/format";
 import type { PlotData } from "../../../plots/series";
+import type { Study } from "../study";
+import { type Trials, trialsOf } from "../trials/points";
 
 export type StallFound = Schemas["StallFound"];
 export type StallSpeed = StallFound["speeds"][number];
@@ -29,4 +31,10 @@ export function distributionsOf(speed: StallSpeed): PlotData {
 export function rocOf(speed: StallSpeed): PlotData {
   const points = [[0, 1], ...speed.roc.map(({ false: wrong, missed }) => [wrong, missed]), [1, 0]];
   return [points.map(([wrong]) => wrong ?? 0), points.map(([, missed]) => missed ?? 0)];
+}
+
+/** Choices that were tried on held-out runs, with the runs that it took to refute or prove them. */
+export function pointsOf(study: Study): Trials {
+  const runs = trialsOf(study, [{ name: "held-out runs", unit: "", of: ({ figures }) => figures.runs }]);
+  return { ...runs, lost: "too many stalls false or missed" };
 }

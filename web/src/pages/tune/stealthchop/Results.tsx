@@ -6,12 +6,19 @@ import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
-import { joltsOf, namedOf, reachOf, type StealthFound } from "./tried";
+import { TrialsCard } from "../trials/TrialsCard";
+import { joltsOf, namedOf, pointsOf, reachOf, type StealthFound } from "./tried";
 
 /** How much the change of choppers jolted at which speed, which amplitudes fit, and how sure that is. */
 export function Results({ study }: { study: Study }) {
   const found = study.stealthchop;
-  return found && found.before !== null ? <Found found={found} /> : null;
+  if (!found || found.before === null) return null;
+  return (
+    <>
+      <Found found={found} />
+      <TrialsCard trials={pointsOf(study, found)} />
+    </>
+  );
 }
 
 function Found({ found }: { found: StealthFound }) {

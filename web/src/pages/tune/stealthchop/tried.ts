@@ -1,5 +1,7 @@
 import type { Schemas } from "../../../api/client";
 import type { PlotData } from "../../../plots/series";
+import type { Study } from "../study";
+import { type Trials, trialsOf } from "../trials/points";
 
 export type StealthFound = Schemas["StealthFound"];
 export type StealthTried = StealthFound["tried"][number];
@@ -17,6 +19,16 @@ export function joltsOf(found: Pick<StealthFound, "before" | "tried" | "jolt_max
     rows.map(({ one, old }) => (old ? one.jolt_fullsteps : null)),
     rows.map(() => found.jolt_max_fullsteps),
   ];
+}
+
+/** What was seen of each trial: what was tried stands in the order of the trials. */
+export function pointsOf(study: Study, { tried }: Pick<StealthFound, "tried">): Trials {
+  const percent = (share: number | null | undefined) => (share == null ? null : 100 * share);
+  return trialsOf(study, [
+    { name: "jolt", unit: "full steps", of: (_, index) => tried[index]?.jolt_fullsteps },
+    { name: "off by", unit: "%", of: (_, index) => percent(tried[index]?.added_share) },
+    { name: "amplitude", unit: "%", of: (_, index) => percent(tried[index]?.amplitude_share) },
+  ]);
 }
 
 /** The setting before, the calculated one and the chosen one, as far as they are there, with what they are. */

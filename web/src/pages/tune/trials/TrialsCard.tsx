@@ -1,0 +1,110 @@
+import type { ReactNode } from "react";
+import { Card } from "../../../lib/Card";
+import { colorOf } from "../../../lib/palette";
+import { useScheme } from "../../../lib/useScheme";
+import { Plot, type PlotProps } from "../../../plots/Plot";
+import { Parallel } from "./Parallel";
+import { frontOf, historyOf, LOST, movedOf, spaceOf, type Trials } from "./points";
+import { useStateColors } from "./useStateColors";
+
+interface OfTrials {
+  trials: Trials;
+}
+
+const DOTS = { dots: 7, line: false } as const;
+
+function useStates(lost: string) {
+  const colors = useStateColors();
+  return [
+    { label: "held", color: colors.held, ...DOTS },
+    { label: lost, color: colors.lost, ...DOTS },
+  ] as const;
+}
+
+/** What was tried, live: the first figure over trials, the space of two settings, and all settings and figures at once. */
+export function TrialsCard({ trials, space, children }: OfTrials & { space?: boolean; children?: ReactNode }) {
+  const passed = trials.points.filter(({ state }) => state === "pruned").length;
+  const note = `${trials.points.length - passed} tried${passed > 0 ? `, ${passed} passed over` : ""}`;
+  if (trials.points.length === 0) return null;
+  return (
+    <Card title="Trials" note={note}>
+      <div className="column">
+        <History trials={trials} />
+        {space && trials.settings.length >= 2 && <Space trials={trials} />}
+        <Together trials={trials} />
+        {children}
+      </div>
+    </Card>
+  );
+}
+
+/** All settings and figures of each trial: across parallel axes; of one setting the figure over it. */
+export function Together({ trials, label }: OfTrials & { label?: string | undefined }) {
+  return trials.settings.length >= 2 ? <Parallel trials={trials} label={label} /> : <Space trials={trials} />;
+}
+
+function History({ trials }: OfTrials) {
+  const [held, lost] = useStates(trials.lost ?? LOST);
+  const [figure] = trials.figures;
+  if (!figure) return null;
+  return (
+    <Plot
+      label={`${capital(figure.name)} of each trial`}
+      summary={`${movedOf(trials).length} settings were tried`}
+      height={170}
+      series={[held, lost, { label: "best so far", color: held.color, stepped: true }]}
+      x={{ label: "trial" }}
+      scales={{ y: { label: figure.name, unit: figure.unit } }}
+      data={historyOf(trials)}
+    />
+  );
+}
+
+function Space({ trials }: OfTrials) {
+  const series = useStates(trials.lost ?? LOST);
+  const [x, y] = [...trials.settings, ...trials.figures];
+  if (!x || !y) return null;
+  return (
+    <Plot
+      label={`${y.name} over ${x.name} of each trial`}
+      height={200}
+      series={series}
+      x={{ label: x.name, unit: x.unit }}
+      scales={{ y: { label: y.name, unit: y.unit } }}
+      data={spaceOf(trials)}
+    />
+  );
+}
+
+interface FrontProps extends OfTrials, Pick<PlotProps, "summary" | "onCursor"> {
+  front: readonly number[];
+  chosen?: number | null;
+}
+
+/** The second figure over the first: what none beats in both is joined. */
+export function FrontPlot({ trials, front, chosen = null, ...more }: FrontProps) {
+  const scheme = useScheme();
+  const [held] = useStates(LOST);
+  const [x, y] = trials.figures;
+  if (!x || !y) return null;
+  const marked = { label: "chosen", color: colorOf("residual", scheme), dots: 15, line: false };
+  return (
+    <Plot
+      label={`${capital(y.name)} over ${x.name}: the front of both`}
+      height={190}
+      series={[
+        held,
+        { label: "front", color: colorOf("predicted_position", scheme), dots: 9, line: true },
+        ...(chosen === null ? [] : [marked]),
+      ]}
+      x={{ label: x.name, unit: x.unit }}
+      scales={{ y: { label: y.name, unit: y.unit } }}
+      data={frontOf(trials, front, chosen)}
+      {...more}
+    />
+  );
+}
+
+function capital(name: string): string {
+  return name.charAt(0).toUpperCase() + name.slice(1);
+}
