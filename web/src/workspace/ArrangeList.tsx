@@ -22,7 +22,7 @@ export function ArrangeList({ layout }: { layout: Layout }) {
         </Button>
         <AddMenu layout={layout} />
         <LayoutMenu layout={layout} opened={menu} onChange={setMenu}>
-          <Button size="sm" variant="default" leftSection={<IconLayoutDashboard size={16} aria-hidden />}>
+          <Button variant="default" leftSection={<IconLayoutDashboard size={16} aria-hidden />}>
             {labelOf(layout)}
           </Button>
         </LayoutMenu>

@@ -4,7 +4,7 @@ import { IconPlayerPlayFilled, IconPlayerStop, IconX } from "@tabler/icons-react
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api } from "../../api/client";
-import type { Device } from "../../api/queries";
+import { type Device, useDevices } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
@@ -28,6 +28,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   const queries = useQueryClient();
   const selection = useSelection();
   const action = useAction();
+  const lost = useDevices().isError;
   const axes = demo.flatMap((device) => device.axes.map((axis) => ({ device: device.id, axis: axis.index })));
   const shuttles = useQuery({
     queryKey: ["shuttle", "demo"],
@@ -60,6 +61,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
           running ? <IconPlayerStop size={16} aria-hidden /> : <IconPlayerPlayFilled size={16} aria-hidden />
         }
         loading={action.busy}
+        disabled={lost}
         data-testid="demo-motion"
         onClick={() =>
           void action
@@ -87,7 +89,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
         </Group>
       ) : (
         <Group gap={14} className={classes.next} wrap="nowrap">
-          <Text size="sm" truncate>
+          <Text size="sm" truncate className={classes.ready}>
             {axes.length} emulated axes are ready: nothing can break.
           </Text>
           <TryModels devices={devices} />

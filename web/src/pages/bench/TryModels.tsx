@@ -76,7 +76,7 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
     </Popover>
   );
   return (
-    <Group gap={6} wrap="nowrap" flex="none">
+    <Group gap={6} wrap="nowrap" flex="none" data-roomy={roomy && families.length > 2}>
       {roomy ? (
         <>
           <Text size="sm" c="dimmed">
