@@ -17,7 +17,7 @@ export function StagedDrawer({ chip, device }: { chip: ChipRows; device: Device 
       onError: () => setOpen(true),
     });
   return (
-    <div className={`${css.sticky} text-13`}>
+    <div className={`${css.sticky} text-13`} data-staged={count > 0 || apply.error !== null}>
       <StagedBar
         count={count}
         staged={staged}

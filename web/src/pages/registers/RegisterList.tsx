@@ -123,7 +123,7 @@ export function RegisterList(props: Props) {
         <col className={common.colName} />
         <col style={{ width: 48 }} />
         <col style={{ width: 58 }} />
-        <col style={{ width: 84 }} />
+        <col style={{ width: 90 }} />
         <col className={common.colValue} />
         <col />
         <col style={{ width: 56 }} />
