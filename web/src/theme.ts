@@ -47,6 +47,8 @@ export const theme = createTheme({
   cursorType: "pointer",
   components: {
     Table: { classNames: { th: "hint regular" } },
+    // within words nothing but its colour would tell it from them
+    Anchor: { defaultProps: { underline: "always" } },
     Autocomplete: SMALL,
     Button: SMALL,
     Checkbox: SMALL,

@@ -41,10 +41,10 @@ export function XyFigure({ rows, before, worst }: Props) {
             <line x1={hand.current_b} y1={-hand.current_a} x2={next.current_b} y2={-next.current_a} />
           </g>
         )}
-        <text className="fill-dim" fontSize={6} x={REACH} y={-2} textAnchor="end">
+        <text className="fill-dim" fontSize={7} x={REACH} y={-2} textAnchor="end">
           B
         </text>
-        <text className="fill-dim" fontSize={6} x={3} y={-REACH + 5}>
+        <text className="fill-dim" fontSize={7} x={3} y={-REACH + 6.5}>
           A
         </text>
       </svg>

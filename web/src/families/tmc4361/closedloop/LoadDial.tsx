@@ -82,7 +82,7 @@ export function LoadDial({ read, beta, gamma, regulated, emf }: Props) {
         ).map(([angle, anchor]) => {
           const at = onCircle(angle, RADIUS + 7);
           return (
-            <text key={angle} x={at.x} y={at.y + 3} textAnchor={anchor} fontSize={8} className="fill-dim tabular">
+            <text key={angle} x={at.x} y={at.y + 3} textAnchor={anchor} fontSize={9} className="fill-dim tabular">
               {fixed(angle)}°
             </text>
           );
