@@ -32,7 +32,7 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
   const done = state?.state === "done";
   return (
     <Card title="Calibration" note="finds CL_OFFSET">
-      <div className="halves start gap-8">
+      <div className="halves end gap-8">
         <NumberField
           label="Speed to the full step"
           unit="pps"

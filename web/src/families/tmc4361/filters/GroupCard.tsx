@@ -49,7 +49,7 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
         label={title}
         classNames={{ label: "bold" }}
       />
-      <Text size="xs" c="dimmed" className="anywhere indent">
+      <Text size="xs" c="dimmed" className="anywhere" pl={24}>
         {group.pins.join(", ")}
       </Text>
       <div className="halves gap-8 mt-4">

@@ -110,7 +110,7 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             summary={`At rest after ${duration(result.motion_s)}; ${result.stretches.length} stretches of current`}
             series={[{ label: "coil current", unit, color, width: 2, fill: `${color}2a` }]}
             data={[...shown.current]}
-            x={{ unit: "s" }}
+            x={{ label: "time", unit: "s" }}
             scales={{ y: { unit, include: [0, unit === "%" ? 100 : (fullScale ?? 1)] } }}
             marks={[
               {
@@ -128,7 +128,7 @@ export function CurrentOverMove({ chip, clockHz, axis, of }: Props) {
             label="Velocity of the move"
             series={[{ label: "velocity", unit: "pps", color: colorOf("velocity", scheme), width: 2 }]}
             data={[...shown.velocity]}
-            x={{ unit: "s" }}
+            x={{ label: "time", unit: "s" }}
             scales={{ y: { unit: "pps", include: [0] } }}
             group={`output-${of}`}
             height={130}

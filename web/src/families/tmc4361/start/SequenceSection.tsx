@@ -84,7 +84,6 @@ export function SequenceSection({ chip, clockHz, disabled }: Props) {
       note="the chip makes it alone"
       actions={
         <Button
-          size="compact-sm"
           onClick={stage}
           disabled={disabled || blocked !== null || !result || stale}
           data-testid="stage-sequence"

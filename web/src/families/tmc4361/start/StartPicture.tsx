@@ -5,8 +5,8 @@ import classes from "./start.module.css";
 const ROW = 30;
 // as narrow as its texts allow: it stands whole, and not scaled below 12 px, in half a page of 1280
 const WIDTH = 512;
-const LEFT = { x: 2, width: 136 };
-const MIDDLE = { x: 176, width: 124 };
+const LEFT = { x: 2, width: 146 };
+const MIDDLE = { x: 182, width: 124 };
 const RIGHT = { x: 340, width: 170 };
 const TOP = 12;
 

@@ -40,19 +40,19 @@ export function StartSection({ chip, device, clockHz, disabled }: Props) {
       )}
       <WarningLines texts={start?.findings ?? []} />
       <div className="halves start gap-8 mt-8">
-        <fieldset className="grid gap-6 plain">
+        <fieldset className="bare grid gap-6">
           <legend className="text-12 bold">A start comes from</legend>
           {TRIGGERS.map((name, n) => flag(`trigger_events[${n}]`, name))}
         </fieldset>
-        <fieldset className="grid gap-6 plain">
+        <fieldset className="bare grid gap-6">
           <legend className="text-12 bold">For it waits</legend>
           {WAITING.map((name, n) => flag(`start_en[${n}]`, name))}
         </fieldset>
-        <fieldset className="grid gap-6 plain">
+        <fieldset className="bare grid gap-6">
           <legend className="text-12 bold">It moves the pipeline into</legend>
           {PIPED.map((name, n) => flag(`pipeline_en[${n}]`, name))}
         </fieldset>
-        <fieldset className="grid gap-6 plain">
+        <fieldset className="bare grid gap-6">
           <legend className="text-12 bold">The pin</legend>
           {flag("immediate_start_in", "without START_DELAY")}
           {flag("busy_state_en", "busy: chips wait for each other")}

@@ -49,7 +49,7 @@ export function StepSection({ chip, device, clockHz, disabled, microsteps, fullS
         <ChipField
           chip={chip}
           register="GEAR_RATIO"
-          physical={(word) => `${rounded(word / GEAR_ONE, 9)} steps a step`}
+          physical={(word) => `${rounded(word / GEAR_ONE, 9)} ${word === GEAR_ONE ? "step" : "steps"} a step`}
           disabled={disabled}
         />
         <NumberField

@@ -224,7 +224,7 @@ export function MslutEditor({
           </div>
           <div className="column">
             <Card title="Before and after" note="one electrical period; angles electrical, microsteps 1/1024 of it">
-              <div className="beside-figure columns gap-12 mid">
+              <div className={`beside-figure columns gap-12 mid ${classes.compared}`}>
                 <div className={stale}>
                   {result && (
                     <FigureTable before={old?.metrics ?? null} beforeName={beforeName} after={result.metrics} />
