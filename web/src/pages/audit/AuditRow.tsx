@@ -43,7 +43,9 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
       <td className="nowrap">{entry.action}</td>
       <td className={classes.what}>
         <Subject entry={entry} device={device} onSelect={onSelect} />
-        {entry.detail !== "" && <span className="ml-8 dim">{detailText(entry.detail)}</span>}
+        {entry.detail !== "" && (
+          <span className={`${entry.subject === "" ? "" : "ml-8"} dim`}>{detailText(entry.detail)}</span>
+        )}
       </td>
       <td className={`num ${classes.values}`} title={fields ? `${old} → ${now}` : undefined}>
         {!fields && (old !== "" || now !== "") && (

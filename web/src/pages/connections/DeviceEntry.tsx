@@ -125,7 +125,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         </Text>
       ))}
       {link.isError && <ProblemAlert error={link.error} onClose={() => link.reset()} />}
-      <Text size="xs" className="flex gap-12">
+      <Text size="xs" className="flex wrap gap-12">
         {selected ? (
           <span className="dim">the pages show this device</span>
         ) : (

@@ -32,7 +32,7 @@ export function Tiles({ health }: { health: Health }) {
         name="Connections"
         value={fixed(sockets.connections)}
         percent={usedPercent(sockets.connections, sockets.connections_max)}
-        more={`of ${fixed(sockets.connections_max)} · ${fixed(sockets.websockets)} WebSockets · ${fixed(sockets.connections_ended)} ended · ${fixed(sockets.rows_dropped)} rows dropped for slow readers`}
+        more={`of ${fixed(sockets.connections_max)} · ${fixed(sockets.websockets)} ${sockets.websockets === 1 ? "WebSocket" : "WebSockets"} · ${fixed(sockets.connections_ended)} ended · ${fixed(sockets.rows_dropped)} rows dropped for slow readers`}
       />
       <Tile name="Memory" value={sizeText(process.resident_bytes)} more="resident" />
     </div>

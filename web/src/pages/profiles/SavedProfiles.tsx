@@ -140,7 +140,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
           flex={1}
           type="search"
           aria-label="Search profiles"
-          placeholder="Words of name, note, model or device"
+          placeholder="name, note, model"
           value={search}
           onChange={(event) => setSearch(event.currentTarget.value)}
         />

@@ -68,6 +68,7 @@ export function ListView() {
           <>
             <TextInput
               type="search"
+              className={classes.search}
               aria-label="Search recordings"
               placeholder="name, note, tag, device, model"
               leftSection={<IconSearch size={14} aria-hidden />}

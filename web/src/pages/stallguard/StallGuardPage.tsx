@@ -93,7 +93,7 @@ function ModuleLoad({ device, axis }: Props) {
 function ByStudy({ device }: Pick<Props, "device">) {
   return (
     can(device, "encoder") && (
-      <Anchor component={Link} href="/tune?kind=stallguard" size="sm">
+      <Anchor component={Link} href="/tune?kind=stallguard" size="xs" ml={12}>
         Find the threshold by itself
       </Anchor>
     )

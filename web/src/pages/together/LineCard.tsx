@@ -78,7 +78,6 @@ export function LineCard({ line, names, wish, onWish }: Props) {
           onClear={() => onWish({ ...wish, legS: null })}
         />
         <Button
-          size="sm"
           variant="default"
           leftSection={<IconMapPinPlus size={16} aria-hidden />}
           disabled={line === null || line.points.length >= POINTS_MAX}
@@ -86,11 +85,10 @@ export function LineCard({ line, names, wish, onWish }: Props) {
         >
           Go by these positions
         </Button>
-        <Button size="sm" variant="default" disabled={line === null} loading={plan.isPending} onClick={plan.mutate}>
+        <Button variant="default" disabled={line === null} loading={plan.isPending} onClick={plan.mutate}>
           Plan
         </Button>
         <Button
-          size="sm"
           leftSection={<IconLine size={16} aria-hidden />}
           disabled={line === null || running}
           loading={start.isPending}
@@ -99,7 +97,7 @@ export function LineCard({ line, names, wish, onWish }: Props) {
           Go there
         </Button>
         {running && (
-          <Button size="sm" color="red" leftSection={<IconPlayerStop size={16} aria-hidden />} onClick={stop.mutate}>
+          <Button color="red" leftSection={<IconPlayerStop size={16} aria-hidden />} onClick={stop.mutate}>
             Stop
           </Button>
         )}

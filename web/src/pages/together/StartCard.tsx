@@ -107,7 +107,6 @@ export function StartCard({ rows, names }: Props) {
         </Table>
         <Group mt="sm" gap="md">
           <Button
-            size="sm"
             leftSection={<IconPlayerPlay size={16} aria-hidden />}
             disabled={moves === null}
             loading={start.isPending}
