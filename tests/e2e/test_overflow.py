@@ -1,5 +1,5 @@
 """Every page, at each size and at 200 % zoom, light and dark, with few devices and with twelve: nothing reaches beyond
-the window, no label is cut off untold."""
+the window, no label is cut off untold, none is too small to read, no panel lies upon another."""
 
 from __future__ import annotations
 
@@ -27,7 +27,16 @@ PAGES = {
         "/tune",
         "/first-run",
     ),
-    CLOSED_LOOP: ("/registers", "/sramp", "/closed-loop", "/filters", "/start", "/driver-sync", "/drive-currents"),
+    CLOSED_LOOP: (
+        "/registers",
+        "/sramp",
+        "/closed-loop",
+        "/filters",
+        "/start",
+        "/driver-sync",
+        "/drive-currents",
+        "/microsteps",
+    ),
     MODULE: ("/", "/parameters", "/program", "/console", "/encoder", "/stallguard"),
 }
 OF_NO_DEVICE = ("/recordings", "/profiles", "/connections", "/audit", "/health")
@@ -73,6 +82,44 @@ CUT_OFF = """() => {
 }"""
 """Texts that a box around them cuts off, and no title tells."""
 
+SMALL = """() => {
+    const found = new Set();
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+        const text = node.textContent.trim();
+        const owner = node.parentElement;
+        if (text === "" || owner.closest("style, script, option, .unseen")) continue;
+        if (!owner.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
+        const size = parseFloat(getComputedStyle(owner).fontSize) * (owner.getScreenCTM?.()?.a ?? 1);
+        const what = `${owner.tagName}.${owner.getAttribute("class")}`;
+        if (size < 11.9) found.add(`${text.slice(0, 30)}: ${size.toFixed(1)} px, ${what}`);
+    }
+    return [...found];
+}"""
+"""Texts of less than 12 px, those of a drawing as large as they are shown."""
+
+SQUEEZED = """() => {
+    const found = [];
+    for (const cell of document.querySelectorAll("#main :is(th, td)")) {
+        if (!cell.checkVisibility() || cell.childElementCount > 0 || cell.clientWidth < 2) continue;
+        if (getComputedStyle(cell.parentElement.parentElement).clipPath !== "none") continue;
+        const [longest] = cell.textContent.split(/[^A-Za-z]+/).sort((one, other) => other.length - one.length);
+        const size = parseFloat(getComputedStyle(cell).fontSize);
+        if (longest.length < 12 && cell.clientWidth < 0.4 * size * longest.length)
+            found.push(`${cell.textContent.slice(0, 30)}: in ${cell.clientWidth} px`);
+    }
+    return found;
+}"""
+"""Cells of a table in which an ordinary word does not fit on a line."""
+
+OVERLAID = """() => {
+    const panels = [...document.querySelectorAll("#main [class*=_stack_] > *, #main .column > *")];
+    return panels
+        .filter((each) => each.scrollHeight > each.clientHeight + 8 && getComputedStyle(each).overflowY === "visible")
+        .map((each) => `${each.textContent.slice(0, 30)}: ${each.scrollHeight - each.clientHeight} px`);
+}"""
+"""Panels, one below the other, that reach into the next."""
+
 BEYOND = """() => {
     const wide = document.documentElement.clientWidth;
     const over = document.scrollingElement.scrollWidth - wide;
@@ -83,6 +130,9 @@ BEYOND = """() => {
         .map((each) => `${each.tagName}.${each.className} ${each.textContent.slice(0, 40)}`);
     return [`scrolls sideways by ${over} px: ${guilty.join(" | ")}`];
 }"""
+
+
+LOOKS = (BEYOND, CUT_OFF, SMALL, SQUEEZED, OVERLAID)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -121,7 +171,7 @@ def looked_at(page: Page, size: str) -> list[str]:
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
         expect(page.locator(f"html[data-mantine-color-scheme={scheme}]")).to_have_count(1)
-        faults += [f"{size}, {scheme}: {fault}" for look in (BEYOND, CUT_OFF) for fault in page.evaluate(look)]
+        faults += [f"{size}, {scheme}: {fault}" for look in LOOKS for fault in page.evaluate(look)]
     return faults
 
 
