@@ -2774,7 +2774,8 @@ export interface paths {
          * @description Put the axis back as it was, and go on with a study that was cut off.
          *
          *     Kinds that `goes_on` names in the list and in the plan keep what is whole, and spend what is left of the budget;
-         *     the others begin anew, from where the axis stands. Those that go on move back to where they began first.
+         *     the others begin anew, from where the axis stands. Those that go on move back to where they began first; one that
+         *     stands in the switch that sees its lost steps leaves it before that, slowly, by a turn of the motor at most.
          */
         post: operations["resume_study"];
         delete?: never;
@@ -8329,8 +8330,12 @@ export interface components {
             candidate?: {
                 [key: string]: number;
             } | null;
-            /** @description null: on the axis alone */
-            twin?: components["schemas"]["Twin-Input"] | null;
+            /**
+             * Twin
+             * @description tried first. as identified: made of the latest study of motor and machine of the axis, if that tells enough (the plan says so), else none; null: none, on the axis alone. The record has the one it was
+             * @default as identified
+             */
+            twin?: components["schemas"]["Twin-Input"] | "as identified" | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -8432,8 +8437,12 @@ export interface components {
             candidate: {
                 [key: string]: number;
             } | null;
-            /** @description null: on the axis alone */
-            twin: components["schemas"]["Twin-Output"] | null;
+            /**
+             * Twin
+             * @description tried first. as identified: made of the latest study of motor and machine of the axis, if that tells enough (the plan says so), else none; null: none, on the axis alone. The record has the one it was
+             * @default as identified
+             */
+            twin: components["schemas"]["Twin-Output"] | "as identified" | null;
             /**
              * Sampler
              * @description null: TPE for one objective, NSGA-II for two
@@ -9869,8 +9878,12 @@ export interface components {
              * @default true
              */
             coolstep?: boolean;
-            /** @description every current is tried there first, whatever `trials` says; null: on the axis alone */
-            twin?: components["schemas"]["Twin-Input"] | null;
+            /**
+             * Twin
+             * @description every current is tried there first, whatever `trials` says. as identified: made of the latest study of motor and machine of the axis, if that tells enough (the plan says so), else none; null: none, on the axis alone. The record has the one it was
+             * @default as identified
+             */
+            twin?: components["schemas"]["Twin-Input"] | "as identified" | null;
         };
         /**
          * LeastCurrent
@@ -9933,8 +9946,12 @@ export interface components {
              * @default true
              */
             coolstep: boolean;
-            /** @description every current is tried there first, whatever `trials` says; null: on the axis alone */
-            twin: components["schemas"]["Twin-Output"] | null;
+            /**
+             * Twin
+             * @description every current is tried there first, whatever `trials` says. as identified: made of the latest study of motor and machine of the axis, if that tells enough (the plan says so), else none; null: none, on the axis alone. The record has the one it was
+             * @default as identified
+             */
+            twin: components["schemas"]["Twin-Output"] | "as identified" | null;
         };
         /**
          * LeastCurrentFound
@@ -18383,7 +18400,7 @@ export interface components {
             goes_on: boolean;
             /**
              * No Twin
-             * @description why nothing of it can be tried on an emulated twin; empty: it can
+             * @description why nothing of it is tried on an emulated twin first, and what helps; empty: it is, or not to be
              * @default
              */
             no_twin: string;
@@ -18544,6 +18561,12 @@ export interface components {
              * @description the best on the twin, tried on the axis first
              */
             twin: components["schemas"]["TwinSetting"][];
+            /**
+             * No Twin
+             * @description why none was tried first, where the document left that open
+             * @default
+             */
+            no_twin: string;
             /** @description of a study of StallGuard */
             stallguard: components["schemas"]["StallFound"] | null;
             /** @description of a study of the least current */
@@ -19726,6 +19749,12 @@ export interface components {
         "Twin-Input": {
             motor?: components["schemas"]["TwinMotor-Input"];
             /**
+             * As Identified
+             * @description what the latest study of motor and machine of the axis found takes the place of the told figures
+             * @default false
+             */
+            as_identified?: boolean;
+            /**
              * Trials
              * @description settings tried there
              * @default 40
@@ -19737,6 +19766,12 @@ export interface components {
              * @default 4
              */
             best?: number;
+            /**
+             * Source
+             * @description where the motor's figures are from, for people; filled in where they were identified
+             * @default
+             */
+            source?: string;
         };
         /**
          * Twin
@@ -19744,6 +19779,12 @@ export interface components {
          */
         "Twin-Output": {
             motor: components["schemas"]["TwinMotor-Output"];
+            /**
+             * As Identified
+             * @description what the latest study of motor and machine of the axis found takes the place of the told figures
+             * @default false
+             */
+            as_identified: boolean;
             /**
              * Trials
              * @description settings tried there
@@ -19756,6 +19797,12 @@ export interface components {
              * @default 4
              */
             best: number;
+            /**
+             * Source
+             * @description where the motor's figures are from, for people; filled in where they were identified
+             * @default
+             */
+            source: string;
         };
         /**
          * TwinCursor
@@ -21385,11 +21432,9 @@ export interface components {
             /** Significant */
             significant: boolean;
             /**
-             * Lost Runs
-             * @description of the winner's, margin included
+             * Runs
+             * @description of the winner, margin included; none of them lost a step
              */
-            lost_runs: number;
-            /** Runs */
             runs: number;
             /**
              * Loss Rate Max
@@ -31000,6 +31045,8 @@ export interface operations {
                 /** @description words of the name; all of them */
                 search?: string;
                 limit?: number;
+                /** @description only your own, none of the public list */
+                own?: boolean;
             };
             header?: never;
             path?: never;

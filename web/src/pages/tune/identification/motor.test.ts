@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
+import type { Schemas } from "../../../api/client";
 import { NOT_KNOWN } from "../../../lib/motors/figures";
-import type { Identified } from "../twin/form";
 import { motorOf } from "./motor";
 
 const told = (value: number) => ({ value, low: value * 0.98, high: value * 1.02 });
@@ -11,7 +11,7 @@ test("what a study tells of a motor alone is its coil: neither inertia nor torqu
     inductance_h: told(0.004_350_912),
     inertia_kgm2: told(7e-6),
     torque_nm: told(0.4),
-  } as unknown as Identified;
+  } as unknown as Schemas["Identified"];
   expect(motorOf(found, { full_steps_per_rev: 400 })).toEqual({
     ...NOT_KNOWN,
     name: "",

@@ -1,7 +1,7 @@
+import type { Schemas } from "../../../api/client";
 import type { Axis } from "../../../api/queries";
 import { rounded } from "../../../lib/format";
 import { type MotorDraft, NEW_MOTOR } from "../../../lib/motors/figures";
-import type { Identified } from "../twin/form";
 
 /** More than any interval of these is narrow, and as many as somebody checks against a data sheet. */
 const DIGITS = 4;
@@ -11,7 +11,7 @@ const DIGITS = 4;
  * is of rotor and load together, and the torque that of the run current: neither is the motor's.
  */
 export function motorOf(
-  { resistance_ohm, inductance_h }: Pick<Identified, "resistance_ohm" | "inductance_h">,
+  { resistance_ohm, inductance_h }: Pick<Schemas["Identified"], "resistance_ohm" | "inductance_h">,
   axis: Pick<Axis, "full_steps_per_rev"> | undefined,
 ): MotorDraft | null {
   if (!resistance_ohm && !inductance_h) return null;
