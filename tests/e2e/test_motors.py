@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import PHONE
 
+STUDY_MS = 200_000
 SPINDLE = "Spindle NEMA 17"
 FIGURES = {
     "Rated current A": "1.68",
@@ -184,6 +185,10 @@ def test_the_first_run_keeps_all_that_is_given_of_a_motor(
     expect(step.get_by_label("Resistance of a coil Ω")).to_have_value("1.65")
     name.fill(SPINDLE)
     expect(step.get_by_label("Resistance of a coil Ω")).to_have_value("")
+    name.fill("ldo-42sth48-1684ac")
+    expect(step.get_by_label("Resistance of a coil Ω")).to_have_value("1.65")
+    name.fill(SPINDLE)
+    expect(step.get_by_label("Resistance of a coil Ω")).to_have_value("")
     fill(step, {"Rated current A": "1.2", "Inductance of a coil mH": "2.9", "Inertia of the rotor g cm²": "54"})
     check_axe(page)
     keep.click()
@@ -207,3 +212,34 @@ def test_the_first_run_keeps_all_that_is_given_of_a_motor(
     page.set_viewport_size(PHONE)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     page.goto("/connections")  # before the chip is gone
+
+
+@pytest.mark.timeout(300)  # a study of 20 s, and its fit
+def test_the_coil_that_a_study_has_measured_is_kept(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    motor = {"rotor_teeth": 50, "holding_torque_nm": 0.45, "rated_current_a": 1.5, "rotor_inertia_kgm2": 2e-5}
+    motor |= {"friction_nm": 0.02, "viscous_nms": 0.0025}
+    with a_chip(api, "measured motor", motor=motor, full_scale_a=2.12) as chip:
+        start = {"velocity_pps": 51_200, "acceleration_pps2": 256_000, "counts_per_rev": 40_000, "stops": False}
+        api.post(f"/devices/{chip.device}/start-up", json=start).raise_for_status()
+        chip.write("IHOLD_IRUN", IHOLD=16, IRUN=31, IHOLDDELAY=1)
+        chip.emulator(time_scale=4.0)
+        study = {"kind": "identification", "velocity_rps": 0.5, "hops": 8, "supply_v": 24.0, "run_current_a": 1.5}
+        begun = api.post("/studies", json={"device": chip.device, "study": study}).raise_for_status().json()["id"]
+        select(page, chip)
+        page.goto("/tune")
+        keep = page.get_by_role("button", name="Keep as my own motor")
+        expect(keep).to_be_visible(timeout=STUDY_MS)
+        found = api.get(f"/studies/{begun}").raise_for_status().json()["identified"]
+        keep.click()
+        drawer = page.get_by_role("dialog", name="My motors")
+        fill(drawer, {"Name": SPINDLE, "Rated current A": "1.5"})
+        check_axe(page)
+        drawer.get_by_role("button", name="Keep it").click()
+        expect(drawer.get_by_role("listitem")).to_contain_text(SPINDLE)
+        (kept,) = own_motors(api)
+        assert kept["resistance_ohm"] == float(f"{found['resistance_ohm']['value']:.4g}")
+        assert kept["inductance_h"] == float(f"{found['inductance_h']['value']:.4g}")
+        assert (kept["holding_torque_nm"], kept["rotor_inertia_kgm2"]) == (None, None)
+        page.goto("/connections")  # before the chip is gone

@@ -55,6 +55,11 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
   useEffect(() => {
     if (meant) fill(meant);
   });
+  // what was filled in of one motor is not kept unseen with the name of another
+  const called = (name: string) => {
+    if (known) setFilled("");
+    set(known ? { name, further: NOT_KNOWN } : { name });
+  };
   const keep = useKeepMotor();
   const refused = useRefused();
   const further = motor.further ?? NOT_KNOWN;
@@ -89,8 +94,7 @@ export function MotorStep({ device, axis, progress, onDone }: StepProps) {
           filter={({ options }) => options}
           value={motor.name}
           error={wrongName}
-          // what was filled in of one motor is not kept unseen with the name of another
-          onChange={(name) => set(known === undefined ? { name } : { name, further: NOT_KNOWN })}
+          onChange={called}
           limit={SHOWN}
           maxDropdownHeight={260}
         />

@@ -33,9 +33,9 @@ function OwnMotor({ study }: { study: Study }) {
   return (
     <Card title="The motor" actions={<MyMotorsButton label="Keep as my own motor" draft={draft} />}>
       <Text size="sm" className="dim">
-        Of this, resistance and inductance of a coil are the motor's own, and as it was: warm, and at its run current.
-        Inertia is of rotor and load together, and torque is that of the run current: what the data sheet has of these
-        is to be put in by hand.
+        Resistance and inductance of a coil are the motor's own, as they were measured: warm, with the run current.
+        Inertia is of rotor and load together, and torque that of the run current: neither is put in, the data sheet has
+        them.
       </Text>
     </Card>
   );
