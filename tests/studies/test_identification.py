@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
+from app.calc.motors.friction_backlash import Turn
 from app.calc.motors.ring_down import Fitted
+from app.calc.motors.slow_turns import SlowTurn
 from app.number_text import plain
 from app.studies.document import Identification
 from app.studies.fitted import Estimate
@@ -137,6 +139,18 @@ def test_what_cannot_be_told_is_named() -> None:
     assert {one.sure for one in said.values()} == {"cannot be told"}
     assert said["resonance, damping, inertia"].text == "nothing swings"
     assert "holding torque" in said["inertia"].text
+
+
+@pytest.mark.parametrize(("backlash", "told"), [(0.05, True), (0.0, True), (-0.05, False)])
+def test_less_backlash_than_none_is_not_claimed(backlash: float, told: bool) -> None:
+    def apart(share: float) -> Fitted:
+        return Fitted(2 * math.asin(0.1 / share) + backlash, 1e-3)
+
+    turns = [Turn(apart(1.0), 1.0, 10.0), Turn(apart(1.0), 1.0, 20.0), Turn(apart(0.5), 0.5, 10.0)]
+    nothing = Fitted(0.0, 0.0)
+    found = fitted(SlowTurn(nothing, nothing, nothing, 0.0), turns, [])
+    assert (found.torn is not None) is told
+    assert any("closer together than friction alone" in one for one in found.why) is not told
 
 
 async def test_a_chip_that_it_cannot_set_is_told_before_anything_moves(tmp_path: Path) -> None:

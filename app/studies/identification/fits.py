@@ -28,4 +28,10 @@ def fitted(turn: SlowTurn, turns: Sequence[Turn], rings: Sequence[Ring]) -> Meas
             torn = torn and friction_and_backlash(turns, found)
     except ValueError as error:
         why.append(f"resonance, damping, inertia: {error}")
+    if torn is not None and torn.backlash.value + torn.backlash.half < 0:
+        why.append(
+            "friction and backlash: both ways of a turn are closer together than friction alone puts them, by "
+            f"{-torn.backlash.value:.3g} rad of a period: samples that came late, or something else turns the shaft"
+        )
+        torn = None
     return Measured(turn, torn, found, why)
