@@ -56,7 +56,7 @@ export function Parallel({ trials, label = "All settings and figures of each tri
     setPicked(lines[next]?.point.number ?? null);
   };
   return (
-    <Savable name={label}>
+    <Savable name={label} low>
       <figure className={classes.parallel} aria-label={label}>
         <div
           ref={ref}

@@ -1,10 +1,11 @@
 import type { ReactNode } from "react";
 import { Card } from "../../../lib/Card";
 import { colorOf } from "../../../lib/palette";
+import { symbolOf } from "../../../lib/units";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot, type PlotProps } from "../../../plots/Plot";
 import { Parallel } from "./Parallel";
-import { frontOf, historyOf, LOST, movedOf, spaceOf, type Trials } from "./points";
+import { frontOf, historyOf, LOST, movedOf, type Setting, spaceOf, type Trials } from "./points";
 import { useStateColors } from "./useStateColors";
 
 interface OfTrials {
@@ -13,11 +14,13 @@ interface OfTrials {
 
 const DOTS = { dots: 7, line: false } as const;
 
-function useStates(lost: string) {
+/** Series of what held and of what did not; where all held the legend has no place for that. */
+function useStates({ points, lost = LOST }: Trials) {
   const colors = useStateColors();
+  const unnamed = points.every(({ state }) => state !== "lost");
   return [
     { label: "held", color: colors.held, ...DOTS },
-    { label: lost, color: colors.lost, ...DOTS },
+    { label: lost, color: colors.lost, unnamed, ...DOTS },
   ] as const;
 }
 
@@ -44,11 +47,12 @@ export function Together({ trials, label }: OfTrials & { label?: string | undefi
 }
 
 function History({ trials }: OfTrials) {
-  const [held, lost] = useStates(trials.lost ?? LOST);
+  const [held, lost] = useStates(trials);
   const [figure] = trials.figures;
   if (!figure) return null;
   return (
     <Plot
+      title={titleOf(figure)}
       label={`${capital(figure.name)} of each trial`}
       summary={`${movedOf(trials).length} settings were tried`}
       height={170}
@@ -61,11 +65,12 @@ function History({ trials }: OfTrials) {
 }
 
 function Space({ trials }: OfTrials) {
-  const series = useStates(trials.lost ?? LOST);
+  const series = useStates(trials);
   const [x, y] = [...trials.settings, ...trials.figures];
   if (!x || !y) return null;
   return (
     <Plot
+      title={titleOf(y)}
       label={`${y.name} over ${x.name} of each trial`}
       height={200}
       series={series}
@@ -84,12 +89,13 @@ interface FrontProps extends OfTrials, Pick<PlotProps, "summary" | "onCursor"> {
 /** The second figure over the first: what none beats in both is joined. */
 export function FrontPlot({ trials, front, chosen = null, ...more }: FrontProps) {
   const scheme = useScheme();
-  const [held] = useStates(LOST);
+  const [held] = useStates(trials);
   const [x, y] = trials.figures;
   if (!x || !y) return null;
   const marked = { label: "chosen", color: colorOf("residual", scheme), dots: 15, line: false };
   return (
     <Plot
+      title={titleOf(y)}
       label={`${capital(y.name)} over ${x.name}: the front of both`}
       height={190}
       series={[
@@ -103,6 +109,11 @@ export function FrontPlot({ trials, front, chosen = null, ...more }: FrontProps)
       {...more}
     />
   );
+}
+
+/** What a plot's values are: the page writes no name at its upright axis. */
+function titleOf({ name, unit }: Setting): string {
+  return unit === "" ? name : `${name} [${symbolOf(unit)}]`;
 }
 
 function capital(name: string): string {
