@@ -122,6 +122,8 @@ def _tell(found: dict[str, Any], *, as_json: bool) -> None:
             call = one["remedy"]
             body = json.dumps(call["body"])
             typer.echo(f"    cure: {call['method']} devices/{found['document']['device']}/{call['path']} {body}")
+    if found["no_twin"]:
+        typer.echo(f"  not tried on an emulated twin first: {found['no_twin']}")
     for line in found["left"]:
         typer.secho(f"stepscope: {line}", fg="red", err=True)
 

@@ -18,7 +18,7 @@ import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } f
 import { aloneText, rateText, rocOf, type StallSpeed } from "./stallguard/rates";
 import { torqueFrom } from "./stealthchop/form";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
-import { type Finding, figureOf, remedyOf, type Study, sentencesOf } from "./study";
+import { type Finding, figureOf, remedyOf, type Study, sentencesOf, twinTold } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 import { FIRST_TWIN, isTried, named, takenFrom, twinOf } from "./twin/form";
 
@@ -156,6 +156,14 @@ describe("a study on the page", () => {
     expect(twinOf(takenFrom(FIRST_TWIN, false))).toEqual({ motor: FIRST_TWIN.motor, as_identified: false });
     expect(twinOf(takenFrom({ ...known, on: false }, true))).toEqual({ motor: figures, as_identified: true });
     expect([isTried(FIRST_TWIN, false), isTried(FIRST_TWIN, true)]).toEqual([false, true]);
+  });
+
+  it("tells what a twin was made of, or why none was tried", () => {
+    const of = (twin: unknown, no_twin = "") =>
+      twinTold({ document: { study: { kind: "fastest_move", twin } }, no_twin } as unknown as Study);
+    expect(of({ source: "inertia by study 1" })).toBe("Tried on an emulated twin first: inertia by study 1.");
+    expect(of(null, "not identified")).toBe("Not tried on an emulated twin first: not identified.");
+    expect([of(null), of({ source: "" })]).toEqual(["", ""]);
   });
 
   it("fills in what the data base knows of a motor, and what is typed afterwards wins", () => {

@@ -34,3 +34,10 @@ export function remedyOf(device: string, { remedy }: Finding): Remedy | null {
 export function sentencesOf(verdict: string): string[] {
   return verdict.split(/; (?![^(]*\))|\. (?=[A-Z])/);
 }
+
+/** What the motor of its twin was made of, or why none was tried; empty where its document says so itself. */
+export function twinTold({ document: { study }, no_twin }: Study): string {
+  if (no_twin) return `Not tried on an emulated twin first: ${no_twin}.`;
+  const twin = "twin" in study && typeof study.twin === "object" ? study.twin : null;
+  return twin?.source ? `Tried on an emulated twin first: ${twin.source}.` : "";
+}
