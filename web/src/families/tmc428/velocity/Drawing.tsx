@@ -55,6 +55,9 @@ export function Drawing({ knots, onChange }: Props) {
     onChange(moved(knots, index, knot.timeS + (way[0] * far * endS) / 200, knot.pps + (way[1] * far * peak) / 100));
   };
 
+  const speeds = knots.map(({ pps }) => pps);
+  const levels = [...new Set([Math.max(...speeds), Math.min(...speeds)])].filter((pps) => pps !== 0);
+  const lastS = knots[knots.length - 1]?.timeS ?? 0;
   return (
     <Savable name="Velocity over time">
       {/* biome-ignore lint/a11y/useSemanticElements: a drawing is no fieldset */}
@@ -70,6 +73,18 @@ export function Drawing({ knots, onChange }: Props) {
         style={{ touchAction: "none" }}
       >
         <line x1={EDGE} x2={WIDTH - EDGE} y1={zero} y2={zero} stroke="currentColor" strokeOpacity={0.3} />
+        {levels.map((pps) => (
+          <line
+            key={pps}
+            x1={EDGE}
+            x2={WIDTH - EDGE}
+            y1={y(pps)}
+            y2={y(pps)}
+            stroke="currentColor"
+            strokeOpacity={0.3}
+            strokeDasharray="3 4"
+          />
+        ))}
         <polyline
           points={knots.map(({ timeS, pps }) => `${x(timeS)},${y(pps)}`).join(" ")}
           fill="none"
@@ -101,6 +116,27 @@ export function Drawing({ knots, onChange }: Props) {
           />
         ))}
       </svg>
+      {/* not within the drawing, whose letters would shrink with it */}
+      {levels.map((pps) => (
+        <span
+          key={pps}
+          className="hint"
+          aria-hidden
+          style={{
+            position: "absolute",
+            left: `${(100 * EDGE) / WIDTH}%`,
+            bottom: `calc(18px + (100% - 18px) * ${1 - y(pps) / HEIGHT})`,
+          }}
+        >
+          {compact(pps, 4, "pps")}
+        </span>
+      ))}
+      <div className="hint relative" aria-hidden style={{ height: 18 }}>
+        <span style={{ position: "absolute", left: `${(100 * x(0)) / WIDTH}%` }}>0 s</span>
+        <span style={{ position: "absolute", right: `${100 - (100 * x(lastS)) / WIDTH}%` }}>
+          {compact(lastS, 4, "s")}
+        </span>
+      </div>
     </Savable>
   );
 }

@@ -151,7 +151,7 @@ function Wanted({ chip, asked }: { chip: ChipRows; asked: Asked }) {
   const best = found.result?.nearest[0];
   const held = best !== undefined && best.scale === asked.scale && best.vsense === asked.vsense;
   return (
-    <div className="flex mid gap-8 mt-8">
+    <div className="flex start gap-8 mt-8">
       <NumberField
         label="Wanted"
         unit="A rms"
@@ -164,6 +164,7 @@ function Wanted({ chip, asked }: { chip: ChipRows; asked: Asked }) {
         description={best ? `CS ${best.scale}, vsense ${best.vsense}: ${fixed(best.rms_a, 3, "A")}` : "\u00a0"}
       />
       <Button
+        mt={24}
         disabled={!chip.known || best === undefined || found.stale || held}
         title="Stages these values; Apply below writes them"
         onClick={() => {
