@@ -59,13 +59,13 @@ def paired_effect(old: Sequence[float], new: Sequence[float], seed: int = 0) -> 
     return PairedEffect(mean, around, p)
 
 
-def mean_interval(values: Sequence[float] | NDArray[np.float64]) -> Interval:
-    """Student's 95 % interval of a mean, of two values at the least."""
+def mean_interval(values: Sequence[float] | NDArray[np.float64], level: float = LEVEL) -> Interval:
+    """Student's interval of a mean, of two values at the least; wrong in a share `level`."""
     from scipy import stats
 
     found = np.asarray(values, dtype=float)
     n, mean = len(found), float(found.mean())
-    half = float(stats.t.ppf(1 - LEVEL / 2, n - 1)) * float(found.std(ddof=1)) / math.sqrt(n)
+    half = float(stats.t.ppf(1 - level / 2, n - 1)) * float(found.std(ddof=1)) / math.sqrt(n)
     return Interval(low=mean - half, high=mean + half)
 
 

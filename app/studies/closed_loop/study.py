@@ -24,7 +24,7 @@ from ..document import ClosedLoop
 from ..fitted import estimate, ringing
 from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..pieces import Pieces
-from ..proof import compared_pairs, pair_order
+from ..proof import compared_pairs, mean_interval, pair_order
 from ..ramp_settings import ACCELERATION
 from ..record import Figures, Held, Trial
 from ..ringing import BEFORE_S, HOPS, RATE_HZ, ring_after
@@ -392,13 +392,10 @@ class ClosedLoopStudy(StudyRun):
         await self.clock.sleep(STEP_S)
 
     def _tell_steps(self, found: LoopFound, steps: list[Stepped]) -> None:
-        from scipy import stats
-
         over = [one.overshoot for one in steps]
-        mean, spread = statistics.fmean(over), statistics.stdev(over)
-        half = float(stats.t.ppf(0.975, len(over) - 1)) * spread / math.sqrt(len(over))
+        mean = statistics.fmean(over)
         # Where the counts of the encoder lie is alike in all of them: no mean makes that smaller.
-        half = math.hypot(half, statistics.fmean(one.count for one in steps) / 2)
+        half = math.hypot(mean_interval(over).high - mean, statistics.fmean(one.count for one in steps) / 2)
         found.overshoot = estimate(Fitted(mean, half))
         known = [one.settling_s for one in steps if one.settling_s is not None]
         found.settling_s = statistics.fmean(known) if len(known) == len(steps) else None

@@ -12,7 +12,7 @@ from ...calc.motors.forced_swing import ForcedSwing, OrderRun, fit_forced_swing,
 from ...calc.motors.ring_down import Fitted
 from ...calc.signals.order_spectrum import OrderSpectrum
 from ..fitted import Estimate, estimate
-from ..parts import Interval
+from ..proof import LEVEL, mean_interval
 from .found import ComparedPoint, Crossing, MapPoint, ResonanceFound, Told
 
 ORDERS = (4, 2, 1, 8, 3, 6, 5, 7)
@@ -34,7 +34,6 @@ COARSE = 0.4
 """Of what no order explains: the counts of a coarse encoder look like so much of any order."""
 LEAST_SHARE = 0.03
 """Of the strongest peak: less is left of a start, or mixed from others, where it is amplified."""
-LEVEL = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +154,7 @@ def _point(at: AtSpeed, orders: Sequence[int]) -> MapPoint:
         speed_rps=at.speed_rps,
         electrical_hz=float(np.mean([way.electrical_hz for way in ways])) if ways else 0.0,
         ripple_deg=float(np.mean(ripples)) if ripples else None,
-        interval_deg=_interval(ripples, LEVEL),
+        interval_deg=mean_interval(ripples) if len(ripples) > 1 else None,
         amplitudes_deg=[_mean_amplitude(ways, order) for order in orders],
         rest_deg=float(np.mean([math.degrees(way.spectrum.rest) for way in ways])) if ways else None,
         rest_hz=None if strongest is None else strongest.spectrum.rest_hz,
@@ -169,27 +168,15 @@ def _mean_amplitude(ways: Sequence[Way], order: int) -> float | None:
     return math.degrees(float(np.mean(told))) if told else None
 
 
-def _interval(values: Sequence[float], level: float) -> Interval | None:
-    """Of their mean, by Student; None for fewer than two."""
-    from scipy import stats
-
-    n = len(values)
-    if n < 2:
-        return None
-    mean = float(np.mean(values))
-    half = float(stats.t.ppf(1 - level / 2, n - 1) * np.std(values, ddof=1) / math.sqrt(n))
-    return Interval(low=mean - half, high=mean + half)
-
-
 def compared(before: Sequence[AtSpeed], after: Sequence[AtSpeed]) -> list[ComparedPoint]:
     """Each speed with a change and without, by pairs of ways; those with two of them at the least."""
     points = []
     for one, other in zip(before, after, strict=True):
         pairs = list(zip(one.ways, other.ways, strict=False))
         differences = [math.degrees(b.spectrum.ripple - a.spectrum.ripple) for a, b in pairs]
-        interval = _interval(differences, LEVEL / len(before))
-        if interval is None:
+        if len(differences) < 2:
             continue
+        interval = mean_interval(differences, LEVEL / len(before))
         told: Told = "quieter" if interval.high < 0 else "louder" if interval.low > 0 else "no difference"
         points.append(
             ComparedPoint(

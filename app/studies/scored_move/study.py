@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ import numpy as np
 from ...number_text import plain
 from ..document import ScoredMove
 from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
-from ..parts import Interval
+from ..proof import mean_interval
 from ..record import Figures, StudyRecord, Trial
 from ..run import StudyRun
 from .found import Scored
@@ -147,7 +146,7 @@ def scored(distance: int, moves: Sequence[SeenMove], stall_level: float | None) 
         distance=distance,
         moves=len(moves),
         time_s=float(np.mean(times)) if len(times) == len(moves) else None,
-        interval_s=_interval(times) if len(times) == len(moves) else None,
+        interval_s=mean_interval(times) if len(times) == len(moves) > 1 else None,
         overshoot_fullsteps=max(overshoots, default=None),
         peak_fullsteps=worst_of(move.figures for move in moves) or 0.0,
         vibration_fullsteps=float(np.mean(vibrations)) if vibrations else None,
@@ -159,13 +158,3 @@ def scored(distance: int, moves: Sequence[SeenMove], stall_level: float | None) 
         stalled_at=stalls[-1] if stalls else None,
         reached=min(move.reached for move in moves),
     )
-
-
-def _interval(times: Sequence[float]) -> Interval | None:
-    from scipy import stats
-
-    if len(times) < 2:
-        return None
-    half = float(stats.t.ppf(0.975, len(times) - 1) * np.std(times, ddof=1) / math.sqrt(len(times)))
-    mean = float(np.mean(times))
-    return Interval(low=mean - half, high=mean + half)

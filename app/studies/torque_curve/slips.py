@@ -17,6 +17,7 @@ from ...procedures.procedure import POLL_S, Failed
 from ..document import TorqueCurve
 from ..moves import MeasuredMoves, deviation_of
 from ..parts import Interval
+from ..proof import mean_interval
 from ..ramp_settings import ACCELERATION, SPEED
 from ..run import StudyRun
 from ..sampled import sampling
@@ -223,16 +224,12 @@ class Slips:
 
 def _point(slips: list[tuple[int, PullOut]]) -> TorquePoint:
     """What slips of one speed tell, each with its way."""
-    from scipy import stats
-
     told = [slip for _, slip in slips]
     values = [each.acceleration for each in told]
     mean, count = statistics.fmean(values), len(values)
     ways = {way: [slip.acceleration for its, slip in slips if its == way] for way in (1, -1)}
     apart = statistics.fmean(ways[1]) - statistics.fmean(ways[-1]) if ways[1] and ways[-1] else None
-    spread = 0.0
-    if count > 1:
-        spread = float(stats.t.ppf(0.975, count - 1)) * statistics.stdev(values) / math.sqrt(count)
+    spread = mean_interval(values).high - mean if count > 1 else 0.0
     noise = math.sqrt(sum(each.half**2 for each in told)) / count
     # The doubt of a fit is alike in all of them: no mean makes it smaller.
     doubt = statistics.fmean(each.doubt for each in told)
