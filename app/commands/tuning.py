@@ -21,7 +21,7 @@ KindName = Annotated[
 ]
 Options = Annotated[
     list[str] | None,
-    typer.Argument(metavar="NAME=VALUE...", help="Of the study: distance=51200 margin=0.1 twin=null ..."),
+    typer.Argument(metavar="NAME=VALUE...", help="Of the study: distance=51200 margin=0.1 twin=null budget.trials=40"),
 ]
 AxisNumber = Annotated[int, typer.Option(help="Which axis.", min=0)]
 Name = Annotated[str, typer.Argument(metavar="STUDY", help="Its id, as `list` shows it.")]
