@@ -58,7 +58,11 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     expect(page.get_by_role("progressbar", name="How far the study is")).to_be_visible(timeout=LONG_MS)
     expect(verdict).to_contain_text("% faster", timeout=LONG_MS)
     assert slide.register("VMAX")["value"] == before
-    expect(page.get_by_role("figure", name="All settings and the time of each trial")).to_be_visible()
+    lines = page.get_by_role("figure", name="All settings and figures of each trial")
+    for name in ("speed", "acceleration", "time"):
+        expect(lines.get_by_text(name, exact=True)).to_be_visible()
+    lines.get_by_role("img").press("ArrowRight")
+    expect(lines.get_by_role("status")).to_contain_text(re.compile(r"Trial \d+, the best, held: speed .*pps, .*time"))
     expect(page.get_by_role("heading", name="The move")).to_be_visible()
     wide = page.viewport_size
     assert wide is not None
@@ -115,6 +119,7 @@ def test_moves_by_hand_are_scored_ranked_taken_and_undone(
         expect(rows).to_have_count(count, timeout=LONG_MS)
     ranked = page.get_by_role("table", name="Moves by hand, the best first")
     expect(ranked.get_by_role("columnheader", name="speed [pps]")).to_be_visible()
+    expect(page.get_by_role("img", name="time over speed of each trial")).to_be_visible()
     rows.first.get_by_role("button", name="Take").click()
     preview = page.get_by_role("region", name="What taking it sets")
     expect(preview).to_contain_text("speed [pps]")
@@ -217,6 +222,10 @@ def test_stealthchop_is_found_told_taken_and_undone(
         verdict = page.get_by_test_id("verdict")
         expect(verdict).to_contain_text(re.compile(r"PWM_OFS \d+.*instead of PWM_OFS 90"), timeout=LONG_MS)
         expect(page.get_by_role("img", name="Jolt over switch-over speed")).to_be_visible()
+        lines = page.get_by_role("figure", name="All settings and figures of each trial")
+        lines.get_by_role("img").press("ArrowDown")
+        told = re.compile(r"Trial \d+, the best, held: PWM_OFS \d+, PWM_GRAD \d+, switch-over .*turns/s, jolt")
+        expect(lines.get_by_role("status")).to_contain_text(told)
         before = chip.register("PWMCONF")["value"]
         page.get_by_role("button", name="Take the best").click()
         wait_for(lambda: chip.register("PWMCONF")["value"] != before, "the new amplitudes are taken")
@@ -286,6 +295,9 @@ def test_coolstep_is_found_told_taken_and_undone(
         card = page.get_by_role("region", name="CoolStep")
         expect(card).to_contain_text(re.compile(r"SEMIN \d+, SEMAX .*less heat of the coils.*10 pairs.*about.*W"))
         expect(card).not_to_contain_text("There is none")
+        lines = card.get_by_role("figure", name="All settings of CoolStep that were tried")
+        lines.get_by_role("img").press("ArrowRight")
+        expect(lines.get_by_role("status")).to_contain_text(re.compile(r"Trial \d+, .*: SEMIN \d+, SEMAX \d+, "))
         check_axe(page)
         before = {name: chip.register(name)["value"] for name in ("IHOLD_IRUN", "COOLCONF")}
         assert before["COOLCONF"] & 15 == 0
@@ -410,7 +422,7 @@ def test_settings_of_ones_own_are_searched_and_proved(
         expect(bar).to_have_count(0, timeout=2 * LONG_MS)
         verdict = page.get_by_test_id("verdict")
         expect(verdict).to_contain_text(re.compile("time until it rests|stays as it is"))
-        expect(page.get_by_role("img", name=re.compile("time until it rests of each trial"))).to_be_visible()
+        expect(page.get_by_role("img", name=re.compile("Time until it rests of each trial"))).to_be_visible()
         check_axe(page)
         page.set_viewport_size(PHONE)
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
