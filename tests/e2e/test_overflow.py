@@ -4,11 +4,13 @@ the window, no label is cut off untold, none is too small to read, no panel lies
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Literal
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page, ViewportSize, expect
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect
+from server_process import ServerProcess
 
 from tests.e2e.conftest import DESKTOP, PHONE
 
@@ -198,6 +200,20 @@ def test_nothing_is_cut_off_with_twelve_devices(page: Page, path: str) -> None:
         page.set_viewport_size(viewport)
         settled(page)
         faults += looked_at(page, size)
+    assert not faults, "\n".join(faults)
+
+
+def test_nothing_is_cut_off_without_a_device(browser: Browser, tmp_path: Path) -> None:
+    faults = []
+    with ServerProcess(tmp_path, "--no-demo") as bare:
+        page = browser.new_context(base_url=bare.url, reduced_motion="reduce").new_page()
+        for path in ("/microsteps", "/ramps", "/sramp", "/chain", *OF_NO_DEVICE):
+            page.goto(path)
+            for size in ("laptop", "phone"):
+                page.set_viewport_size(SIZES[size])
+                settled(page)
+                faults += [f"{path}, {size}: {fault}" for look in LOOKS for fault in page.evaluate(look)]
+        page.context.close()
     assert not faults, "\n".join(faults)
 
 

@@ -6,6 +6,7 @@ import { EmptyState } from "../../lib/EmptyState";
 import { useWhoCan } from "../../lib/models";
 import { Page } from "../../lib/Page";
 import { useLocalKept } from "../../lib/useKept";
+import { usePhone } from "../../lib/usePhone";
 import { useSelection } from "../../live/selection";
 import { MslutEditor } from "./mslut/MslutEditor";
 import { QuarterEditor } from "./QuarterEditor";
@@ -15,11 +16,13 @@ type Format = "quarter" | "mslut";
 /** Which table is designed while no chip decides. */
 function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format: Format) => void }) {
   const [quarter, mslut] = [useWhoCan("microsteps.ram"), useWhoCan("microsteps.mslut")];
+  const phone = usePhone();
   return (
     <div className="mid lines-8">
       <span className="hint m-0 mt-4">Design without a device, for</span>
       <SegmentedControl
         aria-label="Kind of table"
+        orientation={phone ? "vertical" : "horizontal"}
         value={format}
         onChange={(next) => onFormat(next as Format)}
         data={optionsOf({

@@ -50,7 +50,7 @@ export function WiresCard({ nets, pins, names }: Props) {
         </Table>
       )}
       {pins.length === 0 ? (
-        <Text size="sm">
+        <Text size="sm" c="dimmed">
           No emulated device has pins to be wired: those of motion controllers with START or step outputs, and of step
           motor drivers, are listed here.
         </Text>
