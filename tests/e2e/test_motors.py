@@ -243,3 +243,6 @@ def test_the_coil_that_a_study_has_measured_is_kept(
         assert kept["inductance_h"] == float(f"{found['inductance_h']['value']:.4g}")
         assert (kept["holding_torque_nm"], kept["rotor_inertia_kgm2"]) == (None, None)
         page.goto("/connections")  # before the chip is gone
+        # other tests look at the list of recordings
+        recording = api.get(f"/studies/{begun}").raise_for_status().json()["recording"]
+        api.delete(f"/recordings/{recording}").raise_for_status()

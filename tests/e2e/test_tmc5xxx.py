@@ -148,6 +148,8 @@ def test_flags_that_a_look_clears_are_read_when_somebody_asks(show: Callable[[st
 def test_a_wave_goes_to_the_chip_and_the_motor_shows_it(show: Callable[[str], Page], second: Chip) -> None:
     page = show("/microsteps")
     expect(page.get_by_text("the power-on wave is taken to be there")).to_be_visible(timeout=PATIENCE_MS)
+    # a menu goes with its button, which what is calculated yet would push away
+    expect(page.get_by_role("region", name="Before and after").get_by_role("table")).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_role("button", name="Presets").click()
     page.get_by_role("menuitem", name="Linearity correction 100 (firmware)").click()
     send = page.get_by_role("button", name="Send to chip")

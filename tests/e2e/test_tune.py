@@ -47,9 +47,10 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
 
     page.get_by_role("radio", name="Faster").check()
     expect(plan).to_contain_text("settings: 2 times there and back")
-    expect(plan).not_to_contain_text("on an emulated twin")
+    expect(plan).not_to_contain_text("settings on an emulated twin")
+    expect(plan).to_contain_text("Not tried on an emulated twin first: the axis was not identified")
     page.get_by_role("combobox", name="Motor").fill("tronxy-42SHDC4080Z1-25B")  # whole, before the list has it
-    expect(plan).to_contain_text("on an emulated twin")
+    expect(plan).to_contain_text("settings on an emulated twin")
     page.get_by_label("Try on an emulated twin first").press("Space")
     expect(plan).not_to_contain_text("on an emulated twin")
     fill(page, {"Distance": "0.25", "Settings tried at most": "3"})

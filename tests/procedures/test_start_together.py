@@ -270,7 +270,7 @@ async def test_a_stop_while_they_get_ready_lets_nobody_start(wired: bool) -> Non
     async with bench(*["tmc4361"] * 3, takes_s=(0.0, 0.0, 0.05), wired=wired) as b:
         moves = [TogetherMove(b.device(name), AxisMove(0, 4000)) for name in "abc"]
         task = asyncio.create_task(b.procedures.start_together(moves, b.nets))
-        await b.clock.advance(0.06)
+        await b.clock.advance(0.03)
         assert not task.done()
         stop = asyncio.create_task(b.manager.stop_axis(b.device("a"), 0))
         await b.clock.advance(0)
