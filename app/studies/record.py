@@ -292,6 +292,12 @@ class StudyRecord(Part):
         """The trial of that number."""
         return next((trial for trial in self.trials if trial.number == number), None)
 
+    @property
+    def left_switched(self) -> Switched | None:
+        """What no profile holds, and the study has not switched back: it was cut off, or keeps what it found."""
+        keeps = self.improved is True and getattr(self.document.study, "keep", False)
+        return self.switched if self.left or keeps else None
+
     def before_told(self) -> list[str]:
         """What the axis was set to before, register by register."""
         told = [f"{each.name} (was {each.value})" for each in self.baseline]

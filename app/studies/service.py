@@ -378,7 +378,7 @@ class StudyService:
             registers = as_in_a_move(device, record.document.axis, held, registers)
             now = [(each, value_now(device, held, each)) for each in registers]
             before = [each.model_copy(update={"value": value}) for each, value in now if value is not None]
-        switched = record.switched if which == "baseline" and record.left else None
+        switched = record.left_switched if which == "baseline" else None
         if switched is not None:
             await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.off})
         name = f"trial {which}" if isinstance(which, int) else which
