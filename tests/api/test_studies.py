@@ -162,6 +162,15 @@ async def test_what_a_killed_server_has_left_is_told_and_put_back(
     assert await held(client) == before
 
 
+async def add_loop(client: httpx.AsyncClient) -> None:
+    """A TMC4361 with motor and encoder, set up, whose loop is off."""
+    link = {"kind": "emulator", "motor": {"viscous_nms": 4e-4}}
+    answer = await client.post("devices", json={"name": "Loop", "model": "tmc4361", "link": link})
+    assert answer.status_code == 201, answer.text
+    start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
+    assert (await client.post("devices/loop/start-up", json=start)).status_code == 200
+
+
 async def test_gains_that_a_study_has_kept_are_put_back_with_the_loop_on(
     client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
@@ -170,11 +179,7 @@ async def test_gains_that_a_study_has_kept_are_put_back_with_the_loop_on(
         read = [await client.get(f"devices/loop/registers/{name}", params={"axis": 0}) for name in names]
         return [one.json()["value"] for one in read]
 
-    link = {"kind": "emulator", "motor": {"viscous_nms": 4e-4}}
-    answer = await client.post("devices", json={"name": "Loop", "model": "tmc4361", "link": link})
-    assert answer.status_code == 201, answer.text
-    start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
-    assert (await client.post("devices/loop/start-up", json=start)).status_code == 200
+    await add_loop(client)
     before = await loop_now()
     wanted = {"kind": "closed_loop", "hops": 6, "keep": True}
     study = (await client.post("studies", json={"device": "loop", "study": wanted})).json()["id"]
@@ -198,11 +203,7 @@ async def test_a_loop_that_a_killed_server_has_left_on_is_told_and_switched_off(
         read = [await client.get(f"devices/loop/registers/{name}", params={"axis": 0}) for name in ("RAMPMODE", "VMAX")]
         return [one.json()["value"] for one in read]
 
-    link = {"kind": "emulator", "motor": {"viscous_nms": 4e-4}}
-    answer = await client.post("devices", json={"name": "Loop", "model": "tmc4361", "link": link})
-    assert answer.status_code == 201, answer.text
-    start = {"velocity_pps": 50_000, "acceleration_pps2": 200_000, "counts_per_rev": 40_000, "stops": False}
-    assert (await client.post("devices/loop/start-up", json=start)).status_code == 200
+    await add_loop(client)
     before = await ramp()
     begun = await client.post("studies", json={"device": "loop", "study": {"kind": "closed_loop", "hops": 6}})
     assert begun.status_code == 201, begun.text
