@@ -225,8 +225,8 @@ def test_stealthchop_is_found_told_taken_and_undone(
         expect(page.get_by_role("img", name="Jolt over switch-over speed")).to_be_visible()
         lines = page.get_by_role("figure", name="All settings and figures of each trial")
         lines.get_by_role("img").press("ArrowDown")
-        told = re.compile(r"Trial \d+, the best, held: PWM_OFS \d+, PWM_GRAD \d+, switch-over .*turns/s, jolt")
-        expect(lines.get_by_role("status")).to_contain_text(told)
+        best_told = re.compile(r"Trial \d+, the best, held: PWM_OFS \d+, PWM_GRAD \d+, switch-over .*turns/s, jolt")
+        expect(lines.get_by_role("status")).to_contain_text(best_told)
         before = chip.register("PWMCONF")["value"]
         page.get_by_role("button", name="Take the best").click()
         wait_for(lambda: chip.register("PWMCONF")["value"] != before, "the new amplitudes are taken")
