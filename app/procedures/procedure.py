@@ -42,7 +42,8 @@ class Procedure(ABC):
         self._unlisten: Callable[[], None] | None = None
         self._taken_over = ""
         self._taken_axis = self.axis
-        self._aborting = False
+        self._ending = False
+        """Whether it comes to its end: that takes its way, whatever is commanded meanwhile."""
 
     @property
     def running(self) -> bool:
@@ -55,8 +56,8 @@ class Procedure(ABC):
 
     async def abort(self, why: str) -> None:
         """End it and stop the motor by its ramp; returns when that is done. Does nothing when it is over."""
-        if self.running and self._task is not None and not self._taken_over and not self._aborting:
-            self._aborting = True
+        if self.running and self._task is not None and not self._ending:
+            self._ending = True
             self.message = why
             self._task.cancel()
         await self.wait()
@@ -81,9 +82,9 @@ class Procedure(ABC):
             and self.concerns(event.axis)
             and not self.is_own(event.by)
             and self.running
-            and not self._taken_over
-            and not self._aborting
+            and not self._ending
         ):
+            self._ending = True
             self._taken_over, self._taken_axis = event.what, event.axis
             # The watch over soft limits says why; of others only what they have sent is known.
             why = event.by.why if isinstance(event.by, RangeWatch) else ""
@@ -95,19 +96,17 @@ class Procedure(ABC):
         motion_owner.set(self)
         try:
             await self._run()
+            self._ending = True
         except asyncio.CancelledError:
-            if not self._taken_over:  # whoever took over has the motor now; else nobody has
-                await self._stop()
-            self._over("aborted")
+            # Whoever took over has the motor now; else nobody has.
+            await self._end_as("aborted", stops=not self._taken_over)
         except (Failed, BenchError) as error:
             self.message = str(error)
-            await self._stop()
-            self._over("failed")
+            await self._end_as("failed")
         except Exception as error:  # a mistake of ours must not leave a motor running
             log.exception("%s failed", self.kind)
             self.message = f"failed by a mistake in stepscope: {error!r}"
-            await self._stop()
-            self._over("failed")
+            await self._end_as("failed")
         else:
             self._over("done")
         finally:
@@ -116,6 +115,15 @@ class Procedure(ABC):
                 await self._give_back()
             if self._unlisten is not None:
                 self._unlisten()
+
+    async def _end_as(self, how: Ended, *, stops: bool = True) -> None:
+        """Stop the motor, and tell how it ended, also where this is cut off."""
+        self._ending = True
+        try:
+            if stops:
+                await self._stop()
+        finally:
+            self._over(how)
 
     async def _stop(self) -> None:
         with contextlib.suppress(BenchError):

@@ -214,6 +214,9 @@ class StudyRun(Procedure):
             record.left = []
         except (BenchError, Failed) as error:
             record.left = await self._left(error)
+        except asyncio.CancelledError:
+            record.left = ["it was cut off before its setting was back", self._look_at()]
+            raise
         finally:
             assert self._how in ("done", "failed", "aborted")
             record.state = self._how
@@ -242,9 +245,12 @@ class StudyRun(Procedure):
         record.message = f"{record.message}; the motor still turned as the device was there again, and was stopped"
         await self.keeper.save(record)
 
+    def _look_at(self) -> str:
+        return f"look at {', '.join(self.record.before_told())}"
+
     async def _left(self, error: Exception) -> list[str]:
         """What is not as before, as far as it can be told."""
-        told = [f"the setting could not be put back: {error}", f"look at {', '.join(self.record.before_told())}"]
+        told = [f"the setting could not be put back: {error}", self._look_at()]
         try:
             moving = (await self.device.monitor.axis_state(self.axis)).moving
         except BenchError:
