@@ -68,6 +68,16 @@ class Procedure(ABC):
             with contextlib.suppress(asyncio.CancelledError):
                 await asyncio.shield(self._task)
 
+    async def over_within(self, seconds: float) -> bool:
+        """Return whether it is over, as soon as it is; False when `seconds` [s] have passed and it is not."""
+        if self._task is not None:
+            late = asyncio.create_task(self.clock.sleep(seconds), name=f"waits for a {self.kind}")
+            try:
+                await asyncio.wait({self._task, late}, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                late.cancel()
+        return not self.running
+
     def is_own(self, by: object) -> bool:
         """Whether who commands is this procedure, or a part of it."""
         return by is self

@@ -128,8 +128,11 @@ class Procedures:
     async def start_profile(
         self, device: Device, axis: int, time_s: Sequence[float], velocity_pps: Sequence[float], rate_hz: float | None
     ) -> ProfileState:
-        """Raises what `velocity_profile.judge` raises, and WrongState while another procedure runs there."""
+        """Raises what `velocity_profile.judge` raises, and WrongState while another procedure runs there or where a
+        stop comes first."""
+        require_not_stopped = device.session.stop_guard([device.axis(axis).index])
         wanted = await velocity_profile.judge(device, axis, time_s, velocity_pps, rate_hz)
+        require_not_stopped()
         return self._start(ProfilePlay(device, axis, self._clock, wanted)).state
 
     def profile_play(self, device: Device, axis: int) -> ProfilePlay | None:
@@ -167,13 +170,16 @@ class Procedures:
         duration_s: float | None = None,
     ) -> LineState:
         """Go on straight lines to one point after another. Raises what `plan_line` raises, and WrongState while another
-        line is under way, or a procedure on one of these axes."""
+        line is under way, a procedure on one of these axes, or where a stop of one of them comes first."""
         if self._line is not None and self._line.running:
             raise WrongState("a straight line is under way", "stop it first")
         for one in axes:
             for running in self.running(one.device, one.axis):
                 raise WrongState(f"a {running.kind} runs on axis {one.axis} of {one.device.name}", "stop it first")
+        guards = [one.device.session.stop_guard([one.axis]) for one in axes]
         _, legs = await plan_line(axes, points, pace, duration_s)
+        for require_not_stopped in guards:
+            require_not_stopped()
         self._line = LineRun(axes, legs, nets, self._clock)
         self._line.start()
         return self._line.state
@@ -197,14 +203,22 @@ class Procedures:
     # --- held rotation --------------------------------------------------------------------------
 
     async def rotate_held(self, device: Device, axis: int, velocity: float, unit: str, hold_s: float) -> Rotating:
-        """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called. Raises what `rotate` does."""
+        """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called.
+
+        Raises what `rotate` does, and WrongState where what ran on this axis is not over in that time: it gives its
+        settings back only when the motor stands.
+        """
         check_hold(hold_s)
         before = self._find(device, axis, Hold)
         if before is not None and before.running:
             before.keep(hold_s)  # the client is there: it must not end, and stop the motor, while this is on its way
         rotating = await device.motion.rotate(axis, velocity, unit)
         for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
-            await ended.wait()
+            if not await ended.over_within(hold_s):
+                await device.stop(axis)
+                raise WrongState(
+                    f"a {ended.kind} runs on axis {axis} of {device.name}", "it ends now: wait, and try again"
+                )
         self._start(Hold(device, axis, self._clock, rotating, hold_s))
         return rotating
 

@@ -164,7 +164,9 @@ class StudyService:
     # --- running --------------------------------------------------------------------------------
 
     async def start(self, document: StudyDocument) -> StudyRecord:
-        """Begin one, and answer at once. Raises UnknownThing, and WrongState with what is missing."""
+        """Begin one, and answer at once. Raises UnknownThing, and WrongState with what is missing, or where a stop of
+        its axis comes first."""
+        require_not_stopped = self._stop_guard(document)
         plan = await self.plan(document)
         if plan.missing:
             raise WrongState("; ".join(plan.missing), "see to it first: POST .../studies/plan tells the same")
@@ -172,7 +174,7 @@ class StudyService:
         document, no_twin = self._with_its_twin(document)
         record = self._store.begin(document)
         record.no_twin = no_twin
-        return await self._begin(record, plan.time_s)
+        return await self._begin(record, plan.time_s, require_not_stopped)
 
     async def resume(self, study: str) -> StudyRecord:
         """Put the axis back as it was, and go on where it was cut off: with the pieces that are whole where its kind
@@ -180,6 +182,7 @@ class StudyService:
         record = self._store.get(study)
         if record.state in ("running", "done"):
             raise WrongState(f"the study {'runs' if record.state == 'running' else 'is over'}", "start a new one")
+        require_not_stopped = self._stop_guard(record.document)
         kind = KINDS[record.document.study.kind]
         budget = record.document.budget
         far = budget.distance_fullsteps is not None and record.way_fullsteps > budget.distance_fullsteps
@@ -196,9 +199,16 @@ class StudyService:
         record.state, record.ended_unix_s, record.message = "running", None, ""
         if not kind.goes_on:
             record.runs, record.way_fullsteps, record.ran_s, record.start = 0, 0.0, 0.0, None
-        return await self._begin(record, plan.time_s)
+        return await self._begin(record, plan.time_s, require_not_stopped)
 
-    async def _begin(self, record: StudyRecord, planned_s: float) -> StudyRecord:
+    def _stop_guard(self, document: StudyDocument) -> Callable[[], None]:
+        """Raises WrongState once its axis was stopped after this call: what takes a while must not begin after that."""
+        device, axis = self._of(document)
+        return device.session.stop_guard([axis])
+
+    async def _begin(
+        self, record: StudyRecord, planned_s: float, require_not_stopped: Callable[[], None]
+    ) -> StudyRecord:
         await asyncio.to_thread(_import_scipy)
         device, axis = self._of(record.document)
         record.device_name, record.model = device.name, device.model
@@ -210,6 +220,7 @@ class StudyService:
         run.planned_s = planned_s
         try:
             await keeper.save(record)
+            require_not_stopped()
             self._procedures.start(run)
         except BenchError:
             record.state, record.message = "failed", "it could not begin"
@@ -258,6 +269,9 @@ class StudyService:
         run = self._runs.get(study)
         if run is not None:
             await run.abort("stopped on request")
+        elif record.state == "running":  # it is about to begin: a stop of its axis keeps it from that
+            device, axis = self._of(record.document)
+            await device.stop(axis)
         return record
 
     async def close(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from typing import Any
 
@@ -138,6 +139,47 @@ async def test_the_red_button_ends_it_and_the_setting_goes_back(
     assert (found["state"], found["left"]) == ("aborted", [])
     assert "stop" in found["message"]
     assert await held(client) == before
+
+
+@pytest.mark.parametrize(
+    ("by", "gone_on_with"), [("stop", False), ("devices/slide/axes/0/stop", False), ("stop", True), ("study", True)]
+)
+async def test_a_stop_while_it_is_prepared_keeps_it_from_beginning(
+    client: httpx.AsyncClient,
+    clock: VirtualClock,
+    slide: str,
+    monkeypatch: pytest.MonkeyPatch,
+    by: str,
+    gone_on_with: bool,
+) -> None:
+    before = await held(client)
+    path, body = "studies", {"device": slide, "study": MOVE}
+    if gone_on_with:
+        study = (await client.post(path, json=body)).json()["id"]
+        await clock.advance(7.0)
+        await client.post("stop")
+        await over(client, clock, study, 30)
+        path, by = f"studies/{study}/resume", f"studies/{study}/stop" if by == "study" else by
+    prepares, may_go_on = asyncio.Event(), threading.Event()
+    loop = asyncio.get_running_loop()
+
+    def prepare() -> None:
+        loop.call_soon_threadsafe(prepares.set)
+        assert may_go_on.wait(30)
+
+    monkeypatch.setattr("app.studies.service._import_scipy", prepare)
+    begun = asyncio.create_task(client.post(path, json=body))
+    await prepares.wait()
+    stopped = await client.post(by)
+    assert stopped.is_success, stopped.text
+    may_go_on.set()
+    refused = await begun
+    assert refused.status_code == 409, refused.text
+    assert "a stop of axis 0 overtook" in refused.text
+    await clock.advance(1.0)
+    assert not (await client.get("devices/slide/axes/0")).json()["moving"]
+    assert await held(client) == before
+    assert {one["state"] for one in (await client.get("studies")).json()["studies"]} <= {"failed"}
 
 
 async def test_what_a_killed_server_has_left_is_told_and_put_back(

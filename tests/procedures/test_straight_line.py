@@ -72,6 +72,20 @@ async def test_all_keep_to_the_line_and_arrive_together(models: tuple[str, ...])
         assert max(arrivals) == pytest.approx(leg.duration_s, abs=0.05)
 
 
+async def test_a_stop_while_it_is_planned_keeps_it_from_beginning() -> None:
+    async with bench("tmc4361", "tmc5160") as b:
+        async with b.device("a").session.queue.turn():
+            begun = asyncio.create_task(b.procedures.start_line(axes_of(b, "ab"), [[8000, 5000]], []))
+            await b.clock.advance(0.001)
+            stopped = asyncio.create_task(b.device("b").stop(0))
+            await b.clock.advance(0.001)
+        with pytest.raises(WrongState, match="a stop of axis 0 overtook"):
+            await begun
+        await stopped
+        await b.clock.advance(0.2)
+        assert [(await b.device(name).monitor.axis_state(0)).position for name in "ab"] == [0, 0]
+
+
 async def test_predicted_and_measured_path_agree() -> None:
     async with bench("tmc4361", "tmc5160") as b:
         axes, point = axes_of(b, "ab"), [8000, 5000]

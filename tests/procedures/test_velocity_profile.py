@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import numpy as np
 import pytest
 
@@ -123,6 +125,21 @@ async def test_a_stop_ends_it_at_once(how: str) -> None:
         rest = await b.at_rest()
         assert procedures.profile_state(b.device, 0).sent == sent, "nothing of it came after that"
         assert (rest == 12_000) == (how == "move")
+
+
+async def test_a_stop_while_it_is_judged_keeps_it_from_beginning() -> None:
+    async with bench() as b:
+        procedures = Procedures(b.clock)
+        async with b.device.session.queue.turn():
+            begun = asyncio.create_task(procedures.start_profile(b.device, 0, TIME_S, VELOCITY_PPS, 500.0))
+            await b.clock.advance(0.001)
+            stopped = asyncio.create_task(b.device.stop(0))
+            await b.clock.advance(0.001)
+        with pytest.raises(WrongState, match="a stop of axis 0 overtook"):
+            await begun
+        await stopped
+        await b.clock.advance(0.1)
+        assert (await b.device.monitor.axis_state(0)).velocity_pps == 0
 
 
 def limited(**limits: float) -> DeviceChange:

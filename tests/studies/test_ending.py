@@ -13,6 +13,7 @@ from app.devices.core.events import DeviceEvent, MotionCommanded
 from app.devices.core.results import StopOutcome
 from app.emulators.drive.documents import MotorChange
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
+from app.errors import WrongState
 from app.studies.run import StudyRun
 from tests.studies.harness import Studied, studied
 
@@ -101,3 +102,19 @@ async def test_a_study_that_is_cut_off_as_it_gives_back_tells_what_may_be_left(t
         assert "VMAX" in run.record.left[1]
         found = s.store.get(run.record.id)
         assert found.left == run.record.left
+
+
+async def test_a_held_rotation_that_ends_a_study_stops_when_nobody_holds_it(tmp_path: Path) -> None:
+    async with studied(tmp_path) as s:
+        before = await s.settings(*NAMES)
+        run = await in_its_search(s)
+        rotating = asyncio.create_task(s.procedures.rotate_held(s.device, 0, 20_000, "pps", 0.5))
+        await s.clock.advance(0.3)
+        assert (await s.b.state()).moving
+        await s.clock.advance(1.5)
+        assert not (await s.b.state()).moving, "nobody has held it for longer"
+        with pytest.raises(WrongState, match="study"):
+            await rotating
+        record = await s.finish(run, 30)
+        assert (record.state, record.left) == ("aborted", [])
+        assert await s.settings(*NAMES) == before
