@@ -17,6 +17,7 @@ from ...calc.motors.ring_down import Fitted, RingDown, fit_ring_downs
 from ...calc.signals.step_response import score
 from ...clock import WallClock
 from ...devices.core.capabilities import VelocityJumps
+from ...devices.core.results import MoveStarted
 from ...number_text import plain
 from ...procedures.procedure import Failed
 from ...telemetry.sampling import FloatArray
@@ -246,19 +247,9 @@ class ClosedLoopStudy(StudyRun):
 
     async def _step(self, target: int) -> Stepped:
         """A step to `target` with the loop as it is set."""
-        ground = self._ground
-        names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
         await self.clock.sleep(REST_S)
-        with sampling(self.device, names, RATE_HZ, self.clock) as samples:
-            await self.clock.sleep(BEFORE_S)
-            start = (await self._moves.state()).position
-            jumps = self.device.need(VelocityJumps)
-            began_s = (await jumps.move_in_steps(self.axis, target, velocity_pps=ground.jump_pps)).started_at_s
-            await self.clock.sleep(STEP_S)
-            samples.take()
-        times_s, rows = samples.all()
-        position, encoder = rows.T
-        times_s, size = times_s - began_s, float(target - start)
+        start, times_s, position, encoder = await self._sampled(target, by_ramp=False)
+        size = float(target - start)
         known = np.isfinite(position) & np.isfinite(encoder)
         before = encoder[known & (times_s < 0)]
         if not len(before) or size == 0:
@@ -350,25 +341,36 @@ class ClosedLoopStudy(StudyRun):
             self.record.next = "a gentler ramp, or more current"
 
     async def _ramp(self, target: int) -> tuple[float, float]:
-        """A move by the ramp: how far the encoder was off the position, and steps that it lost [full steps].
+        """A move by the ramp: how far the encoder was off the position, and steps that it lost [full steps]."""
+        start, _, position, encoder = await self._sampled(target, by_ramp=True)
+        state = await self._moves.state()
+        if state.moving or state.position != target:
+            raise Failed(f"a ramp to {target} with the new gains stands at {state.position}: by a switch, or too slow")
+        off = (encoder - position) / self._ground.full_step
+        self._count(target - start)
+        lost = PERIOD_FULLSTEPS * round(deviation_of(state) / self._ground.full_step / PERIOD_FULLSTEPS)
+        return float(np.nanmax(np.abs(off))), abs(lost)
+
+    async def _sampled(self, target: int, *, by_ramp: bool) -> tuple[int, FloatArray, FloatArray, FloatArray]:
+        """Go to `target`: where it began, times since the command [s], position and encoder [microsteps].
 
         It is given its time, and not waited for: with a loop a chip counts as arrived only where the encoder is.
         """
         names = [f"position.{self.axis}", f"encoder_position.{self.axis}"]
-        start = (await self._moves.state()).position
         with sampling(self.device, names, RATE_HZ, self.clock) as samples:
             await self.clock.sleep(BEFORE_S)
-            started = await self.device.motion.move(self.axis, target)
-            await self.clock.sleep((started.predicted_duration_s or STEP_S) + STEP_S)
+            start = (await self._moves.state()).position
+            started = await (self.device.motion.move(self.axis, target) if by_ramp else self._jump(target))
+            ramp_s = (started.predicted_duration_s or STEP_S) if by_ramp else 0.0
+            await self.clock.sleep(ramp_s + STEP_S)
             samples.take()
-        state = await self._moves.state()
-        if state.moving or state.position != target:
-            raise Failed(f"a ramp to {target} with the new gains stands at {state.position}: by a switch, or too slow")
-        _, rows = samples.all()
-        off = (rows[:, 1] - rows[:, 0]) / self._ground.full_step
-        self._count(target - start)
-        lost = PERIOD_FULLSTEPS * round(deviation_of(state) / self._ground.full_step / PERIOD_FULLSTEPS)
-        return float(np.nanmax(np.abs(off))), abs(lost)
+        times_s, rows = samples.all()
+        position, encoder = rows.T
+        return start, times_s - started.started_at_s, position, encoder
+
+    async def _jump(self, target: int) -> MoveStarted:
+        jumps = self.device.need(VelocityJumps)
+        return await jumps.move_in_steps(self.axis, target, velocity_pps=self._ground.jump_pps)
 
     async def _keep(self, with_new: Sequence[Stepped], before_s: float | None = None) -> None:
         kept = [
@@ -387,8 +389,7 @@ class ClosedLoopStudy(StudyRun):
         """Go where a step begins, with the loop as it is set."""
         if (await self._moves.state()).position == place:
             return
-        jumps = self.device.need(VelocityJumps)
-        await jumps.move_in_steps(self.axis, place, velocity_pps=self._ground.jump_pps)
+        await self._jump(place)
         await self.clock.sleep(STEP_S)
 
     def _tell_steps(self, found: LoopFound, steps: list[Stepped]) -> None:
