@@ -60,29 +60,33 @@ class Margins:
 
         tried : at least two, and how much the shaft shakes by each
         """
-        ripple, at, untried = self._known(tried)
-        told = np.zeros(len(untried))
-        for margins in self._smoothest(ripple, at):
-            order = np.argsort(margins[at], kind="stable")
-            told += np.interp(margins[untried], margins[at][order], ripple[order])
+        untried, curves = self._curves(tried)
+        told = sum(np.interp(wanted, known, height) for known, height, wanted in curves)
         return self._allowed[untried[int(np.argmin(told))]]
 
     def steepest(self, tried: Mapping[ChopperSetting, float]) -> ChopperSetting:
         """Of the untried settings that which lies in the middle of the curve's steepest step."""
-        ripple, at, untried = self._known(tried)
+        untried, curves = self._curves(tried)
         told = np.zeros(len(untried))
-        for margins in self._smoothest(ripple, at):
-            order = np.argsort(margins[at], kind="stable")
-            known, height, wanted = margins[at][order], ripple[order], margins[untried]
+        for known, height, wanted in curves:
             right = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
             gap = np.minimum(np.abs(wanted - known[right - 1]), np.abs(known[right] - wanted))
             between = (wanted > known[0]) & (wanted < known[-1])
             told += between * np.abs(height[right] - height[right - 1]) * np.minimum(gap, GAP_MOST)
         return self._allowed[untried[int(np.argmax(told))]]
 
-    def _known(self, tried: Mapping[ChopperSetting, float]) -> tuple[FloatArray, Sequence[int], Sequence[int]]:
+    def _curves(
+        self, tried: Mapping[ChopperSetting, float]
+    ) -> tuple[list[int], list[tuple[FloatArray, FloatArray, FloatArray]]]:
+        """The untried settings, and by each of the smoothest curves: rising margins of the tried ones, how much the
+        shaft shakes there, and the margins of the untried ones."""
         at = [self._places[each] for each in tried]
-        return np.log(list(tried.values())), at, sorted(set(range(len(self._allowed))) - set(at))
+        ripple, untried = np.log(list(tried.values())), sorted(set(range(len(self._allowed))) - set(at))
+        curves = []
+        for margins in self._smoothest(ripple, at):
+            order = np.argsort(margins[at], kind="stable")
+            curves.append((margins[at][order], ripple[order], margins[untried]))
+        return untried, curves
 
     def _smoothest(self, ripple: FloatArray, at: Sequence[int]) -> list[FloatArray]:
         def rough(margins: FloatArray) -> float:
