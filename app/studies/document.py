@@ -5,7 +5,7 @@ Written by forms, REST, the command line or Python; versioned like a profile. An
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final, Literal, TypeAlias, TypeVar
+from typing import Annotated, Any, Final, Literal, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from pydantic import Field, StringConstraints, model_validator
 
@@ -97,6 +97,13 @@ def told_twin(wish: TwinWish) -> Twin | None:
 
 SeenBy = Literal["encoder", "left switch", "right switch"]
 """What tells of lost steps."""
+
+
+@runtime_checkable
+class MayKeep(Protocol):
+    """A study that leaves what it found set, where that is shown to be better, if it is asked to."""
+
+    keep: bool
 
 
 Shape = Literal["six points", "bows"]

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from .chopper.found import ChopperFound
 from .closed_loop.found import LoopFound
 from .custom_search.found import CustomFound
-from .document import StudyDocument
+from .document import MayKeep, StudyDocument
 from .first_look.found import LookFound
 from .identification.found import Identified
 from .least_current.found import LeastCurrentFound
@@ -295,7 +295,8 @@ class StudyRecord(Part):
     @property
     def left_switched(self) -> Switched | None:
         """What no profile holds, and the study has not switched back: it was cut off, or keeps what it found."""
-        keeps = self.improved is True and getattr(self.document.study, "keep", False)
+        study = self.document.study
+        keeps = self.improved is True and isinstance(study, MayKeep) and study.keep
         return self.switched if self.left or keeps else None
 
     def before_told(self) -> list[str]:
