@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Sequence
 
 from ...clock import Clock
 from ...devices.core.capabilities import PositionFromEncoder
@@ -13,10 +13,10 @@ from ..moves import PERIOD_FULLSTEPS, MeasuredMoves, deviation_of
 from ..record import Held
 from ..scored_move.found import Scored
 from ..scored_move.study import SeenMove, scored, seen
+from ..set_once import Apply, SetOnce
 from .plan import Ground
 
 BEFORE = "the setting before the study"
-Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 
 
 class CustomTrials:
@@ -25,12 +25,10 @@ class CustomTrials:
     def __init__(
         self, device: Device, axis: int, clock: Clock, wanted: CustomSearch, ground: Ground, apply: Apply
     ) -> None:
-        """`apply` sets registers, and is told what for."""
-        self._device, self._axis, self._wanted, self._ground, self._write = device, axis, wanted, ground, apply
+        self._device, self._axis, self._wanted, self._ground = device, axis, wanted, ground
+        self._apply = SetOnce(apply)
         beside = [f"load_value.{axis}"] if ground.load else []
         self.moves = MeasuredMoves(device, axis, clock, ground.full_step, wanted.band_fullsteps, beside)
-        self._set: Sequence[Held] | None = None
-        """What the axis is set to, once that was written."""
         self._zero = 0.0
         """Encoder less position at rest, as nothing was lost [microsteps]."""
         self.ran: Callable[[], None] = lambda: None
@@ -88,10 +86,3 @@ class CustomTrials:
             await self._device.need(PositionFromEncoder).position_from_encoder(self._axis)
             self._zero = await self.moves.deviation()
         await self.moves.go(self._ground.start)
-
-    async def _apply(self, registers: Sequence[Held], what: str) -> None:
-        """Set the axis so, if it is not."""
-        if registers != self._set:
-            self._set = None
-            await self._write(registers, what)
-            self._set = registers

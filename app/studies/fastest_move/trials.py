@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 import statistics
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -15,19 +15,18 @@ from ...devices.core.device import Device
 from ...errors import SoftLimit, WrongState
 from ...number_text import plain
 from ...procedures.procedure import Failed
-from ...profiles.apply import Transaction
 from ..document import FastestMove, StudyDocument
 from ..moves import MeasuredMoves, MoveFigures, Sampled, worst_of
-from ..ramp_settings import SPEED, UNITS, document_of
+from ..ramp_settings import SPEED, UNITS
 from ..record import Figures, Held, MoveCurve, Trial
 from ..search import Asked, Told
+from ..set_once import Apply, SetOnce, apply_to
 from ..switch_edge import SLOW_FULLSTEPS, SwitchEdge
 from ..twins.on_twin import OnTwin
 from .ranges import Ranges, look, ramps_s
 
 CURVE_POINTS = 120
 BEFORE, TRIED = "the setting before the study", "the setting that is tried"
-Apply = Callable[[Sequence[Held], str], Awaitable[None]]
 Run = Sequence[MoveFigures]
 """A move by each distance and back, one after the other; up to the one that lost steps."""
 
@@ -38,8 +37,8 @@ class MoveTrials:
     def __init__(
         self, device: Device, axis: int, clock: Clock, wanted: FastestMove, ranges: Ranges, seed: int, apply: Apply
     ) -> None:
-        """`apply` sets registers, and is told what for."""
-        self._device, self._axis, self._wanted, self._ranges, self._write = device, axis, wanted, ranges, apply
+        self._device, self._axis, self._wanted, self._ranges = device, axis, wanted, ranges
+        self._apply = SetOnce(apply)
         self._random = random.Random(seed)
         by_switch = ranges.switch is not None
         self.moves = MeasuredMoves(
@@ -52,8 +51,6 @@ class MoveTrials:
         )
         self._wished: Sequence[Held] = ranges.space.before
         """The setting that is tried."""
-        self._set: Sequence[Held] | None = None
-        """What the axis is set to, once that was written."""
         self.there: Sampled | None = None
         """The latest move to the far end, by the greatest distance."""
         self.ran: Callable[[], None] = lambda: None
@@ -174,13 +171,6 @@ class MoveTrials:
         self._wished = self._ranges.space.registers(setting)
         await self._apply(self._wished, words_of(setting))
 
-    async def _apply(self, registers: Sequence[Held], what: str) -> None:
-        """Set the axis so, if it is not."""
-        if registers != self._set:
-            self._set = None
-            await self._write(registers, what)
-            self._set = registers
-
 
 def curve_of(move: Sampled, which: Literal["before", "best", "present"], microsteps: int) -> MoveCurve:
     """A move as it is drawn: at most `CURVE_POINTS` of it. microsteps : of a full step"""
@@ -264,11 +254,7 @@ def told(wanted: FastestMove, trial: Trial) -> Told:
 async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocument, asked: Asked) -> Trial:
     wanted = document.wanted(FastestMove)
     ranges = (await look(device, axis, wanted)).required()
-
-    async def apply(registers: Sequence[Held], what: str) -> None:
-        await Transaction(device, document_of(device, registers, what)).run()
-
-    trials = MoveTrials(device, axis, clock, wanted, ranges, document.seed + asked.number, apply)
+    trials = MoveTrials(device, axis, clock, wanted, ranges, document.seed + asked.number, apply_to(device))
     trial = begun(asked.number, ranges.setting(asked.values), ranges, wanted, 0.0)
     await trials.begin()
     await tried(trials, trial)

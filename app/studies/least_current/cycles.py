@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...clock import Clock
 from ...devices.core.capabilities import PositionFromEncoder
 from ...devices.core.device import Device
-from ...profiles.apply import Transaction
 from ..document import LeastCurrent, StudyDocument
 from ..moves import MeasuredMoves, MoveFigures, worst_of
-from ..ramp_settings import document_of
 from ..record import Figures, Held, Trial
 from ..search import Asked, Told
+from ..set_once import Apply, apply_to
 from ..twins.on_twin import OnTwin
 from .cool_search import CHANNELS, Cycled
 from .cycle import Cycle
@@ -28,16 +27,7 @@ BAND_FULLSTEPS = 2.0
 class LoadCycles:
     """Does load cycles with the registers that it is told."""
 
-    def __init__(
-        self,
-        device: Device,
-        axis: int,
-        clock: Clock,
-        ground: Ground,
-        seed: int,
-        apply: Callable[[Sequence[Held], str], Awaitable[None]],
-    ) -> None:
-        """`apply` sets registers, and is told what for."""
+    def __init__(self, device: Device, axis: int, clock: Clock, ground: Ground, seed: int, apply: Apply) -> None:
         self._device, self._axis, self._clock, self._ground, self._apply = device, axis, clock, ground, apply
         self._random = random.Random(seed)
         beside = [] if ground.cool is None else [f"{name}.{axis}" for name in CHANNELS]
@@ -113,11 +103,7 @@ async def _on_twin(device: Device, axis: int, clock: Clock, document: StudyDocum
     """A run current scale, by the hardest of the load cycles."""
     wanted = document.wanted(LeastCurrent)
     ground = (await look(device, axis, wanted)).required()
-
-    async def apply(registers: Sequence[Held], what: str) -> None:
-        await Transaction(device, document_of(device, registers, what)).run()
-
-    load = LoadCycles(device, axis, clock, ground, document.seed + asked.number, apply)
+    load = LoadCycles(device, axis, clock, ground, document.seed + asked.number, apply_to(device))
     await load.moves.fall_into_step(ground.start, ground.cycle.way)
     scale = round(asked.values[NAME])
     seen = await load.at(scale, wanted.repeats, ground.cycles[0])
