@@ -20,6 +20,8 @@ LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
 MOVE = {"kind": "fastest_move", "distance": 12_800, "repeats": 1}
 NAMES = ("VMAX", "AMAX", "DMAX")
 STEP_S = 0.1
+SEEN_S = 1.0
+"""From one look at a study that runs to the next [s]."""
 
 
 @pytest.fixture
@@ -40,8 +42,8 @@ async def held(client: httpx.AsyncClient) -> dict[str, int]:
 
 
 async def over(client: httpx.AsyncClient, clock: VirtualClock, study: str, within_s: float = 600) -> dict[str, Any]:
-    for _ in range(int(within_s / STEP_S)):
-        await clock.advance(STEP_S)
+    for _ in range(int(within_s / SEEN_S)):
+        await clock.advance(SEEN_S)
         found: dict[str, Any] = (await client.get(f"studies/{study}")).json()
         if found["state"] != "running":
             return found
@@ -50,7 +52,7 @@ async def over(client: httpx.AsyncClient, clock: VirtualClock, study: str, withi
 
 async def test_a_study_from_its_plan_to_its_report(client: httpx.AsyncClient, clock: VirtualClock, slide: str) -> None:
     before = await held(client)
-    document = {"device": slide, "axis": 0, "study": MOVE, "budget": {"trials": 6}, "name": "Slide, faster"}
+    document = {"device": slide, "axis": 0, "study": MOVE, "budget": {"trials": 3}, "name": "Slide, faster"}
     plan = (await client.post("studies/plan", json=document)).json()
     assert plan["missing"] == []
     assert plan["position_to"] == 12_800 + 1024
