@@ -361,6 +361,7 @@ class FirstLookStudy(StudyRun):
                 break
             if state.moving:
                 self._looks.append(state.flags)
+            # A motor that stands too early is looked at until its time is over: what pulls it on then names the fault.
             if not state.moving and self.clock.now() > until_s - self._longest_s(0):
                 raise Failed(f"the motor stands at {state.position}, not {target}: {_why_it_stands(state)}")
             if self.clock.now() > until_s:
