@@ -179,6 +179,19 @@ async def test_what_cannot_be_is_refused_in_words(client: httpx.AsyncClient) -> 
             assert (refused.status_code, words in refused.json()["detail"]) == (status, True), refused.text
 
 
+@pytest.mark.parametrize("model", ["tmc2240", "tmc5240"])
+async def test_where_a_chip_measures_inside_a_sense_resistor_tells_no_amperes(
+    client: httpx.AsyncClient, model: str
+) -> None:
+    await added(client, model)
+    motor = {"rated_current_a": 1.0, "sense_resistor_ohm": 0.11}
+    told = await client.post("devices/new/start-up", json={"motor": motor, "dry_run": True})
+    assert told.status_code == 200, told.text
+    assert any("is not known (current_full_scale_a)" in each for each in told.json()["warnings"])
+    refused = await client.post("devices/new/start-up", json={"run_current_a": 1.0, "motor": motor})
+    assert (refused.status_code, "needs current_full_scale_a" in refused.json()["detail"]) == (422, True)
+
+
 async def test_a_motor_that_moves_is_left_alone(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     await added(client, "tmc5130", start_up=True)
     await client.post("devices/new/axes/0/move", json={"target": 100_000})

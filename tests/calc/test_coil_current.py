@@ -9,7 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.calc.tmc5xxx.chips import CHIPS
-from app.calc.tmc5xxx.coil import CurrentStage, error, nearest_hold, warnings
+from app.calc.tmc5xxx.coil import (
+    CurrentStage,
+    error,
+    full_scale_rms_a,
+    nearest_hold,
+    range_share,
+    select_share,
+    warnings,
+)
 
 MODELS = [model for model, chip in CHIPS.items() if not chip.sensing.range_va]
 """With sense resistors, or able to take some."""
@@ -241,3 +249,18 @@ def test_a_wanted_current_takes_the_lowest_range_that_gets_there(peak_a: float, 
 def test_what_a_tmc5240_cannot_have_is_named(given: dict[str, float], told: str) -> None:
     with pytest.raises(ValueError, match=told):
         CurrentStage("tmc5240", **given)  # type: ignore[arg-type]
+
+
+def test_full_scale_is_told_by_either_figure() -> None:
+    """RMS with vsense 0, the scaler 256 and the widest range; a current that is told counts before a resistor."""
+    for model, ohm in (("tmc5130", 0.15), ("tmc5160", 0.075), ("tmc2660", 0.1)):
+        chip = stage(model, ohm)
+        most = max(chip.full_scale_a(select) for select in chip.selects) / math.sqrt(2)
+        assert full_scale_rms_a(model, ohm, None) == pytest.approx(most)
+        assert full_scale_rms_a(model, ohm, 2.0) == 2.0
+        for select in chip.selects:
+            assert select_share(model, select) * most == pytest.approx(chip.setting(31, select).rms_a)
+        assert range_share(model, 0) == 1.0
+    assert full_scale_rms_a("tmc5160", None, None) is None
+    assert full_scale_rms_a("tmc5240", 0.1, None) is None, "it has no sense resistor"
+    assert [range_share("tmc5240", n) for n in range(3)] == pytest.approx([11.75 / 36, 24 / 36, 1.0])

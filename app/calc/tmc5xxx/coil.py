@@ -207,6 +207,29 @@ class CurrentStage:
         return None if self.sense_ohm is None else peak_a**2 * self.sense_ohm
 
 
+def full_scale_rms_a(model: str, sense_ohm: float | None, told_a: float | None) -> float | None:
+    """RMS of a coil at CS 31 with the most that vsense, scaler and range let through [A].
+
+    `told_a` is that, and counts before a resistor. None where neither tells it: with ranges there is no resistor.
+    """
+    if told_a is not None or sense_ohm is None or CHIPS[model].sensing.range_va:
+        return told_a
+    stage = CurrentStage(model, sense_ohm)
+    return stage.full_scale_a(SCALER_FULL if stage.chip.scaled else 0) / math.sqrt(2)
+
+
+def select_share(model: str, select: int) -> float:
+    """Share of that which a vsense leaves, or a scaler of 256."""
+    sensing = CHIPS[model].sensing
+    return select / SCALER_FULL if sensing.scaled else sensing.full_scale_v[select] / sensing.full_scale_v[0]
+
+
+def range_share(model: str, index: int) -> float:
+    """Share of that which CURRENT_RANGE `index` leaves; 1 of a chip without ranges."""
+    ranges = CHIPS[model].sensing.range_va
+    return ranges[index] / max(ranges) if ranges else 1.0
+
+
 def error(setting: Setting, peak_a: float) -> float:
     """Relative: how much more than wanted."""
     return setting.peak_a / peak_a - 1

@@ -20,7 +20,7 @@ class AxisLimits:
     velocity_max_pps : either way [microsteps/s]
     acceleration_max_pps2 : of every acceleration and deceleration that can be set [microsteps/s^2]
     current_max_a : of a coil, RMS, in motion or at rest [A]
-    sense_resistor_ohm : what makes amperes of the current scales of a TMC5xxx [ohm]
+    sense_resistor_ohm : what makes amperes of the current scales of a chip that has such resistors [ohm]
     current_full_scale_a : RMS at the greatest scale, vsense 0 [A]; takes the place of the resistor, and is needed where
         the power stage is outside (TMC428, TMC4361) or not described (PD42-1241)
 
@@ -80,8 +80,14 @@ class AxisLimits:
             return
         scale = MODELS[model].current_scale
         if scale == "sense_resistor" and self.sense_resistor_ohm is None and self.current_full_scale_a is None:
-            raise UsageError("current_max_a needs sense_resistor_ohm (or current_full_scale_a): a chip tells no A")
+            raise UsageError(f"current_max_a needs {full_scale_figures(model)}: a chip tells no A")
         if scale == "full_scale" and self.current_full_scale_a is None:
             raise UsageError("current_max_a needs current_full_scale_a: what the greatest current scale gives, RMS")
         if not scale:
             raise UsageError("current_max_a cannot be kept here: its step/direction driver sets the current")
+
+
+def full_scale_figures(model: str) -> str:
+    """Which of the limits tell what full scale of its current is in A, in words."""
+    by_resistor = MODELS[model].current_scale == "sense_resistor"
+    return f"{'sense_resistor_ohm or ' * by_resistor}current_full_scale_a"

@@ -27,7 +27,7 @@ from .decoded_registers import DecodedRegisters
 from .encoder import SixPointEncoderIndex, SixPointEncoders
 from .events import Events
 from .identity import found_by
-from .limits import SixPointRules
+from .limits import SixPointRules, full_scale_a
 from .memory import ChipMemory
 from .monitor import Monitor
 from .motions import Motions
@@ -109,4 +109,4 @@ def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -
     return SixPointRules(registers, memory, limits, clock_hz)
 
 
-FAMILY = DeviceFamily("tmc5xxx", tuple(TABLES), compose, limit_rules, plan, found_by)
+FAMILY = DeviceFamily("tmc5xxx", tuple(TABLES), compose, limit_rules, plan, found_by, full_scale_a)

@@ -9,11 +9,17 @@ limited. With StealthChop and its amplitude set by hand (PWMCONF) the scales do 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
 from ...calc.tmc5xxx.chips import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
+from ...calc.tmc5xxx.coil import (
+    SCALER_FULL,
+    SCALER_LEAST,
+    SCALES,
+    full_scale_rms_a,
+    range_share,
+    select_share,
+)
 from ...calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
@@ -52,12 +58,12 @@ class SixPointRules(ChipRules):
         for name in (name for name in ACCELERATIONS if name in ramp):
             row = ramp[name]
             yield Quantity("acceleration", name, row.address, row.decode, lambda _: acceleration, row.maximum)
-        limits = self.limits[axis]
-        if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
-            yield self._currents(axis)
+        full = full_scale_a(self._registers.link.session.model, self.limits[axis])
+        if full is not None:
+            yield self._currents(axis, full)
 
-    def _currents(self, axis: int) -> Quantity:
-        rows, limits = self._memory.rows(axis), self.limits[axis]
+    def _currents(self, axis: int, full: float) -> Quantity:
+        rows = self._memory.rows(axis)
         run, hold = r.part(rows.ihold_irun, "IRUN"), r.part(rows.ihold_irun, "IHOLD")
         vsense, scaler = rows.chopconf.field_named("vsense"), rows.find(SCALER)
 
@@ -69,11 +75,11 @@ class SixPointRules(ChipRules):
                 word = view(scaler.address)
                 share = SCALER_FULL if word is None else scaler.decode(word) or SCALER_FULL
                 # 1..31 are not allowed; whatever a chip makes of them is not above the least that is.
-                full = _full_scale_a(model, limits, max(share, SCALER_LEAST))
+                scaled = full * select_share(model, max(share, SCALER_LEAST))
                 word = None if ranges is None else view(ranges[0].address)
-                return full if ranges is None or word is None else full * range_share(model, ranges[1].unpack(word))
+                return scaled if ranges is None or word is None else scaled * range_share(model, ranges[1].unpack(word))
             word = view(rows.chopconf.address)
-            return _full_scale_a(model, limits, 0 if word is None or vsense is None else vsense.unpack(word))
+            return full * select_share(model, 0 if word is None or vsense is None else vsense.unpack(word))
 
         def scale(word: int) -> float:
             return (max(run.unpack(word), hold.unpack(word)) + 1) / SCALES
@@ -152,17 +158,6 @@ class SixPointRules(ChipRules):
         return reading.velocity_pps**2 / (2 * (word or ACCELERATION_MAX) * acceleration_unit_pps2(self.clock_hz))
 
 
-def _full_scale_a(model: str, limits: AxisLimits, select: int) -> float:
-    """RMS at scale 31 [A], in the widest range. `select` is vsense, or the scaler of 256."""
-    sensing = CHIPS[model].sensing
-    if limits.current_full_scale_a is not None:
-        if sensing.scaled:
-            return limits.current_full_scale_a * select / SCALER_FULL
-        return limits.current_full_scale_a * sensing.full_scale_v[select] / sensing.full_scale_v[0]
-    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(select) / math.sqrt(2)
-
-
-def range_share(model: str, index: int) -> float:
-    """Share of full scale that CURRENT_RANGE `index` leaves; 1 of a chip without ranges."""
-    ranges = CHIPS[model].sensing.range_va
-    return ranges[index] / max(ranges) if ranges else 1.0
+def full_scale_a(model: str, limits: AxisLimits) -> float | None:
+    """RMS at scale 31 with the most that vsense, scaler and range let through [A]; None where no figure tells it."""
+    return full_scale_rms_a(model, limits.sense_resistor_ohm, limits.current_full_scale_a)

@@ -6,20 +6,20 @@ on an evaluation board: SpreadCycle with toff 3 (TMC5160) or 5, and a run curren
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from ...calc.tmc5xxx.chips import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage
+from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage, range_share
 from ...calc.units.tmc5xxx import acceleration_units, velocity_units
 from ...errors import OutOfRange, UsageError
+from ..core.axis_limits import full_scale_figures
 from ..core.config import AxisSettings
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
-from .limits import range_share
+from .limits import full_scale_a
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
 CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}
@@ -111,14 +111,14 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
     sensing = CHIPS[model].sensing
     strong = sensing.scaled
     limits, run_a = one.settings.limits, one.run_current_a()
-    if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
+    full = full_scale_a(model, limits)
+    if run_a is not None and full is not None and limits.current_full_scale_a is None:
+        if run_a > full:
+            raise OutOfRange("run_current_a", run_a, 0, full, "A RMS, full scale with this sense resistor")
         stage = CurrentStage(model, limits.sense_resistor_ohm)
-        full_a = stage.full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
-        if run_a > full_a:
-            raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
         run, hold = stage.run_and_hold(run_a, min(one.hold_current_a(run_a), run_a))
         return run.scale, hold.scale, run.select, None
-    shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
+    shares = one.share_of_full_scale(full_scale_figures(model))
     if shares is not None:
         run_share, hold_share = shares
         enough = [n for n in range(len(sensing.range_va)) if range_share(model, n) >= max(run_share, hold_share)]
@@ -127,11 +127,8 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
         irun, ihold = (scale_of(share / of_range, MOST) for share in shares)
         return irun, ihold, SCALER_FULL if strong else 0, current_range
     maker = IRUN_5160 if strong else IRUN
-    limit, full = limits.current_max_a, limits.current_full_scale_a
-    if full is None and limits.sense_resistor_ohm is not None:
-        full = CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
-    if limit is not None and full is not None:
-        maker = min(maker, scale_of(limit / full, MOST))
+    if limits.current_max_a is not None and full is not None:
+        maker = min(maker, scale_of(limits.current_max_a / full, MOST))
     return (*one.scales(MOST, maker, min(IHOLD, int(maker * HOLD_SHARE))), None, None)
 
 

@@ -25,7 +25,7 @@ from ..core.session import Session
 from ..core.start_up import AxisStartUp, StartPlan
 from .configuration import Configuration
 from .identity import DriverIdentity, found_by
-from .limits import DriverRules
+from .limits import DriverRules, full_scale_a
 from .memory import DriverMemory
 from .monitor import FlagClearing, Monitor, PlaceInTable
 from .motion import DriverMotion
@@ -89,4 +89,4 @@ def _own(device: Device, kind: type[P]) -> P:
     return part
 
 
-FAMILY = DeviceFamily(NAME, tuple(model.name for model in MODELS), compose, limit_rules, plan, found_by)
+FAMILY = DeviceFamily(NAME, tuple(model.name for model in MODELS), compose, limit_rules, plan, found_by, full_scale_a)

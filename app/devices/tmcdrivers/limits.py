@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
-from ...calc.families import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
+from ...calc.tmc5xxx.coil import (
+    SCALER_FULL,
+    SCALER_LEAST,
+    SCALES,
+    full_scale_rms_a,
+    range_share,
+    select_share,
+)
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules
 from ..core.limit_rules.quantities import Motion, PositionRegister, Quantity, View
@@ -36,11 +41,11 @@ class DriverRules(ChipRules):
         row, unit = self._memory.rows.vactual, self.clock_hz / (1 << 24)
         if row is not None:
             yield Quantity("velocity", row.name, row.address, row.decode, lambda _: unit, row.maximum)
-        limits = self.limits[axis]
-        if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
-            yield self._currents(limits)
+        full = full_scale_a(self._memory.rows.model.name, self.limits[axis])
+        if full is not None:
+            yield self._currents(full)
 
-    def _currents(self, limits: AxisLimits) -> Quantity:
+    def _currents(self, full: float) -> Quantity:
         rows, row = self._memory.rows, self._memory.rows.ihold_irun
         run, hold = part(row, "IRUN"), part(row, "IHOLD")
         vsense, scaler, ranges, model = rows.chopconf.field_named("vsense"), rows.scaler, rows.current_range, rows.model
@@ -48,12 +53,12 @@ class DriverRules(ChipRules):
         def full_a(view: View) -> float:
             if scaler is None or ranges is None:
                 word = view(rows.chopconf.address)
-                return full_scale_a(model.name, limits, 0 if word is None or vsense is None else vsense.unpack(word))
+                return full * select_share(model.name, 0 if word is None or vsense is None else vsense.unpack(word))
             word = view(scaler.address)
             # 1..31 are not allowed; whatever a chip makes of them is not above the least that is
-            full = full_scale_a(model.name, limits, max((word or SCALER_FULL), SCALER_LEAST))
+            scaled = full * select_share(model.name, max((word or SCALER_FULL), SCALER_LEAST))
             word = view(ranges[0].address)
-            return full if word is None else full * range_share(model.name, ranges[1].unpack(word))
+            return scaled if word is None else scaled * range_share(model.name, ranges[1].unpack(word))
 
         def scale(word: int) -> float:
             return (max(run.unpack(word), hold.unpack(word)) + 1) / SCALES
@@ -101,17 +106,6 @@ class DriverRules(ChipRules):
         return 0.0  # VACTUAL 0 stops the field at once
 
 
-def range_share(model: str, index: int) -> float:
-    """Of the current in the widest CURRENT_RANGE: the current in that one."""
-    values = CHIPS[model].sensing.range_va
-    return values[index] / max(values)
-
-
-def full_scale_a(model: str, limits: AxisLimits, select: int) -> float:
-    """RMS at scale 31 and a vsense, or a scaler of 256 in the widest range [A]."""
-    sensing = CHIPS[model].sensing
-    if limits.current_full_scale_a is not None:
-        if sensing.scaled:
-            return limits.current_full_scale_a * select / SCALER_FULL
-        return limits.current_full_scale_a * sensing.full_scale_v[select] / sensing.full_scale_v[0]
-    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(select) / math.sqrt(2)
+def full_scale_a(model: str, limits: AxisLimits) -> float | None:
+    """RMS at scale 31 with the most that vsense, scaler and range let through [A]; None where no figure tells it."""
+    return full_scale_rms_a(model, limits.sense_resistor_ohm, limits.current_full_scale_a)

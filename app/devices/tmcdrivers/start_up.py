@@ -6,17 +6,17 @@ that resets to no hysteresis gets what the maker's host code begins with (NOTES-
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ...calc.families import CHIPS
-from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage
+from ...calc.tmc5xxx.coil import CurrentStage, range_share
 from ...errors import OutOfRange, UsageError
 from ...registers.model import Register
+from ..core.axis_limits import full_scale_figures
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import HOLD_SHARE, AxisStartUp, StartPlan, scale_of
-from .limits import full_scale_a, range_share
+from .limits import full_scale_a
 
 TBL = 2
 IRUN = 16
@@ -83,14 +83,14 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
     Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.
     """
     limits, run_a, ranges = one.settings.limits, one.run_current_a(), CHIPS[model].sensing.range_va
-    if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
+    full = full_scale_a(model, limits)
+    if run_a is not None and full is not None and limits.current_full_scale_a is None:
+        if run_a > full:
+            raise OutOfRange("run_current_a", run_a, 0, full, "A RMS, full scale with this sense resistor")
         stage = CurrentStage(model, limits.sense_resistor_ohm)
-        full_a = stage.full_scale_a(0) / math.sqrt(2)
-        if run_a > full_a:
-            raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
         run, hold = stage.run_and_hold(run_a, min(one.hold_current_a(run_a), run_a))
         return run.scale, hold.scale, run.select, None
-    shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
+    shares = one.share_of_full_scale(full_scale_figures(model))
     if shares is not None:
         enough = (n for n in range(len(ranges)) if range_share(model, n) >= max(shares))
         current_range = next(enough, None)
@@ -98,9 +98,6 @@ def _currents(model: str, one: AxisStartUp) -> tuple[int, int, int | None, int |
         irun, ihold = (scale_of(share / of_range, MOST) for share in shares)
         return irun, ihold, None if ranges else 0, current_range
     irun = IRUN
-    known = limits.current_full_scale_a is not None or limits.sense_resistor_ohm is not None
-    if limits.current_max_a is not None and known:
-        irun = min(
-            irun, scale_of(limits.current_max_a / full_scale_a(model, limits, SCALER_FULL if ranges else 0), MOST)
-        )
+    if limits.current_max_a is not None and full is not None:
+        irun = min(irun, scale_of(limits.current_max_a / full, MOST))
     return (*one.scales(MOST, irun, int(irun * HOLD_SHARE)), None, None)

@@ -372,10 +372,10 @@ class _Maker:
     def _currents(self) -> list[Quantity]:
         """What makes the current of the axis; as a share of full scale where nobody knows how much that is."""
         limits = [each.settings.limits for each in self._device.axes]
-        own = limits[self._axis]
-        if own.sense_resistor_ohm is None and own.current_full_scale_a is None:
+        own, family = limits[self._axis], family_of(self._device.model)
+        if family.full_scale_a(self._device.model, own) is None:
             limits[self._axis] = replace(own, current_full_scale_a=1.0)
-        rules = family_of(self._device.model).limit_rules(self._device, limits, self._device.clock_hz)
+        rules = family.limit_rules(self._device, limits, self._device.clock_hz)
         return [each for each in rules.quantities[self._axis] if each.kind == "current"]
 
     def _view(self, changed: Mapping[int, int]) -> View:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
-from ....calc.families import CHIPS
+from ....calc.tmc5xxx.coil import select_share
 from ...core.axis_limits import AxisLimits
 from ...core.limit_rules.chip_rules import ChipRules
 from ...core.limit_rules.quantities import Motion, PositionRegister, Quantity, View
 from ...core.limit_rules.rules import AxisReading
 from ...core.register_file import RegisterFile
+from ..limits import full_scale_a
 from .memory import TaggedMemory
 
 SCALES = 32
@@ -26,17 +26,17 @@ class TaggedRules(ChipRules):
         super().__init__(registers, memory.word_at, limits, clock_hz)
 
     def quantities_of(self, axis: int) -> Iterable[Quantity]:
-        limits = self.limits[axis]
-        if limits.sense_resistor_ohm is None and limits.current_full_scale_a is None:
-            return
         rows = self._memory.rows
+        full = full_scale_a(rows.model.name, self.limits[axis])
+        if full is None:
+            return
         row, scale, sense = rows.currents, rows.currents.field_named("CS"), rows.configuration.field_named("vsense")
         assert scale is not None  # both are rows of ours
         assert sense is not None
 
         def full_a(view: View) -> float:
             word = view(rows.configuration.address)
-            return full_scale_a(rows.model.name, limits, 0 if word is None else sense.unpack(word))
+            return full * select_share(rows.model.name, 0 if word is None else sense.unpack(word))
 
         def advice(share: float) -> str:
             count = int(share * SCALES) - 1
@@ -70,12 +70,3 @@ class TaggedRules(ChipRules):
 
     def braking(self, axis: int, reading: AxisReading, view: View) -> float | None:
         return 0.0
-
-
-def full_scale_a(model: str, limits: AxisLimits, select: int) -> float:
-    """RMS at scale 31 and a VSENSE [A]."""
-    volts = CHIPS[model].sensing.full_scale_v
-    if limits.current_full_scale_a is not None:
-        return limits.current_full_scale_a * volts[select] / volts[0]
-    assert limits.sense_resistor_ohm is not None  # asked for where one of them is known
-    return volts[select] / limits.sense_resistor_ohm / math.sqrt(2)

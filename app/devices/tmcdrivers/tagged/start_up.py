@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ....calc.tmc5xxx.coil import select_share
 from ....errors import OutOfRange, UsageError
-from ...core.axis_limits import AxisLimits
+from ...core.axis_limits import full_scale_figures
 from ...core.cover import COVER
 from ...core.device import Device
 from ...core.results import WriteItem
 from ...core.start_up import AxisStartUp, StartPlan, scale_of
-from .limits import SCALES, full_scale_a
+from ..limits import full_scale_a
+from .limits import SCALES
 
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
 """By DRVCTRL.mres."""
@@ -63,25 +65,24 @@ def _mres(one: AxisStartUp) -> int:
 def _current(model: str, one: AxisStartUp) -> tuple[int, int]:
     """CS and vsense: nearest below the amperes asked for, else a cautious scale. Raises OutOfRange above full scale."""
     limits, run_a = one.settings.limits, one.run_current_a()
-    known = limits.current_full_scale_a is not None or limits.sense_resistor_ohm is not None
-    if run_a is not None and known:
-        full = [full_scale_a(model, limits, select) for select in (0, 1)]
-        if run_a > full[0]:
-            raise OutOfRange("run_current_a", run_a, 0, full[0], "A RMS, full scale of this axis")
-        select = int(run_a <= full[1])
-        return scale_of(run_a / full[select], SCALES - 1), select
+    full = full_scale_a(model, limits)
+    if run_a is not None and full is not None:
+        if run_a > full:
+            raise OutOfRange("run_current_a", run_a, 0, full, "A RMS, full scale of this axis")
+        select = int(run_a <= full * select_share(model, 1))
+        return scale_of(run_a / (full * select_share(model, select)), SCALES - 1), select
     if run_a is not None:
-        one.no_amperes("sense_resistor_ohm or current_full_scale_a")
+        one.no_amperes(full_scale_figures(model))
     asked = one.figures.run_scale
     if asked is not None and not 0 <= asked < SCALES:
         raise OutOfRange("run_scale", asked, 0, SCALES - 1, "steps of this chip's current scale")
     if asked is not None:
         return asked, 0
-    return int(one.choose("run_scale", _within(model, limits), f"of {SCALES - 1}", "a cautious scale")), 0
+    return int(one.choose("run_scale", _within(limits.current_max_a, full), f"of {SCALES - 1}", "a cautious scale")), 0
 
 
-def _within(model: str, limits: AxisLimits) -> int:
+def _within(limit_a: float | None, full_a: float | None) -> int:
     """The cautious scale, or the greatest within the soft limit."""
-    if limits.current_max_a is None:
+    if limit_a is None or full_a is None:
         return CAUTIOUS
-    return min(CAUTIOUS, scale_of(limits.current_max_a / full_scale_a(model, limits, 0), SCALES - 1))
+    return min(CAUTIOUS, scale_of(limit_a / full_a, SCALES - 1))
