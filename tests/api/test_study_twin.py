@@ -139,11 +139,14 @@ async def test_a_twin_that_would_be_made_up_is_not_tried_and_the_report_says_why
     step, why = await plan_of(client, MOVE)
     assert step == ""
     assert "how many amperes a full scale is" in why
-    limits = {"axes": [{"name": "X", "limits": {"current_full_scale_a": 1.5}}]}
-    assert (await client.patch("devices/slide", json=limits)).status_code == 200
-    for _ in range(20):
-        await clock.advance(STEP_S)
-    assert (await plan_of(client, MOVE))[0] != ""
+    assert why.endswith("set sense_resistor_ohm or current_full_scale_a in its limits")
+    for limits in ({"sense_resistor_ohm": 0.325 / (1.5 * math.sqrt(2))}, {"current_full_scale_a": 1.5}):
+        axes = {"axes": [{"name": "X", "limits": limits}]}
+        assert (await client.patch("devices/slide", json=axes)).status_code == 200
+        for _ in range(20):
+            await clock.advance(STEP_S)
+        assert (await plan_of(client, MOVE))[0] != "", limits
+        assert (await plan_of(client, CYCLE))[0] != "", limits
     record.document.wanted(Identification).run_current_a = None
     assert "was not told the run current" in (await plan_of(client, MOVE))[1]
     # a motor that is named has its own torque, and what was identified of the rest

@@ -269,6 +269,8 @@ def test_more_speed_takes_more_way_or_where_there_is_none_a_harder_ramp() -> Non
 
 TWIN: dict[str, Any] = {"motor": {"load_inertia_kgm2": 5e-4, "load_friction_nm": 0.05, "supply_v": 24.0}}
 SCALED = AxisLimits(current_full_scale_a=1.5 / math.sqrt(2))
+RESISTOR = AxisLimits(sense_resistor_ohm=0.325 / 1.5)
+"""The same full scale (DS-TMC5160 9)."""
 
 
 async def searched(s: Studied, study: dict[str, Any]) -> tuple[StudyRecord, list[CurrentTried]]:
@@ -285,17 +287,19 @@ async def test_a_twin_tells_where_the_edge_is_and_a_wrong_one_costs_trials_alone
         alone, by_halves = await searched(s, CYCLE)
     assert alone.least_current is not None
     edge = alone.least_current.edge
-    right = await after_a_twin(tmp_path / "right", edge, {})
+    right = await after_a_twin(tmp_path / "right", edge, RESISTOR, {})
     assert len(right) <= 3
     assert sum(not one.held for one in right) < sum(not one.held for one in by_halves)
-    wrong = await after_a_twin(tmp_path / "wrong", edge, {"load_inertia_kgm2": 2e-4, "load_friction_nm": 0.0})
+    wrong = await after_a_twin(tmp_path / "wrong", edge, SCALED, {"load_inertia_kgm2": 2e-4, "load_friction_nm": 0.0})
     assert len(wrong) <= 9
 
 
-async def after_a_twin(tmp_path: Path, edge: int | None, motor: dict[str, float]) -> list[CurrentTried]:
+async def after_a_twin(
+    tmp_path: Path, edge: int | None, limits: AxisLimits, motor: dict[str, float]
+) -> list[CurrentTried]:
     """The currents that a study tries on the axis after a twin with this motor, until it has found that edge."""
     async with studied(tmp_path, FULL, **PLANT) as s:
-        scaled = replace(s.device.axes[0].settings, limits=SCALED)
+        scaled = replace(s.device.axes[0].settings, limits=limits)
         await s.b.manager.edit(s.device.id, DeviceChange(axes=(scaled,)))
         before = await s.settings(*NAMES)
         study = {**CYCLE, "twin": {"motor": {**TWIN["motor"], **motor}}}
@@ -318,6 +322,7 @@ async def test_without_a_full_scale_in_amperes_no_current_is_tried_on_a_twin(tmp
         (told,) = (one for one in record.findings if one.name == "twin")
         assert told.sure == "missing"
         assert "how many amperes a full scale is" in told.text
+        assert told.text.endswith("set sense_resistor_ohm or current_full_scale_a in its limits")
         assert record.twin == []
         assert record.improved
 

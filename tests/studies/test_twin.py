@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import signal
 from dataclasses import replace
@@ -12,19 +13,29 @@ from typing import Any
 
 import pytest
 
+from app.clock import Clock
+from app.devices.core.axis_limits import AxisLimits
+from app.devices.core.device import Device
 from app.emulators.build import options_of
+from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.errors import WrongState
+from app.links.emulator import EmulatorPort
+from app.profiles.capture import capture
 from app.studies.document import Identification, StudyDocument, TwinMotor
 from app.studies.fitted import Estimate
 from app.studies.identification.found import Identified
 from app.studies.parts import Interval
-from app.studies.record import StudyRecord, Trial
+from app.studies.record import Figures, StudyRecord, Trial
+from app.studies.search import Asked, Told
 from app.studies.twins.executor import JobLost
 from app.studies.twins.identified import figures_of
 from app.studies.twins.local import Here, Processes
+from app.studies.twins.on_twin import OnTwin
+from app.studies.twins.search import job_of
 from app.studies.twins.twin import emulator_options, run_job
+from tests.devices.tmc5xxx.harness import START, bench
 from tests.studies.harness import Studied, studied
-from tests.studies.twin_jobs import LOAD, MOTOR, MOVE, move_job
+from tests.studies.twin_jobs import HELD, LOAD, MOTOR, MOVE, move_job
 
 
 def twinned(**motor: Any) -> dict[str, Any]:
@@ -79,6 +90,49 @@ async def test_a_twin_has_what_was_identified_of_motor_machine_and_supply(tmp_pa
     # one whose encoder cannot have play is made all the same
     other = replace(job, model="tmc4361")
     assert options_of(other.model).model_validate(emulator_options(other, motor)).model_dump()["supply_v"] == 36.0
+
+
+OHM = 0.15
+FULL_A = {"tmc5072": 0.32 / (OHM + 0.02), "tmc5130": 0.325 / (OHM + 0.02), "tmc5160": 0.325 / OHM}
+"""Peak at full scale with such sense resistors, by the data sheets (DS-TMC5072 7, DS-TMC5130 9, DS-TMC5160 9)."""
+
+
+def peak_a(wire: object) -> float:
+    """Of both coils as they stand: how long the vector of their currents is."""
+    assert isinstance(wire, EmulatedTmc5xxx)
+    truth = wire.state().axes[0].truth
+    return math.hypot(truth.current_a_a, truth.current_b_a)
+
+
+@pytest.mark.parametrize(
+    ("model", "select", "share"),
+    [("tmc5072", 1, 0.18 / 0.32), ("tmc5130", 0, 1.0), ("tmc5130", 1, 0.18 / 0.325), ("tmc5160", 96, 96 / 256)],
+)
+async def test_a_twin_has_the_current_that_sense_resistors_and_registers_make(
+    model: str, select: int, share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[float] = []
+
+    async def look(device: Device, axis: int, clock: Clock, document: StudyDocument, asked: Asked) -> Trial:
+        port = device.session.port
+        assert isinstance(port, EmulatorPort)
+        await clock.sleep(0.1)
+        seen.append(peak_a(port.wire))
+        return Trial(number=asked.number, setting={}, registers=[], state="feasible", figures=Figures())
+
+    start = replace(START, irun=31, ihold=31, select=select)
+    async with bench(model, start, motor={"rotor_teeth": 50}, full_scale_a=FULL_A[model]) as b:
+        document = StudyDocument.model_validate({"device": b.device.id, "study": MOVE})
+        job = job_of(b.device, 0, await capture(b.device), TwinMotor(), document, Asked(0, HELD))
+        await b.clock.advance(0.1)
+        axis_a = peak_a(b.wire)
+    monkeypatch.setattr("app.studies.kinds.StudyKind.on_twin", OnTwin(look, lambda document, trial: Told((), 0.0)))
+    for limits in (AxisLimits(sense_resistor_ohm=OHM), AxisLimits(current_full_scale_a=FULL_A[model] / math.sqrt(2))):
+        axes = tuple(replace(settings, limits=limits) for settings in job.axes)
+        told = await asyncio.to_thread(run_job, replace(job, axes=axes))
+        assert told["state"] == "feasible", told["why"]
+    assert axis_a == pytest.approx(share * FULL_A[model], rel=0.05)
+    assert seen == pytest.approx([axis_a] * 2)
 
 
 def estimate(value: float) -> Estimate:

@@ -15,7 +15,7 @@ from ..plan import AxisNow, Looked, StudyPlan, axis_that_sees_lost_steps, planne
 from ..proof import runs_for
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
 from ..record import Held
-from ..twins.identified import NO_FULL_SCALE
+from ..twins.identified import why_no_amperes
 from .cool_search import CYCLES as COOL_CYCLES
 from .cool_search import HEAT_CYCLES, PAIRS, SETTINGS
 from .cool_setting import CoolSpace
@@ -98,8 +98,8 @@ async def look(device: Device, axis: int, wanted: LeastCurrent) -> Looked[Ground
     if wanted.speed_margin and (more is None or more.times < 0.99 * (1 + wanted.speed_margin)):
         held = "no more speed" if more is None else f"{100 * (more.times - 1):.0f} % more speed alone"
         looked.warnings.append(f"{held} can be tried, by limits: what a lower supply does is shown so far only")
-    if told_twin(wanted.twin) is not None and limits.current_full_scale_a is None:
-        looked.warnings.append(f"no current is tried on a twin: {NO_FULL_SCALE}")
+    if told_twin(wanted.twin) is not None and (why := why_no_amperes(device, axis)):
+        looked.warnings.append(f"no current is tried on a twin: {why}")
     cool, why = _cool(device, axis, wanted, found, cycle)
     if why:
         looked.warnings.append(f"CoolStep is not looked for: {why}")

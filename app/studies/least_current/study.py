@@ -13,7 +13,7 @@ from ..proof import rate_bound, runs_for
 from ..record import Figures, Finding, Trial
 from ..run import StudyRun
 from ..search import Dimension, Space
-from ..twins.identified import NO_FULL_SCALE
+from ..twins.identified import why_no_amperes
 from ..twins.search import look_on_twins
 from .cool_search import Bench, CoolSearch
 from .cycle import Cycle, faster
@@ -170,8 +170,8 @@ class LeastCurrentStudy(StudyRun):
         record, twin = self.record, told_twin(self.wanted.twin)
         if twin is None or record.twin:
             return
-        if self.device.axes[self.axis].settings.limits.current_full_scale_a is None:
-            record.findings.append(Finding(name="twin", text=f"could not be tried: {NO_FULL_SCALE}", sure="missing"))
+        if why := why_no_amperes(self.device, self.axis):
+            record.findings.append(Finding(name="twin", text=f"could not be tried: {why}", sure="missing"))
             return
         most = self._ground.current.run_scale
         space = Space((Dimension(NAME, 0.0, float(most), log=False),), 1, "tpe")

@@ -9,14 +9,13 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 
+from ...devices.core.axis_limits import full_scale_figures
 from ...devices.core.device import Device
+from ...devices.families import family_of
 from ...html_report import moment
 from ..document import AS_IDENTIFIED, FastestMove, Identification, LeastCurrent, StudyDocument, Twin, TwinMotor
 from ..record import StudyRecord
 
-NO_FULL_SCALE = (
-    "how many amperes a full scale is, is not known of this axis (its limits), so a twin would have another torque"
-)
 WORDS = {
     "holding_torque_nm": "torque",
     "rotor_inertia_kgm2": "inertia",
@@ -60,13 +59,23 @@ def _by_itself(device: Device, axis: int, records: Sequence[StudyRecord]) -> tup
             f"study {record.id} was not told the run current (run_current_a), by which the torque goes: "
             "tell it that, or name the motor of the twin"
         )
-    if device.axes[axis].settings.limits.current_full_scale_a is None:
-        return None, f"{NO_FULL_SCALE}: set current_full_scale_a there"
+    if why := why_no_amperes(device, axis):
+        return None, why
     try:
         motor = TwinMotor.model_validate(figures)
     except ValidationError as error:
         return None, _beyond(record, error)
     return Twin(motor=motor, source=_source(record, figures, "the rest as usual of a motor")), ""
+
+
+def why_no_amperes(device: Device, axis: int) -> str:
+    """Why a twin of the axis would have a torque of its own; empty where its full scale is known."""
+    if family_of(device.model).full_scale_a(device.model, device.axes[axis].settings.limits) is not None:
+        return ""
+    return (
+        "how many amperes a full scale is, is not known of this axis, so a twin would have another torque: "
+        f"set {full_scale_figures(device.model)} in its limits"
+    )
 
 
 def _with_a_plate(twin: Twin, device: Device, axis: int, records: Sequence[StudyRecord]) -> Twin:

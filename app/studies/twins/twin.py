@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from ...clock import Clock, VirtualClock
 from ...devices.core.config import DeviceConfig
+from ...devices.families import family_of
 from ...devices.manager import DeviceManager
 from ...emulators.build import build_emulator, options_of
 from ...errors import BenchError, WrongState
@@ -81,7 +82,7 @@ async def _live(job: TwinJob) -> Trial:
 def emulator_options(job: TwinJob, motor: TwinMotor) -> dict[str, Any]:
     """What the twin's emulator is made with, of what its model can be told."""
     known = options_of(job.model).model_fields
-    full_a = job.axes[job.axis].limits.current_full_scale_a
+    full_a = family_of(job.model).full_scale_a(job.model, job.axes[job.axis].limits)
     options: dict[str, Any] = {
         "motor": {
             "holding_torque_nm": motor.holding_torque_nm,
