@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -242,6 +243,39 @@ def test_the_coil_that_a_study_has_measured_is_kept(
         assert kept["resistance_ohm"] == float(f"{found['resistance_ohm']['value']:.4g}")
         assert kept["inductance_h"] == float(f"{found['inductance_h']['value']:.4g}")
         assert (kept["holding_torque_nm"], kept["rotor_inertia_kgm2"]) == (None, None)
+
+        # one that is kept already, as its data sheet has it, takes up what was measured
+        sheet = {"rated_current_a": 1.5, "resistance_ohm": 1.65, "holding_torque_nm": 0.44}
+        api.put(f"/motors/{SPINDLE}", json=sheet).raise_for_status()
+        page.reload()
+        page.get_by_role("button", name="Change one of my motors").click()
+        drawer.get_by_role("button", name=f"Change {SPINDLE}").click()
+        changes = drawer.get_by_role("form", name=f"Change {SPINDLE}")
+        resistance = changes.get_by_role("checkbox", name="Resistance of a coil")
+        inductance = changes.get_by_role("checkbox", name="Inductance of a coil")
+        torque = changes.get_by_role("checkbox", name="Holding torque")
+        expect(resistance).to_be_focused()
+        for sure in (resistance, inductance):
+            expect(sure).to_be_checked()
+        expect(torque).not_to_be_checked()
+        measured = found["resistance_ohm"]["value"]
+        expect(changes).to_contain_text(re.compile(rf"1\.650.Ω, becomes {measured:.3f}.Ω"))
+        expect(changes).to_contain_text("not known, becomes")
+        check_axe(page)
+        drawer.get_by_role("button", name="Cancel").click()
+        assert own_motors(api) == [kept | sheet | {"inductance_h": None}]
+        drawer.get_by_role("button", name=f"Change {SPINDLE}").click()
+        inductance.uncheck()
+        torque.check()
+        drawer.get_by_role("button", name="Change it").click()
+        expect(drawer.get_by_role("status")).to_have_text(f"{SPINDLE} is changed.")
+        (changed,) = own_motors(api)
+        assert (changed["resistance_ohm"], changed["inductance_h"]) == (kept["resistance_ohm"], None)
+        assert changed["holding_torque_nm"] == float(f"{found['torque_nm']['value']:.4g}")
+        page.set_viewport_size(PHONE)
+        drawer.get_by_role("button", name=f"Change {SPINDLE}").click()
+        expect(changes.get_by_role("checkbox")).to_have_count(1)
+        assert drawer.evaluate("node => node.scrollWidth <= node.clientWidth")
         page.goto("/connections")  # before the chip is gone
         # other tests look at the list of recordings
         recording = api.get(f"/studies/{begun}").raise_for_status().json()["recording"]

@@ -5,6 +5,8 @@ import { useEffect, useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import { EmptyState } from "../EmptyState";
 import { ProblemAlert } from "../ProblemAlert";
+import { ChangeForm } from "./ChangeForm";
+import type { MeasuredFigure } from "./changes";
 import { draftOf, figuresOf, figuresText, type MotorDraft, NEW_MOTOR } from "./figures";
 import { MotorForm } from "./MotorForm";
 import classes from "./motors.module.css";
@@ -15,6 +17,8 @@ type NamedMotor = Schemas["MotorInfo"];
 interface Props {
   /** a motor to begin with, which is not kept yet */
   draft?: MotorDraft;
+  /** what was measured of a motor, for one of them to take up */
+  measured?: readonly MeasuredFigure[];
   /** takes one of them where the button stands */
   onUse?: (motor: NamedMotor) => void;
 }
@@ -58,9 +62,11 @@ interface Edited {
   name: string | null;
 }
 
-function MyMotors({ draft, onUse }: Props) {
+function MyMotors({ draft, measured, onUse }: Props) {
   const { data: motors, error, refetch } = useOwnMotors();
   const [edited, setEdited] = useState<Edited | null>(draft ? { start: draft, name: null } : null);
+  const [changing, setChanging] = useState<NamedMotor | null>(null);
+  const [changed, setChanged] = useState("");
   if (motors === undefined)
     return error ? (
       <ProblemAlert error={error} doing="Reading your motors" retry={() => void refetch()} />
@@ -76,15 +82,38 @@ function MyMotors({ draft, onUse }: Props) {
         onEnd={() => setEdited(null)}
       />
     );
-  return <MotorList motors={motors} onEdit={(start, name) => setEdited({ start, name })} {...(onUse && { onUse })} />;
+  if (changing && measured)
+    return (
+      <ChangeForm
+        motor={changing}
+        measured={measured}
+        onEnd={(done) => {
+          setChanged(done ? changing.name : "");
+          setChanging(null);
+        }}
+      />
+    );
+  return (
+    <MotorList
+      motors={motors}
+      changed={changed}
+      onEdit={(start, name) => setEdited({ start, name })}
+      {...(measured && { onChange: setChanging })}
+      {...(onUse && { onUse })}
+    />
+  );
 }
 
 interface ListProps extends Pick<Props, "onUse"> {
   motors: readonly NamedMotor[];
+  /** the one that has just taken up what was measured of it; empty: none */
+  changed: string;
   onEdit: (start: MotorDraft, name: string | null) => void;
+  /** shows what would change of one */
+  onChange?: (motor: NamedMotor) => void;
 }
 
-function MotorList({ motors, onEdit, onUse }: ListProps) {
+function MotorList({ motors, changed, onEdit, onChange, onUse }: ListProps) {
   const keep = useKeepMotor();
   const remove = useDeleteMotor();
   const [deleted, setDeleted] = useState<MotorDraft | null>(null);
@@ -111,6 +140,11 @@ function MotorList({ motors, onEdit, onUse }: ListProps) {
           Add a motor
         </Button>
       </Group>
+      {changed && !deleted && (
+        <Text size="sm" role="status" className="anywhere">
+          {changed} is changed.
+        </Text>
+      )}
       {deleted && (
         <Group gap="xs" role="status">
           <Text size="sm" className="anywhere">
@@ -145,6 +179,16 @@ function MotorList({ motors, onEdit, onUse }: ListProps) {
                 <b className="text-14">{motor.name}</b>
                 <div className="text-13 dim">{figuresText(motor)}</div>
               </div>
+              {onChange && (
+                <Button
+                  size="compact-sm"
+                  variant="default"
+                  aria-label={`Change ${motor.name}`}
+                  onClick={() => onChange(motor)}
+                >
+                  Change…
+                </Button>
+              )}
               {onUse && (
                 <Button
                   size="compact-sm"

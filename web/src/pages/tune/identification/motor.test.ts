@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Schemas } from "../../../api/client";
 import { NOT_KNOWN } from "../../../lib/motors/figures";
-import { motorOf } from "./motor";
+import { measuredOf, motorOf } from "./motor";
 
 const told = (value: number) => ({ value, low: value * 0.98, high: value * 1.02 });
 
@@ -25,4 +25,23 @@ test("what a study tells of a motor alone is its coil: neither inertia nor torqu
     inductance_h: null,
   });
   expect(motorOf({ ...found, resistance_ohm: null, inductance_h: null }, undefined)).toBeNull();
+});
+
+test("one that is kept is offered inertia and torque too, with what speaks against them", () => {
+  const found = {
+    resistance_ohm: told(2.3),
+    inductance_h: null,
+    inertia_kgm2: told(7e-6),
+    torque_nm: told(0.4),
+  } as unknown as Schemas["Identified"];
+  const measured = measuredOf(found, 1.5);
+  expect(measured.map(({ key, value, withA }) => [key, value, withA])).toEqual([
+    ["resistance_ohm", 2.3, undefined],
+    ["holding_torque_nm", 0.4, 1.5],
+    ["rotor_inertia_kgm2", 7e-6, undefined],
+  ]);
+  expect(measured.map(({ doubt }) => doubt === "")).toEqual([true, false, false]);
+  expect(measured[2]?.doubt).toMatch("rotor and load");
+  // a torque with no current is none of a motor
+  expect(measuredOf(found, null).map(({ key }) => key)).toEqual(["resistance_ohm", "rotor_inertia_kgm2"]);
 });
