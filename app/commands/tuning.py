@@ -168,7 +168,7 @@ def resume(study: Name, url: Url = None, token: Token = None, as_json: AsJson = 
 def take(
     study: Name,
     undo: Annotated[bool, typer.Option("--undo", help="What was set before the study instead.")] = False,
-    trial: Annotated[int | None, typer.Option(help="A trial of its front instead, which is not proved.")] = None,
+    trial: Annotated[int | None, typer.Option(help="A trial of its front (not proved), or own of a speed.")] = None,
     url: Url = None,
     token: Token = None,
     as_json: AsJson = False,

@@ -356,6 +356,11 @@ class StallGuard(Part):
         default=0.01,
         description="of false stalls and of missed ones: one in the proof is too many unless its runs bound it below",
     )
+    each_speed: Annotated[bool, Field(strict=True)] = Field(
+        default=True,
+        description="at a speed at which the threshold of the others does not do it, prove one of its own: by as many "
+        "runs more",
+    )
     generation: Literal[2, 4] | None = Field(
         default=None, description="StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now"
     )

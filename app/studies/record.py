@@ -293,6 +293,11 @@ class StudyRecord(Part):
         return next((trial for trial in self.trials if trial.number == number), None)
 
     @property
+    def proved_alone(self) -> list[int]:
+        """Numbers of the trials that are proved at one speed each, beside the best one."""
+        return [] if self.stallguard is None else [one.own.trial for one in self.stallguard.speeds if one.own]
+
+    @property
     def left_switched(self) -> Switched | None:
         """What no profile holds, and the study has not switched back: it was cut off, or keeps what it found."""
         study = self.document.study

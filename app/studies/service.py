@@ -363,10 +363,13 @@ class StudyService:
         if which == "baseline":
             found = record.baseline
         else:
-            if which != "best" and which not in record.front:
-                front = ", ".join(map(str, sorted(record.front)))
-                told = f"the front has {front}" if front else "it has no front: only its best setting can be taken"
-                raise WrongState(f"trial {which} is not on the front of study {record.id}", told)
+            others = [*record.front, *record.proved_alone]
+            if which != "best" and which not in others:
+                can = ", ".join(map(str, sorted(others)))
+                told = f"{'the front' if record.front else 'it'} has {can}"
+                if not can:
+                    told = "it has no front: only its best setting can be taken"
+                raise WrongState(f"trial {which} of study {record.id} is none that can be taken", told)
             trial = record.trial(record.best if which == "best" else which)
             found = [] if trial is None else trial.registers
         if not found:
@@ -374,9 +377,10 @@ class StudyService:
         return found
 
     async def take(self, study: str, which: Which | int) -> StudyRecord:
-        """Set the axis to what the study found, to a trial of its front, or to what it was before: one transaction.
+        """Set the axis to what the study found, to a trial of its front, to a threshold of StallGuard that is proved at
+        one speed, or to what it was before: one transaction.
 
-        which : a number is that of a trial of the front, which held when it was tried; only the best one is proved.
+        which : a number is that of such a trial; one of the front held when it was tried, and only its best is proved.
         Raises UnknownThing, WrongState, and what `ProfileService.apply` does.
         """
         record = self._store.get(study)
@@ -401,7 +405,7 @@ class StudyService:
             await device.registers.write(switched.name, switched.axis, None, {switched.field: switched.before})
         record.left, record.baseline = [], before
         trial = None if which == "baseline" else record.best if which == "best" else which
-        proved = trial == record.best and record.improved is True
+        proved = (trial == record.best and record.improved is True) or trial in record.proved_alone
         record.taken = None if trial is None else Taken(trial=trial, proved=proved)
         await self._store.save(record)
         return record

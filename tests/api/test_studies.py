@@ -14,6 +14,7 @@ from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings
 from app.studies.kinds import KINDS
+from app.studies.stallguard.found import StallFound
 from app.studies.store import StudyStore
 
 LOAD = {"inertia_kgm2": 5e-4, "friction_nm": 0.1}
@@ -127,6 +128,32 @@ async def test_any_setting_of_a_front_is_taken_as_not_proved_and_undone(
     undone = (await client.post(take, json={"which": "baseline"})).json()
     assert undone["taken"] is None
     assert await held(client) == before
+
+
+async def test_a_threshold_that_is_proved_at_one_speed_is_taken_by_its_trial(
+    client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI
+) -> None:
+    """The record is given one: a study of StallGuard takes minutes."""
+    study = (await client.post("studies", json={"device": slide, "study": MOVE})).json()["id"]
+    record = bench_of(app).studies.get(study)
+    while not record.trials:
+        await clock.advance(STEP_S)
+    await client.post("stop")
+    found = await over(client, clock, study, 30)
+    record.front = []
+    number = found["trials"][0]["number"]
+    own = {"threshold": 3, "filtered": False, "level": -24.0, "from_pps": 900.0, "trial": number}
+    speeds = [{"speed_rps": 1.0, "speed_pps": 51_200.0, "own": own}, {"speed_rps": 2.0, "speed_pps": 102_400.0}]
+    told = {"generation": 2, "run_fullsteps": 200.0, "push_fullsteps": 8.0, "speeds": speeds}
+    take, body = f"studies/{study}/take", {"which": "trial", "trial": number}
+    refused = await client.post(take, json=body)
+    assert refused.status_code == 409, "before it is proved at a speed"
+    record.stallguard = StallFound.model_validate(told)
+    taken = await client.post(take, json=body)
+    assert taken.status_code == 200, taken.text
+    assert taken.json()["taken"] == {"trial": number, "proved": True}
+    refused = await client.post(take, json={"which": "trial", "trial": 77})
+    assert f"it has {number}" in refused.text
 
 
 async def test_the_red_button_ends_it_and_the_setting_goes_back(

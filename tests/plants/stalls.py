@@ -9,6 +9,8 @@ from typing import Any
 from .axes import drawn as axis
 
 SPEEDS_RPS = (0.5, 0.75, 1.0, 1.5, 2.0)
+APART_RPS = [0.5, 3.0]
+"""Speeds at which plants that are drawn `apart` need thresholds of their own."""
 
 
 def drawn(seed: int) -> tuple[dict[str, Any], list[float]]:
@@ -36,3 +38,28 @@ def drawn(seed: int) -> tuple[dict[str, Any], list[float]]:
         "left_end_fullsteps": -rng.uniform(250, 400),
     }
     return options, sorted(rng.sample(SPEEDS_RPS, 2))
+
+
+def apart(seed: int) -> dict[str, Any]:
+    """Options of an emulated TMC5160 of which no threshold does it at both of `APART_RPS`, and one of each does.
+
+    The faster the noisier: what a free run falls to at 3 turns a second is below what a stall comes to at 0.5.
+    """
+    rng = random.Random(seed)
+    full_scale = rng.uniform(950, 1250)
+    return {
+        "motor": {
+            "rotor_teeth": 50,
+            "load_value": {
+                "full_scale": full_scale,
+                "half_speed_fullsteps_per_s": rng.uniform(2800, 3500),
+                "noise": rng.uniform(0, 5),
+                "noise_with_speed": 0.77 * full_scale,
+            },
+        },
+        "stage": {
+            "left_at_fullsteps": -5000.0,
+            "right_at_fullsteps": 5000.0,
+            "left_end_fullsteps": -rng.uniform(280, 350),
+        },
+    }

@@ -7,24 +7,30 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
 from app.devices.tmc5xxx.start_up import Start
 from app.procedures.procedure import Failed
+from app.studies.document import Budget
 from app.studies.pieces import FILE
 from app.studies.plan import StudyPlan
+from app.studies.ramp_settings import held_of
 from app.studies.record import StudyRecord
 from app.studies.report import html_of
 from app.studies.stallguard import plan as stallguard
 from app.studies.stallguard.choice import Choice, Measured, Run, alone, choices, may_do, roc
-from app.studies.stallguard.found import StallFound
+from app.studies.stallguard.found import Rate, StallFound, StallSpeed
 from app.studies.stallguard.runs import StallRuns
 from app.studies.stallguard.scale import Scale
+from app.studies.stallguard.setting import StallSetting
+from app.studies.stallguard.study import StallGuardStudy
 from app.studies.store import StudyStore
+from tests.bench.studies.stallguard import Referee
 from tests.devices.tmc5xxx.harness import bench
+from tests.plants.stalls import APART_RPS, apart
 from tests.studies.harness import START, Kept, Studied, studied
 
 STAGE = {"left_at_fullsteps": -5000, "right_at_fullsteps": 5000, "left_end_fullsteps": -300.0}
@@ -37,6 +43,8 @@ SHORT: dict[str, Any] = {
     "free_runs": 20,
     "stops": 10,
 }
+APART: dict[str, Any] = {**SHORT, "speeds_rps": APART_RPS, "push_fullsteps": 30.0}
+PLENTY = {"time_s": 10_000.0}
 NAMES = ("VMAX", "AMAX", "DMAX", "COOLCONF", "SW_MODE", "TCOOLTHRS", "THIGH")
 
 
@@ -152,6 +160,165 @@ async def test_it_goes_on_with_the_speeds_that_are_left(tmp_path: Path) -> None:
         # The stop is looked for anew, and the one speed that was left is proved.
         assert record.runs - runs < 1.5 * proof + 8
         assert not (s.store.folder(record.id) / FILE).exists()
+
+
+async def test_the_plan_tells_what_thresholds_of_single_speeds_cost_more(tmp_path: Path) -> None:
+    async with axis(tmp_path) as s:
+        speeds = {"speeds_rps": [0.5, 1.0, 2.0]}
+        with_own, without = await planned(s, **speeds), await planned(s, **speeds, each_speed=False)
+        moves, seconds = with_own.moves_max - without.moves_max, with_own.time_s - without.time_s
+        assert moves == 2 * (20 + 3 * 10)
+        (told,) = [line for line in with_own.steps if "each_speed" in line]
+        assert f"at most {moves} moves and {seconds:.0f} s more" in told
+        assert with_own.way_fullsteps > without.way_fullsteps
+        assert not any("each_speed" in line for line in [*without.steps, *(await planned(s)).steps])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+async def test_a_speed_that_needs_another_threshold_gets_one_that_holds_there(tmp_path: Path, seed: int) -> None:
+    """The referee counts on a plant of its own: both thresholds hold at their speed, and either fails at the other."""
+    options = apart(seed)
+    async with studied(tmp_path, FAST, **options) as s:
+        before = await s.settings(*NAMES)
+        words = {key[1]: word for key, word in (await held_of(s.device)).words.items() if word is not None}
+        document = s.document(APART, budget=PLENTY, seed=seed)
+        plan = await stallguard.plan(s.device, 0, document)
+        record = await s.finish(s.begin(document))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+    assert 0.5 * plan.moves_max < record.runs < plan.moves_max
+    assert 0.5 * plan.time_s < record.ran_s < 1.1 * plan.time_s
+    found = found_of(record)
+    assert found.from_rps == found.to_rps
+    (chosen,) = [one for one in found.speeds if not one.why]
+    (other,) = [one for one in found.speeds if one.why]
+    assert (chosen.own, other.why) == (None, "not with a threshold that does it at the others")
+    assert other.own is not None
+    own, best = record.trial(other.own.trial), record.trial(record.best)
+    assert own is not None
+    assert best is not None
+    assert (own.state, own.setting["threshold"]) == ("feasible", other.own.threshold)
+    assert own.setting["armed from"] == other.own.from_pps == pytest.approx(0.9 * other.speed_pps, rel=0.01)
+    for rate, runs in ((other.false, 20), (other.missed, 10)):
+        assert rate is not None
+        assert (rate.wrong, rate.runs) == (0, runs)
+        assert rate.most == pytest.approx(1 - 0.05 ** (1 / runs))
+    told = f"at {other.speed_rps:g} turns/s threshold {other.own.threshold}: 0 of 20 free runs stopped"
+    assert told in record.verdict
+    assert f"<td>{other.own.threshold}, its own</td>" in html_of(record)
+    for trial, here, there in ((best, chosen, other), (own, other, chosen)):
+        referee = Referee(options, words, seed, APART["push_fullsteps"])
+        referee.set(trial.registers)
+        assert referee.holds([here.speed_pps], 60) == ""
+        assert referee.holds([there.speed_pps], 60) != ""
+
+
+def own_begun(record: StudyRecord) -> bool:
+    """Whether a threshold of one speed alone is proved now."""
+    return record.best is not None and len(record.trials) == 2
+
+
+async def test_stopped_as_it_proves_a_threshold_of_one_speed_it_is_as_before_and_goes_on_with_that(
+    tmp_path: Path,
+) -> None:
+    async with studied(tmp_path, FAST, **apart(1)) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(APART, budget=PLENTY))
+        await s.until(run, own_begun)
+        runs = run.record.runs
+        await s.clock.advance(3.0)
+        await s.device.stop_axes([0])
+        record = await s.finish(run, 20)
+        assert (record.state, record.left) == ("aborted", []), record.message
+        assert await s.settings(*NAMES) == before
+        assert [trial.state for trial in record.trials] == ["feasible", "failed"]
+        chosen = next(one for one in found_of(record).speeds if not one.why).model_copy(deep=True)
+        run = s.begin(record.document, record)
+        record = await s.finish(run)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert isinstance(run.keeper, Kept)
+        assert not any(mark.startswith(("free runs", "into the stop")) for mark in run.keeper.marks)
+        assert chosen in found_of(record).speeds
+        assert [one.own is None for one in found_of(record).speeds].count(False) == 1
+        # The stop is looked for anew; of 30 held-out runs of one speed each takes three moves at the most.
+        assert record.runs - runs < 20 + 3 * 30
+        assert await s.settings(*NAMES) == before
+
+
+async def test_a_budget_that_ends_as_a_speed_has_its_threshold_proved_leaves_what_is_proved(tmp_path: Path) -> None:
+    async with studied(tmp_path, FAST, **apart(1)) as s:
+        before = await s.settings(*NAMES)
+        run = s.begin(s.document(APART, budget=PLENTY))
+        await s.until(run, own_begun)
+        budget = Budget(time_s=run.since_s + 3.0)
+        run.record.document = run.record.document.model_copy(update={"budget": budget})
+        record = await s.finish(run, 30)
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        assert await s.settings(*NAMES) == before
+        assert (await s.b.state()).position == 0
+        (other,) = [one for one in found_of(record).speeds if one.why]
+        assert other.own is None
+        assert "the budget ended before one of its own was proved" in other.why
+        assert other.why in record.verdict
+        assert record.trials[1].state == "failed"
+
+
+async def test_speeds_without_a_threshold_of_their_own_and_one_that_is_not_reached_are_told(tmp_path: Path) -> None:
+    """A speed that no free run came up to once ended the study with a figure that no record can hold."""
+    study = {**APART, "speeds_rps": [*APART_RPS, 4.0], "each_speed": False}
+    async with studied(tmp_path, FAST, **apart(1)) as s:
+        record = await s.finish(s.begin(s.document(study, budget=PLENTY)))
+        assert (record.state, record.improved, record.left) == ("done", True, []), record.message
+        speeds = found_of(record).speeds
+        assert "does not get up to this speed" in speeds[2].why
+        assert sorted(one.why for one in speeds[:2]) == ["", "not with a threshold that does it at the others"]
+        assert [one.own for one in speeds] == [None, None, None]
+        assert len(record.trials) == 1
+
+
+async def test_a_speed_at_which_stalls_are_like_free_runs_has_no_threshold_of_its_own(tmp_path: Path) -> None:
+    """So few full steps into the stop, and so noisy, that stalls are like free runs; the referee finds none either."""
+    options = apart(1)
+    options["motor"]["load_value"]["noise_with_speed"] = 1000.0
+    async with studied(tmp_path, FAST, **options) as s:
+        words = {key[1]: word for key, word in (await held_of(s.device)).words.items() if word is not None}
+        record = await s.finish(s.begin(s.document({**APART, "push_fullsteps": 4.0}, budget=PLENTY)))
+    assert (record.state, record.improved) == ("done", True), record.message
+    slow, fast = found_of(record).speeds
+    assert (slow.why, fast.own) == ("", None)
+    assert fast.why.startswith("no threshold does it here: load values of 40 free runs and of ")
+    assert f"at 3 turns/s: {fast.why}" in record.verdict
+    best = record.trial(record.best)
+    assert best is not None
+    assert Referee(options, words, 1, 4.0).finds([fast.speed_pps], best.registers) == ""
+
+
+async def test_what_is_tried_at_a_speed_is_tried_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A threshold that is armed from the lower speed on is always wrong at the upper one: made again until it passes,
+    a proof would prove nothing."""
+    tried: list[tuple[float, StallSetting]] = []
+
+    async def held_out(
+        _: StallGuardStudy, one: StallSpeed, setting: StallSetting
+    ) -> tuple[Rate, Rate, Literal["", "false"]]:
+        tried.append((one.speed_rps, setting))
+        wrong = one.speed_rps == 2.0 and setting.armed_pps < 51_200
+        false = Rate(wrong=int(wrong), runs=20, most=0.2)
+        return Rate(wrong=0, runs=10, most=0.3), false, "false" if wrong else ""
+
+    monkeypatch.setattr(StallGuardStudy, "_run_held_out", held_out)
+    async with axis(tmp_path) as s:
+        record = await s.finish(s.begin(s.document({**SHORT, "speeds_rps": [1.0, 2.0]})))
+    assert (record.state, record.improved) == ("done", True), record.message
+    slow, fast = found_of(record).speeds
+    assert len(tried) == len(set(tried)) > 4
+    # Both speeds have what is proved there: one is the choice, the other what a refuted span had proved, or its own.
+    assert [one.own is None for one in (slow, fast)].count(True) == 1
+    for one in (slow, fast):
+        assert one.false is not None
+        assert one.false.wrong == 0
+    assert sum(trial.state == "feasible" for trial in record.trials) == 2
 
 
 async def test_an_encoder_that_tells_nothing_is_not_one_that_tells_zero() -> None:

@@ -159,7 +159,8 @@ async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
 @router.post("/{study}/take", responses=TAKE)
 @policy(whole=True, words=wording.named("take study"))
 async def take_study(bench: CurrentBench, study: StudyId, body: StudyTake) -> StudyRecord:
-    """Set the axis to what the study found, to a trial of its front, or to what it was before: one transaction."""
+    """Set the axis to what the study found, to a trial of its front or a threshold that is proved at one speed, or to
+    what it was before: one transaction."""
     return await bench.studies.take(study, body.which if body.which != "trial" else body.trial or 0)
 
 

@@ -76,10 +76,12 @@ class StudyTake(Body):
     """Which setting the axis shall have."""
 
     which: Literal["best", "baseline", "trial"] = Field(
-        description="what the study found, what was before it, or a trial of its front"
+        description="what the study found, what was before it, or a trial: of its front, or `own` of a speed of "
+        "StallGuard"
     )
     trial: int | None = Field(
-        default=None, description="its number, where a trial is taken: it held when it was tried, and is not proved"
+        default=None,
+        description="its number, where a trial is taken: one of the front held when it was tried, and is not proved",
     )
 
     @model_validator(mode="after")

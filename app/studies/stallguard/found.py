@@ -37,6 +37,16 @@ class StallAlone(Part):
     may_do: bool = Field(description="whether these runs leave it open that it gets no more wrong than was asked for")
 
 
+class StallOwn(Part):
+    """The threshold of one speed at which that of the others does not do it, proved there by held-out runs."""
+
+    threshold: int
+    filtered: bool
+    level: float = Field(description="at it or below a value is a stall")
+    from_pps: float = Field(description="speed from which on a stall has to stop the motor, as it was proved [pps]")
+    trial: int = Field(description="its number: that has the registers")
+
+
 class StallSpeed(Part):
     """One speed. Load values are those at threshold 0; least: of each run, with the filter where the choice has it."""
 
@@ -51,11 +61,19 @@ class StallSpeed(Part):
     alone: StallAlone | None = Field(
         default=None, description="what suits this speed alone, not held out; null: too few runs of it were measured"
     )
-    why: str = Field(default="", description="why no threshold does it at this speed; empty where the choice does")
-    false: Rate | None = Field(
-        default=None, description="false stalls in held-out free runs, the motor stopping by them"
+    own: StallOwn | None = Field(
+        default=None,
+        description="what is proved at this speed alone; null: the choice does it here, or `why` says why nothing is",
     )
-    missed: Rate | None = Field(default=None, description="stalls missed in held-out runs into the stop")
+    why: str = Field(
+        default="", description="why the choice does not do it at this speed, and of no own, why nothing does"
+    )
+    false: Rate | None = Field(
+        default=None,
+        description="false stalls in held-out free runs, the motor stopping by them: by the choice; of a speed with "
+        "its own threshold by that; where nothing is proved by the last that was tried",
+    )
+    missed: Rate | None = Field(default=None, description="stalls missed in held-out runs into the stop, by the same")
     false_before: Rate | None = Field(default=None, description="the same with the setting before")
     missed_before: Rate | None = None
 

@@ -18,6 +18,10 @@ FIND_RPS = 0.25
 """How fast the stop is looked for at most [turns of the motor a second]."""
 MEASURED_FREE, MEASURED_STOPS = 40, 20
 """Runs that a threshold is chosen by, at each speed."""
+STOP_MOVES = 3
+"""Of a run into the stop: to where it begins, there, and back."""
+LOOKING_MOVES = 20
+"""By which it looks at each speed where the load values lie, about."""
 ROOM_FULLSTEPS = 12.0
 """What free runs keep from the stop."""
 WHY_ENCODER = "without an encoder nothing tells when the motor is at the stop"
@@ -113,20 +117,37 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
     return await planned("StallGuard threshold", look(device, axis, wanted), tell)
 
 
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What runs at one speed cost, at most."""
+
+    moves: int
+    way_fullsteps: float
+    time_s: float
+
+
+def _cost(ground: Ground, wanted: StallGuard, speed_pps: float, free_runs: int, stops: int) -> Cost:
+    """Of so many free runs, each of them a way of its own where the stop is near, and so many into the stop."""
+    way = free_runs * wanted.run_fullsteps
+    return Cost(
+        free_runs + STOP_MOVES * stops,
+        way + 2 * stops * min(abs(ground.limit - ground.start) / ground.full_step, wanted.run_fullsteps),
+        way * ground.full_step / speed_pps + stops * (2.0 + 4 * speed_pps / ground.acceleration_pps2),
+    )
+
+
 def _tell(told: StudyPlan, ground: Ground, wanted: StallGuard) -> None:
-    count = len(ground.speeds_pps)
     way = abs(ground.limit - ground.start) / ground.full_step
-    free = count * (MEASURED_FREE + wanted.free_runs) * wanted.run_fullsteps
-    stops = count * (MEASURED_STOPS + wanted.stops)
+    measuring = [_cost(ground, wanted, speed, MEASURED_FREE, MEASURED_STOPS) for speed in ground.speeds_pps]
+    proving = [_cost(ground, wanted, speed, wanted.free_runs, wanted.stops) for speed in ground.speeds_pps]
+    # One speed at the least has the threshold that was chosen: all others may need one of their own.
+    own = sorted(proving, key=lambda cost: cost.time_s)[1:] if wanted.each_speed else []
+    costs = [*measuring, *proving, *own]
     told.position_from, told.position_to = sorted((ground.start, ground.limit))
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.speeds_pps[-1], ground.acceleration_pps2
-    told.moves_max = 2 * stops + round(free / max(way, 1.0)) + 2
-    told.way_fullsteps = free + 2 * stops * min(way, wanted.run_fullsteps) + 2 * way
-    told.time_s = way * ground.full_step / ground.find_pps + sum(
-        ((MEASURED_FREE + wanted.free_runs) * wanted.run_fullsteps * ground.full_step) / speed
-        + (MEASURED_STOPS + wanted.stops) * (2.0 + 4 * speed / ground.acceleration_pps2)
-        for speed in ground.speeds_pps
-    )
+    told.moves_max = sum(cost.moves for cost in costs) + LOOKING_MOVES * len(measuring)
+    told.way_fullsteps = sum(cost.way_fullsteps for cost in costs) + 2 * way
+    told.time_s = way * ground.full_step / ground.find_pps + sum(cost.time_s for cost in costs)
     told.registers = [
         each.name if each.axis is None else f"{each.name} of axis {each.axis}"
         for each in (*ground.ramp.before, *ground.stall.before)
@@ -141,10 +162,17 @@ def _tell(told: StudyPlan, ground: Ground, wanted: StallGuard) -> None:
         f"the best threshold again, and a stall stops the motor: {wanted.free_runs} free runs and {wanted.stops} into "
         "the stop at each speed, none of which the choice has seen"
     )
+    moves, own_s = sum(cost.moves for cost in own), round(sum(cost.time_s for cost in own))
+    more = (
+        "where that does not hold at a speed, the one that suits it, proved there in the same way: at most "
+        f"{moves} moves and {own_s} s more, counted in what the plan tells; none with each_speed off"
+    )
     told.steps = [
         f"slowly to the {wanted.side} until it stands at the stop, {plain(wanted.within_fullsteps)} full steps at most",
         measured,
         proved,
+        *([more] if own else []),
+        "each threshold that these runs refute costs as much again at most, and the budget ends it",
         "after each lost step the position is taken from the encoder",
         "the setting as it is now goes back, whatever came of it; one click takes the best one",
     ]

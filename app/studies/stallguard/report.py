@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, table
 from ...number_text import plain
-from ..record import StudyRecord
+from ..record import StudyRecord, Trial
 from .found import Rate, StallAlone, StallFound, StallSpeed
+from .setting import FILTER, THRESHOLD
 
 FREE, STOPS = "#2b8a3e", "#e03131"
 
@@ -19,12 +20,14 @@ def sections(record: StudyRecord) -> list[str]:
         f"<p>StallGuard{found.generation}. Load values are those at threshold 0; one more of the threshold adds "
         f"{plain(found.slope, 3)} to them. A free run is {plain(found.run_fullsteps)} full steps long; a stall that is "
         f"not told {plain(found.push_fullsteps)} full steps into the stop is missed. Rates are of held-out runs, "
-        "their bounds one-sided, 95 % (Clopper and Pearson). Alone: the threshold that suits that speed best by the "
-        "runs that were measured, which it was chosen by.</p>"
+        "their bounds one-sided, 95 % (Clopper and Pearson), by the threshold that is told beside. "
+        "Alone: the threshold that suits that speed best by the runs that were measured, which it was chosen by.</p>"
     )
-    parts = ["<h2>How sure</h2>" + about + _rates(found)]
+    parts = ["<h2>How sure</h2>" + about + _rates(record, found)]
     parts += [
-        f"<h2>At {plain(one.speed_rps)} turns/s</h2>" + _distributions(one, found.level) + _roc(one)
+        f"<h2>At {plain(one.speed_rps)} turns/s</h2>"
+        + _distributions(one, found.level if one.own is None else one.own.level)
+        + _roc(one)
         for one in found.speeds
         if one.roc
     ]
@@ -45,10 +48,21 @@ def _alone(alone: StallAlone | None) -> str:
     )
 
 
-def _rates(found: StallFound) -> str:
+def _threshold(one: StallSpeed, best: Trial | None) -> str:
+    """What is proved at a speed; empty where nothing is."""
+    if one.own is not None:
+        return f"{one.own.threshold}{' with the filter' if one.own.filtered else ''}, its own"
+    if best is None or one.why:
+        return ""
+    return f"{plain(best.setting[THRESHOLD])}{' with the filter' if best.setting[FILTER] else ''}"
+
+
+def _rates(record: StudyRecord, found: StallFound) -> str:
+    best = record.trial(record.best)
     rows = [
         (
             plain(one.speed_rps),
+            _threshold(one, best),
             *map(_rate, (one.false, one.missed, one.false_before, one.missed_before)),
             one.why,
             _alone(one.alone),
@@ -57,6 +71,7 @@ def _rates(found: StallFound) -> str:
     ]
     heads = (
         "turns/s",
+        "threshold",
         "false stalls",
         "stalls missed",
         "false, before",

@@ -21,11 +21,12 @@ from ..rate_proof import rate_proof
 from ..record import Figures, Held, Trial
 from ..run import StudyRun
 from .choice import Choice, Measured, Run, alone, choices, roc
-from .found import Rate, RocPoint, StallAlone, StallFound, StallSpeed
+from .found import Rate, RocPoint, StallAlone, StallFound, StallOwn, StallSpeed
 from .plan import MEASURED_FREE, MEASURED_STOPS, ROOM_FULLSTEPS, Ground, look
 from .runs import Samples, StallRuns
 from .scale import Scale
-from .setting import UNITS, StallSetting
+from .setting import ARMED as ARMED_FROM
+from .setting import FILTER, THRESHOLD, UNITS, StallSetting
 
 ARMED = 0.9
 """Share of the least speed from which on a stall stops the motor: a ramp's end is not cut off."""
@@ -42,8 +43,15 @@ JITTER = 4.0
 """Runs into the stop begin somewhere within so many full steps: an electrical period."""
 AT_SPEED_FULLSTEPS = 60.0
 """So far at its speed before the stop."""
+TOO_NEAR = "between here and the stop it does not get up to this speed: begin further away from it"
 Wrong = Literal["", "false", "missed"]
 KeptRun = tuple[list[float], list[float]]
+At = tuple[StallSpeed, Measured]
+"""A speed in the record, and what was measured there."""
+
+
+class BudgetEnded(Failed):
+    """The budget ended before the study did."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +79,8 @@ class StallGuardStudy(StudyRun):
     _on_disk: Pieces[StallPiece]
     _earlier: list[StallPiece]
     """Pieces from before it was cut off that have not been taken up yet."""
+    _tried: dict[tuple[float, StallSetting], tuple[Rate, Rate, Wrong]]
+    """Missed stalls and false ones of what was tried on held-out runs, by the speed [pps] and the setting."""
 
     @property
     def wanted(self) -> StallGuard:
@@ -89,7 +99,7 @@ class StallGuardStudy(StudyRun):
         self._runs = StallRuns(self.device, self.axis, self.clock, ground.full_step, ground.way)
         self._runs.runs, self._runs.way_fullsteps = record.runs, record.way_fullsteps
         self._on_disk = Pieces(self.keeper.folder, StallPiece, aside=isinstance(self.clock, WallClock))
-        self._earlier = self._on_disk.read()
+        self._earlier, self._tried = self._on_disk.read(), {}
         self._random = random.Random(record.document.seed)
         if not record.baseline:
             record.baseline = [*ground.ramp.before, *ground.stall.before]
@@ -127,9 +137,10 @@ class StallGuardStudy(StudyRun):
         self.record.runs, self.record.way_fullsteps = self._runs.runs, self._runs.way_fullsteps
         budget = self.record.document.budget
         if self.since_s > budget.time_s:
-            raise Failed(f"the budget of {budget.time_s:g} s ended before anything was proved: give it more")
+            raise BudgetEnded(f"the budget of {budget.time_s:g} s ended before anything was proved: give it more")
         if budget.distance_fullsteps is not None and self._runs.way_fullsteps > budget.distance_fullsteps:
-            raise Failed(f"the budget of {budget.distance_fullsteps:g} full steps ended before anything was proved")
+            way = f"{budget.distance_fullsteps:g} full steps"
+            raise BudgetEnded(f"the budget of {way} ended before anything was proved: give it more")
 
     # --- where the stop is ------------------------------------------------------------------------
 
@@ -191,7 +202,7 @@ class StallGuardStudy(StudyRun):
         for index, one in enumerate(speeds):
             part, one.why = 0.05 + 0.4 * index / len(speeds), ""
             if self._approach(one.speed_pps) is None:
-                one.why = "between here and the stop it does not get up to this speed: begin further away from it"
+                one.why = TOO_NEAR
                 continue
             kept = self._taken_up(one.speed_pps, None)
             if kept is not None:
@@ -205,6 +216,9 @@ class StallGuardStudy(StudyRun):
             if await self._runs.mend():
                 one.why = "it loses steps at this speed with nothing in the way"
                 await self._slowly_home()
+                continue
+            if sum(run.least(ARMED * one.speed_pps, filtered=False) is not None for run in free) < 2:
+                one.why = TOO_NEAR
                 continue
             self.tell("search", part + 0.2 / len(speeds), f"into the stop at {plain(one.speed_rps)} turns/s")
             self.keeper.mark(f"into the stop at {plain(one.speed_rps)} turns/s")
@@ -353,24 +367,27 @@ class StallGuardStudy(StudyRun):
     # --- choosing and proving ---------------------------------------------------------------------
 
     async def _choose(self, measured: list[Measured]) -> None:
-        record = self.record
+        record, each = self.record, self.wanted.each_speed and len(measured) > 1
         record.trials, record.best = [], None
-        for first in choices(measured, self._scale, ARMED, self.wanted.rate_max):
-            choice: Choice | None = first
-            while choice is not None:
-                wrong = await self._prove(measured, choice)
-                if not wrong:
-                    await self._decide(measured, choice)
-                    return
-                choice = choice.without(false=wrong == "false")
+        for one in self.found.speeds:
+            one.own = None
+        pairs = self._of(measured)
+        choice = await self._holding(pairs, (0.45, 0.7 if each else 0.95))
+        if choice is not None:
+            record.best = record.trials[-1].number
+            proved, left = _parted(pairs, choice)
+            before = await self._before(proved)
+            await self._own(left)
+            self._decide(choice, proved, before)
+            return
         record.improved = False
-        for one, of in self._of(measured):
+        for one, of in pairs:
             one.why = self._why(one, of)
         reasons = [f"{plain(one.speed_rps)} turns/s: {one.why}" for one in self.found.speeds if one.why]
         record.verdict = f"no threshold does it here: {'; '.join(reasons)}"
         record.next = "another speed, more current, less acceleration, or a switch"
 
-    def _of(self, measured: list[Measured]) -> list[tuple[StallSpeed, Measured]]:
+    def _of(self, measured: list[Measured]) -> list[At]:
         speeds = {one.speed_pps: one for one in self.found.speeds}
         return [(speeds[of.speed_pps], of) for of in measured]
 
@@ -383,51 +400,75 @@ class StallGuardStudy(StudyRun):
             )
         return one.why
 
-    def _setting_of(self, measured: list[Measured], choice: Choice) -> StallSetting:
-        return StallSetting(choice.threshold, choice.filtered, ARMED * measured[choice.first].speed_pps)
+    async def _holding(self, pairs: Sequence[At], part: tuple[float, float]) -> Choice | None:
+        """The first choice that holds, at as many of these speeds as one can. part : of its progress, from and to"""
+        tried = 0
+        for first in choices([of for _, of in pairs], self._scale, ARMED, self.wanted.rate_max):
+            choice: Choice | None = first
+            while choice is not None:
+                begin, end = (part[0] + (part[1] - part[0]) * min(1.0, count / 8) for count in (tried, tried + 1))
+                setting = StallSetting(choice.threshold, choice.filtered, ARMED * pairs[choice.first][1].speed_pps)
+                wrong = await self._prove(pairs[choice.first : choice.last + 1], setting, (begin, end))
+                if not wrong:
+                    return choice
+                choice, tried = choice.without(false=wrong == "false"), tried + 1
+        return None
 
-    async def _prove(self, measured: list[Measured], choice: Choice) -> Wrong:
-        """Try a choice on held-out runs: what it gets wrong too often; empty where nothing."""
-        record, setting = self.record, self._setting_of(measured, choice)
+    async def _prove(self, pairs: Sequence[At], setting: StallSetting, part: tuple[float, float]) -> Wrong:
+        """Try a setting on held-out runs at these speeds: what it gets wrong too often; empty where nothing."""
+        record = self.record
+        for one, _ in pairs:
+            known = self._tried.get((one.speed_pps, setting))
+            if known is not None and known[2]:
+                one.missed, one.false, wrong = known
+                one.why = f"threshold {setting.threshold}: {_wrong_told(one, wrong)}"
+                return wrong
         trial = Trial(
             number=len(record.trials),
             setting=self._ground.stall.told(setting),
             registers=self._ground.stall.registers(setting, stops=None),
-            state="feasible",
+            state="failed",
             figures=Figures(),
             at_s=round(self.since_s, 3),
         )
-        self.keeper.mark(f"proof of threshold {choice.threshold}")
+        self.keeper.mark(f"proof of threshold {setting.threshold}")
         record.trials.append(trial)
-        for index in range(choice.first, choice.last + 1):
-            one, of = self._of(measured)[index]
-            done = (len(record.trials) - 1) / 8 + (index - choice.first) / (choice.last - choice.first + 1) / 8
+        for index, (one, of) in enumerate(pairs):
             self.tell(
-                "proof", 0.45 + 0.5 * min(done, 1.0), f"threshold {choice.threshold} at {plain(one.speed_rps)} turns/s"
+                "proof",
+                part[0] + (part[1] - part[0]) * index / len(pairs),
+                f"threshold {setting.threshold} at {plain(one.speed_rps)} turns/s",
             )
-            self._show(one, of, filtered=choice.filtered)
+            self._show(one, of, filtered=setting.filtered)
             one.missed, one.false, wrong = await self._held_out(one, setting)
             trial.figures.runs += one.missed.runs + one.false.runs
-            await self.keeper.save(record)
             if wrong:
-                rate = one.false if wrong == "false" else one.missed
-                trial.state = "infeasible"
-                trial.why = f"{rate.wrong} of {rate.runs} stalls {wrong} at {plain(one.speed_rps)} turns/s"
-                one.why = f"threshold {choice.threshold}: {trial.why}"
+                trial.state, trial.why = "infeasible", _wrong_told(one, wrong)
+                one.why = f"threshold {setting.threshold}: {trial.why}"
+                await self.keeper.save(record)
                 return wrong
             one.why = ""
-        record.best = trial.number
+            await self.keeper.save(record)
+        trial.state = "feasible"
         return ""
 
     async def _held_out(self, one: StallSpeed, setting: StallSetting) -> tuple[Rate, Rate, Wrong]:
         """Missed stalls and false ones of a setting at one speed, and which of them is too often; those from before it
-        was cut off where they are whole."""
-        kept = self._taken_up(one.speed_pps, setting)
-        if kept is not None and kept.missed is not None and kept.false is not None:
-            return kept.missed, kept.false, kept.wrong
-        missed, false, wrong = await self._run_held_out(one, setting)
-        await self._on_disk.add(StallPiece(one.speed_pps, setting=setting, missed=missed, false=false, wrong=wrong))
-        return missed, false, wrong
+        was cut off where they are whole.
+
+        Its runs are made once: what is tried until it passes is proved by nothing.
+        """
+        key = one.speed_pps, setting
+        if key not in self._tried:
+            kept = self._taken_up(*key)
+            if kept is not None and kept.missed is not None and kept.false is not None:
+                self._tried[key] = kept.missed, kept.false, kept.wrong
+            else:
+                missed, false, wrong = self._tried[key] = await self._run_held_out(one, setting)
+                await self._on_disk.add(
+                    StallPiece(one.speed_pps, setting=setting, missed=missed, false=false, wrong=wrong)
+                )
+        return self._tried[key]
 
     async def _run_held_out(self, one: StallSpeed, setting: StallSetting) -> tuple[Rate, Rate, Wrong]:
         """Missed stalls and false ones of a setting at one speed, the motor stopping by them, and which of them is too
@@ -468,13 +509,60 @@ class StallGuardStudy(StudyRun):
                 free += a_pass
         return rates("" if for_free.shown(false, int(free)) else "false")
 
-    async def _decide(self, measured: list[Measured], choice: Choice) -> None:
-        """Whether that is better than the setting before, which has the same runs to do."""
+    async def _before(self, proved: Sequence[StallSpeed]) -> str:
+        """The same runs by the setting before; why it could not do any, empty where it could."""
+        in_the_way = self._ground.stall.in_the_way()
+        if in_the_way:
+            return in_the_way[0]
+        setting = self._ground.stall.now()
+        for one in proved:
+            self.tell("proof", self.record.progress, f"the setting before at {plain(one.speed_rps)} turns/s")
+            one.missed_before, one.false_before, _ = await self._held_out(one, setting)
+        return ""
+
+    async def _own(self, left: Sequence[At]) -> None:
+        """Prove, at each speed at which the choice does not do it, a threshold that does it there."""
+        for one, _ in left:
+            one.why = one.why or "not with a threshold that does it at the others"
+        if not self.wanted.each_speed:
+            return
+        for index, (one, of) in enumerate(left):
+            why = one.why
+            begin, end = (0.7 + 0.25 * count / len(left) for count in (index, index + 1))
+            # What a wider span has proved here, and not at another of its speeds, is proved here.
+            tried = self._tried.items()
+            known = [setting for (pps, setting), (*_, wrong) in tried if pps == of.speed_pps and not wrong]
+            try:
+                holds = (
+                    not await self._prove([(one, of)], known[0], (begin, end))
+                    if known
+                    else await self._holding([(one, of)], (begin, end)) is not None
+                )
+            except BudgetEnded:
+                one.why = why
+                for late, _ in left[index:]:
+                    late.why += ", and the budget ended before one of its own was proved"
+                return
+            if not holds:
+                one.why = f"no threshold does it here: {self._why(one, of)}"
+                continue
+            trial = self.record.trials[-1]
+            threshold = round(trial.setting[THRESHOLD])
+            one.why = why
+            one.own = StallOwn(
+                threshold=threshold,
+                filtered=bool(trial.setting[FILTER]),
+                level=self._scale.level(threshold),
+                from_pps=trial.setting[ARMED_FROM],
+                trial=trial.number,
+            )
+
+    def _decide(self, choice: Choice, proved: list[StallSpeed], before: str) -> None:
+        """Whether the choice is better than the setting before, which had the same runs to do.
+
+        before : why that could not do any
+        """
         record, found = self.record, self.found
-        proved = [one for one, _ in self._of(measured)[choice.first : choice.last + 1]]
-        for index, (one, _) in enumerate(self._of(measured)):
-            if not choice.first <= index <= choice.last:
-                one.why = one.why or "not with a threshold that does it at the others"
         found.level, found.filtered = self._scale.level(choice.threshold), choice.filtered
         found.from_rps, found.to_rps = proved[0].speed_rps, proved[-1].speed_rps
         slowest, fastest = plain(found.from_rps), plain(found.to_rps)
@@ -493,22 +581,38 @@ class StallGuardStudy(StudyRun):
                 "home by it, or let a stall stop the motor (sg_stop, which stays as it is); more runs bound the rates "
                 "closer: 366 without a wrong one show less than 1 %, and then some wrong ones are made up for by more"
             )
-        before = self._ground.stall.in_the_way()
+        worse = [what for what in ("false", "missed") if not before and _fewer(proved, what)]
+        record.improved = bool(before or worse)
         if before:
-            record.improved = True
-            record.verdict = f"{words}; as it was set before it could not ({before[0]})"
-            return
-        setting = self._ground.stall.now()
-        for one in proved:
-            self.tell("proof", 0.95, f"the setting before at {plain(one.speed_rps)} turns/s")
-            one.missed_before, one.false_before, _ = await self._held_out(one, setting)
-        worse = [what for what in ("false", "missed") if _fewer(proved, what)]
-        record.improved = bool(worse)
-        record.verdict = (
-            f"{words}; before: {_told(proved, 'false_before')}, {_told(proved, 'missed_before')}"
-            if worse
-            else "the setting before does as well in as many runs: it stays as it is"
-        )
+            record.verdict = f"{words}; as it was set before it could not ({before})"
+        elif worse:
+            record.verdict = f"{words}; before: {_told(proved, 'false_before')}, {_told(proved, 'missed_before')}"
+        else:
+            record.verdict = "the setting before does as well in as many runs: it stays as it is"
+        for one in found.speeds:
+            record.verdict += _own_told(one)
+
+
+def _parted(pairs: list[At], choice: Choice) -> tuple[list[StallSpeed], list[At]]:
+    """The speeds at which a choice does it, and the others."""
+    own = pairs[: choice.first] + pairs[choice.last + 1 :]
+    return [one for one, _ in pairs[choice.first : choice.last + 1]], own
+
+
+def _own_told(one: StallSpeed) -> str:
+    """What a verdict says of a speed at which the choice does not do it; empty where it does."""
+    if one.own is None:
+        return f"; at {plain(one.speed_rps)} turns/s: {one.why}" if one.why else ""
+    return (
+        f"; at {plain(one.speed_rps)} turns/s threshold {one.own.threshold}"
+        f"{' with the filter' if one.own.filtered else ''}: {_told([one], 'false')}, {_told([one], 'missed')}"
+    )
+
+
+def _wrong_told(one: StallSpeed, wrong: Wrong) -> str:
+    rate = one.false if wrong == "false" else one.missed
+    assert rate is not None
+    return f"{rate.wrong} of {rate.runs} stalls {wrong} at {plain(one.speed_rps)} turns/s"
 
 
 def _kept(run: Run) -> KeptRun:
