@@ -15,7 +15,7 @@ import { triedOf } from "./leastCurrent/tried";
 import { addedOf, errorOf, harmonicsOf, type Microsteps } from "./microstepCalibration/curves";
 import { knownOf, type NamedMotor } from "./motor/motor";
 import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } from "./resonanceMap/dots";
-import { aloneText, rateText, rocOf, type StallSpeed } from "./stallguard/rates";
+import { aloneText, rateText, rocOf, type StallSpeed, thresholdText } from "./stallguard/rates";
 import { torqueFrom } from "./stealthchop/form";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
 import { type Finding, figureOf, remedyOf, type Study, sentencesOf, twinTold } from "./study";
@@ -281,6 +281,7 @@ describe("a study on the page", () => {
       kind: "stallguard",
       speeds_rps: [0.5, 1, 2],
       stop_confirmed: true,
+      each_speed: true,
     });
   });
 
@@ -382,6 +383,16 @@ describe("a study on the page", () => {
       "-8: 0 of 100 false, 1 of 20 missed, too many",
     );
     expect(aloneText(null)).toBe("");
+    const own = { threshold: 3, filtered: true, level: -24, from_pps: 900, trial: 1 };
+    const proved = {
+      trials: [{ number: 0, setting: { threshold: -8, filter: 0 } }],
+      best: 0,
+    } as unknown as Study;
+    const at = (more: Partial<StallSpeed>) => ({ own: null, why: "", ...more }) as StallSpeed;
+    expect(thresholdText(at({}), proved)).toBe("-8");
+    expect(thresholdText(at({ own, why: "not with that of the others" }), proved)).toBe("3 with the filter, its own");
+    expect(thresholdText(at({ why: "no threshold does it here" }), proved)).toBe("");
+    expect(thresholdText(at({}), { ...proved, best: null })).toBe("");
     const roc = [
       { level: -90, false: 0, missed: 0.5 },
       { level: 10, false: 0.25, missed: 0 },

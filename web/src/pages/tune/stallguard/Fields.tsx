@@ -49,6 +49,12 @@ export function Fields({ form, change }: FieldsProps<StallGuardForm>) {
       />
       <Numbers form={form} change={change} of={NUMBERS} />
       <Checkbox
+        label="Where one threshold does not do it at all speeds, prove one for each of the others"
+        description="the plan tells what that costs more"
+        checked={form.eachSpeed}
+        onChange={({ currentTarget }) => change({ eachSpeed: currentTarget.checked })}
+      />
+      <Checkbox
         label="A hard stop is there, and the motor may run into it"
         checked={form.confirmed}
         onChange={({ currentTarget }) => change({ confirmed: currentTarget.checked })}

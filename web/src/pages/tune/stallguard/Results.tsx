@@ -1,39 +1,52 @@
-import { Text } from "@mantine/core";
+import { Button, Group, Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { Parallel } from "../trials/Parallel";
-import { aloneText, distributionsOf, pointsOf, rateText, rocOf, type StallFound, type StallSpeed } from "./rates";
+import type { Changes } from "../useStudies";
+import {
+  aloneText,
+  distributionsOf,
+  pointsOf,
+  rateText,
+  rocOf,
+  type StallFound,
+  type StallSpeed,
+  thresholdText,
+} from "./rates";
 
 /** What came of each speed: both rates, how load values are distributed, and what each threshold would do. */
-export function Results({ study }: { study: Study }) {
+export function Results({ study, changes }: { study: Study; changes: Changes }) {
   const found = study.stallguard;
   if (!found) return null;
   return (
     <>
-      <Rates found={found} study={study} />
+      <Rates found={found} study={study} changes={changes} />
       {found.speeds
         .filter(({ roc }) => roc.length > 0)
         .map((speed) => (
-          <Distributions key={speed.speed_rps} speed={speed} level={found.level} />
+          <Distributions key={speed.speed_rps} speed={speed} level={speed.own?.level ?? found.level} />
         ))}
     </>
   );
 }
 
-function Rates({ found, study }: { found: StallFound; study: Study }) {
+function Rates({ found, study, changes }: { found: StallFound; study: Study; changes: Changes }) {
+  const { id, state, taken } = study;
   return (
     <Card title="How sure" note={`StallGuard${found.generation}`}>
       <FiguresTable
         label="False and missed stalls at each speed"
-        minWidth={420}
-        heads={["turns/s", "False stalls", "Missed", "Why not", "Alone, not held out"]}
+        minWidth={500}
+        heads={["turns/s", "Threshold", "False stalls", "Missed", "Why not", "Alone, not held out"]}
         rows={found.speeds.map((at) => [
           compact(at.speed_rps),
+          thresholdText(at, study),
           rateText(at.false),
           rateText(at.missed),
           at.why,
@@ -42,9 +55,39 @@ function Rates({ found, study }: { found: StallFound; study: Study }) {
       />
       <Text size="sm" className="dim">
         Of held-out runs: free ones of {compact(found.run_fullsteps)} full steps, and into the stop by{" "}
-        {compact(found.push_fullsteps)}. Bounds are one-sided, 95 %. Alone: the threshold that suits that speed best, by
-        the runs it was chosen by.
+        {compact(found.push_fullsteps)}, by the threshold beside. Bounds are one-sided, 95 %. Alone: the threshold that
+        suits that speed best, by the runs it was chosen by.
       </Text>
+      {state !== "running" && (
+        <Group gap="xs" mt="xs">
+          {found.speeds.map(
+            ({ own, speed_rps }) =>
+              own && (
+                <Button
+                  key={own.trial}
+                  size="compact-sm"
+                  variant="default"
+                  loading={changes.trial.isPending}
+                  onClick={() => changes.trial.mutate({ id, trial: own.trial })}
+                >
+                  Take that of {compact(speed_rps)} turns/s
+                </Button>
+              ),
+          )}
+          {found.speeds.map(
+            ({ own, speed_rps }) =>
+              own &&
+              taken?.trial === own.trial && (
+                <Text key={own.trial} size="sm" role="status">
+                  Taken: that of {compact(speed_rps)} turns/s.
+                </Text>
+              ),
+          )}
+        </Group>
+      )}
+      {changes.trial.error && changes.trial.variables?.id === id && (
+        <ProblemAlert error={changes.trial.error} doing="The setting" onClose={() => changes.trial.reset()} />
+      )}
       <Parallel trials={pointsOf(study)} label="Settings that were tried on held-out runs" />
     </Card>
   );

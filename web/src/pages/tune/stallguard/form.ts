@@ -9,6 +9,8 @@ export interface StallGuardForm {
   speeds: string;
   freeRuns: number;
   stops: number;
+  /** prove a threshold of its own at a speed at which that of the others does not do it */
+  eachSpeed: boolean;
 }
 
 /** Speeds as typed, rising and each once: "0.5, 1 2" is 0.5, 1, 2. */
@@ -31,6 +33,7 @@ export const STALLGUARD: KindForm<StallGuardForm> = {
     speeds: "0.5, 1, 2",
     freeRuns: 100,
     stops: 20,
+    eachSpeed: true,
   }),
   wish: (form) => ({
     study: {
@@ -41,6 +44,7 @@ export const STALLGUARD: KindForm<StallGuardForm> = {
       speeds_rps: speedsOf(form.speeds),
       free_runs: form.freeRuns,
       stops: form.stops,
+      each_speed: form.eachSpeed,
     },
     budget: { time_s: 86_400 },
   }),

@@ -13,6 +13,15 @@ export function rateText(rate: Rate | null): string {
   return rate === null ? "not tried" : `${rate.wrong} of ${rate.runs}: below ${compact(100 * rate.most, 2, "%")}`;
 }
 
+/** "-8", "3 with the filter, its own": what is proved at a speed; nothing where nothing is. */
+export function thresholdText({ own, why }: StallSpeed, { trials, best }: Study): string {
+  const chosen = trials.find(({ number }) => number === best)?.setting;
+  if (own === null && (why !== "" || !chosen)) return "";
+  const threshold = own?.threshold ?? chosen?.threshold;
+  const filtered = own?.filtered ?? chosen?.filter === 1;
+  return `${threshold}${filtered ? " with the filter" : ""}${own ? ", its own" : ""}`;
+}
+
 /** "-8 with the filter: 0 of 100 false, 0 of 20 missed", counted in the runs by which it was chosen. */
 export function aloneText(alone: StallSpeed["alone"]): string {
   if (alone === null) return "";
