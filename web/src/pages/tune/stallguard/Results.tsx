@@ -1,4 +1,4 @@
-import { Button, Group, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
 import { compact } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
@@ -19,6 +19,7 @@ import {
   type StallSpeed,
   thresholdText,
 } from "./rates";
+import { TakeOwn } from "./TakeOwn";
 
 /** What came of each speed: both rates, how load values are distributed, and what each threshold would do. */
 export function Results({ study, changes }: { study: Study; changes: Changes }) {
@@ -37,7 +38,7 @@ export function Results({ study, changes }: { study: Study; changes: Changes }) 
 }
 
 function Rates({ found, study, changes }: { found: StallFound; study: Study; changes: Changes }) {
-  const { id, state, taken } = study;
+  const { id } = study;
   return (
     <Card title="How sure" note={`StallGuard${found.generation}`}>
       <FiguresTable
@@ -58,33 +59,12 @@ function Rates({ found, study, changes }: { found: StallFound; study: Study; cha
         {compact(found.push_fullsteps)}, by the threshold beside. Bounds are one-sided, 95 %. Alone: the threshold that
         suits that speed best, by the runs it was chosen by.
       </Text>
-      {state !== "running" && (
-        <Group gap="xs" mt="xs">
-          {found.speeds.map(
-            ({ own, speed_rps }) =>
-              own && (
-                <Button
-                  key={own.trial}
-                  size="compact-sm"
-                  variant="default"
-                  loading={changes.trial.isPending}
-                  onClick={() => changes.trial.mutate({ id, trial: own.trial })}
-                >
-                  Take that of {compact(speed_rps)} turns/s
-                </Button>
-              ),
-          )}
-          {found.speeds.map(
-            ({ own, speed_rps }) =>
-              own &&
-              taken?.trial === own.trial && (
-                <Text key={own.trial} size="sm" role="status">
-                  Taken: that of {compact(speed_rps)} turns/s.
-                </Text>
-              ),
-          )}
-        </Group>
-      )}
+      <TakeOwn
+        study={study}
+        found={found}
+        onTake={(trial) => changes.trial.mutate({ id, trial })}
+        busy={changes.trial.isPending}
+      />
       {changes.trial.error && changes.trial.variables?.id === id && (
         <ProblemAlert error={changes.trial.error} doing="The setting" onClose={() => changes.trial.reset()} />
       )}
