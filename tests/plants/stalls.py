@@ -11,6 +11,8 @@ from .axes import drawn as axis
 SPEEDS_RPS = (0.5, 0.75, 1.0, 1.5, 2.0)
 APART_RPS = [0.5, 3.0]
 """Speeds at which plants that are drawn `apart` need thresholds of their own."""
+APART_PUSH_FULLSTEPS = 30.0
+"""How far into the stop a stall is told there: fewer values of it are too noisy."""
 
 
 def drawn(seed: int) -> tuple[dict[str, Any], list[float]]:

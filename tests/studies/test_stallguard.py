@@ -30,7 +30,7 @@ from app.studies.stallguard.study import StallGuardStudy
 from app.studies.store import StudyStore
 from tests.bench.studies.stallguard import Referee
 from tests.devices.tmc5xxx.harness import bench
-from tests.plants.stalls import APART_RPS, apart
+from tests.plants.stalls import APART_PUSH_FULLSTEPS, APART_RPS, apart
 from tests.studies.harness import START, Kept, Studied, studied
 
 STAGE = {"left_at_fullsteps": -5000, "right_at_fullsteps": 5000, "left_end_fullsteps": -300.0}
@@ -43,7 +43,7 @@ SHORT: dict[str, Any] = {
     "free_runs": 20,
     "stops": 10,
 }
-APART: dict[str, Any] = {**SHORT, "speeds_rps": APART_RPS, "push_fullsteps": 30.0}
+APART: dict[str, Any] = {**SHORT, "speeds_rps": APART_RPS, "push_fullsteps": APART_PUSH_FULLSTEPS}
 PLENTY = {"time_s": 10_000.0}
 NAMES = ("VMAX", "AMAX", "DMAX", "COOLCONF", "SW_MODE", "TCOOLTHRS", "THIGH")
 
@@ -208,7 +208,7 @@ async def test_a_speed_that_needs_another_threshold_gets_one_that_holds_there(tm
     assert told in record.verdict
     assert f"<td>{other.own.threshold}, its own</td>" in html_of(record)
     for trial, here, there in ((best, chosen, other), (own, other, chosen)):
-        referee = Referee(options, words, seed, APART["push_fullsteps"])
+        referee = Referee(options, words, seed, APART_PUSH_FULLSTEPS)
         referee.set(trial.registers)
         assert referee.holds([here.speed_pps], 60) == ""
         assert referee.holds([there.speed_pps], 60) != ""

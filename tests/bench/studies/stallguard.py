@@ -24,7 +24,7 @@ from app.studies.ramp_settings import held_of
 from app.studies.record import Held, StudyRecord
 from tests.bench.collected import at_least, collected
 from tests.bench.table import Row
-from tests.plants.stalls import drawn
+from tests.plants.stalls import APART_PUSH_FULLSTEPS, APART_RPS, apart, drawn
 from tests.studies.harness import START, studied
 
 FULL = replace(START, stops=False, vmax=102_400, amax=400_000, irun=31, ihold=16)
@@ -224,7 +224,7 @@ async def claimed(seed: int, folder: Path) -> tuple[bool, str]:
 
 
 async def _studied(
-    seed: int, folder: Path, options: dict[str, Any], speeds: list[float]
+    seed: int, folder: Path, options: dict[str, Any], speeds: list[float], push_fullsteps: float = PUSH_FULLSTEPS
 ) -> tuple[StudyRecord, dict[int, int], list[Held], bool]:
     async with studied(folder, FULL, **options) as s:
         before = await s.settings(*NAMES)
@@ -236,6 +236,7 @@ async def _studied(
             "speeds_rps": speeds,
             "free_runs": PROOF,
             "stops": PROOF,
+            "push_fullsteps": push_fullsteps,
         }
         record = await s.finish(s.begin(s.document(study, budget={"time_s": 40_000.0}, seed=seed)), 40_000)
         return record, words, list(record.baseline), await s.settings(*NAMES) == before
@@ -243,13 +244,23 @@ async def _studied(
 
 async def judged(seed: int, folder: Path) -> Judged:
     """The study on one plant, and whether it is right."""
-    options, speeds = drawn(seed)
-    record, words, baseline, as_before = await _studied(seed, folder, options, speeds)
+    return await _judged(seed, folder, *drawn(seed), PUSH_FULLSTEPS)
+
+
+async def judged_apart(seed: int, folder: Path) -> Judged:
+    """The study on a plant that needs a threshold of its own at each of two speeds, and whether it is right."""
+    return await _judged(seed, folder, apart(seed), APART_RPS, APART_PUSH_FULLSTEPS)
+
+
+async def _judged(
+    seed: int, folder: Path, options: dict[str, Any], speeds: list[float], push_fullsteps: float
+) -> Judged:
+    record, words, baseline, as_before = await _studied(seed, folder, options, speeds, push_fullsteps)
     says = record.verdict or record.message
     found = record.stallguard
     if record.state != "done" or found is None:
         return Judged(claims=False, wrong=f"it {record.state}: {says}", as_before=as_before, says=says)
-    referee = Referee(options, words, seed)
+    referee = Referee(options, words, seed, push_fullsteps)
     kept = [each for each in baseline if each.name not in ("VMAX", "AMAX", "DMAX", "V1", "V2")]
     best, wrong, claimed = record.trial(record.best), "", list[float]()
     if record.improved and best is not None:
@@ -260,11 +271,11 @@ async def judged(seed: int, folder: Path) -> Judged:
     owns = 0
     for one in found.speeds:
         if one.why and not wrong:
-            there = Referee(options, words, seed).finds(sorted([*claimed, one.speed_pps]), kept)
+            there = Referee(options, words, seed, push_fullsteps).finds(sorted([*claimed, one.speed_pps]), kept)
             wrong = f"there is one at {one.speed_rps:g} turns/s: {there}" if there else ""
         if one.why and not wrong:
             own = None if one.own is None else record.trial(one.own.trial)
-            referee = Referee(options, words, seed)
+            referee = Referee(options, words, seed, push_fullsteps)
             if own is not None:
                 owns += 1
                 referee.set(own.registers)
@@ -276,19 +287,28 @@ async def judged(seed: int, folder: Path) -> Judged:
 
 
 def measure(quick: bool) -> Sequence[Row]:
-    """One row; quick: a few plants."""
+    """Two rows; quick: a few plants."""
     plants = 4 if quick else 100
-    found = collected("stallguard", judged, range(FIRST_SEED, FIRST_SEED + plants))
-    right = sum(not one.wrong for one in found.values())
+    seeds = range(FIRST_SEED, FIRST_SEED + plants)
+    found = collected("stallguard", judged, seeds, share=0.5)
     return [
-        Row(
-            what=f"StallGuard thresholds on {len(found)} blind plants: false and missed < 1 %, or none does it",
-            measured=f"{at_least(right, len(found))}; {sum(one.claims for one in found.values())} with a threshold, "
-            f"{sum(one.owns for one in found.values())} speeds with one of their own",
-            peer=f"{len(found)}",
-            ratio=right / len(found),
-            required=f">= {SHARE:g}, every axis as before",
-            ok=right >= SHARE * len(found) and all(one.as_before for one in found.values()),
-            notes=tuple(f"plant {seed}: {one.wrong}; {one.says}" for seed, one in found.items() if one.wrong),
-        )
+        _row("StallGuard thresholds on {} blind plants: false and missed < 1 %, or none does it", found),
+        _row(
+            "the same on {} plants that need one of its own at each of two speeds",
+            collected("stallguard apart", judged_apart, seeds),
+        ),
     ]
+
+
+def _row(what: str, found: dict[int, Judged]) -> Row:
+    right = sum(not one.wrong for one in found.values())
+    return Row(
+        what=what.format(len(found)),
+        measured=f"{at_least(right, len(found))}; {sum(one.claims for one in found.values())} with a threshold, "
+        f"{sum(one.owns for one in found.values())} speeds with one of their own",
+        peer=f"{len(found)}",
+        ratio=right / len(found),
+        required=f">= {SHARE:g}, every axis as before",
+        ok=right >= SHARE * len(found) and all(one.as_before for one in found.values()),
+        notes=tuple(f"plant {seed}: {one.wrong}; {one.says}" for seed, one in found.items() if one.wrong),
+    )
