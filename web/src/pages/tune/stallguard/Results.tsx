@@ -45,19 +45,16 @@ function Rates({ found, study, changes }: { found: StallFound; study: Study; cha
         label="False and missed stalls at each speed"
         minWidth={500}
         heads={["turns/s", "Threshold", "False stalls", "Missed", "Why not", "Alone, not held out"]}
-        rows={found.speeds.map((at) => [
-          compact(at.speed_rps),
-          thresholdText(at, study),
-          rateText(at.false),
-          rateText(at.missed),
-          at.why,
-          aloneText(at.alone),
-        ])}
+        rows={found.speeds.map((at) => {
+          const proved = thresholdText(at, study);
+          const told = proved ? ["", ""] : [at.why, aloneText(at.alone)];
+          return [compact(at.speed_rps), proved, rateText(at.false), rateText(at.missed), ...told];
+        })}
       />
       <Text size="sm" className="dim">
         Of held-out runs: free ones of {compact(found.run_fullsteps)} full steps, and into the stop by{" "}
         {compact(found.push_fullsteps)}, by the threshold beside. Bounds are one-sided, 95 %. Alone: the threshold that
-        suits that speed best, by the runs it was chosen by.
+        suits that speed best, by the runs it was chosen by; told where nothing is proved.
       </Text>
       <TakeOwn
         study={study}
