@@ -2795,7 +2795,8 @@ export interface paths {
         put?: never;
         /**
          * Take Study
-         * @description Set the axis to what the study found, to a trial of its front, or to what it was before: one transaction.
+         * @description Set the axis to what the study found, to a trial of its front or a threshold that is proved at one speed, or to
+         *     what it was before: one transaction.
          */
         post: operations["take_study"];
         delete?: never;
@@ -17408,6 +17409,12 @@ export interface components {
              */
             rate_max?: number;
             /**
+             * Each Speed
+             * @description at a speed at which the threshold of the others does not do it, prove one of its own: by as many runs more
+             * @default true
+             */
+            each_speed?: boolean;
+            /**
              * Generation
              * @description StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now
              */
@@ -17484,10 +17491,41 @@ export interface components {
              */
             rate_max: number;
             /**
+             * Each Speed
+             * @description at a speed at which the threshold of the others does not do it, prove one of its own: by as many runs more
+             * @default true
+             */
+            each_speed: boolean;
+            /**
              * Generation
              * @description StallGuard2 (SpreadCycle) or 4 (StealthChop); null: as the chopper is set now
              */
             generation: (2 | 4) | null;
+        };
+        /**
+         * StallOwn
+         * @description The threshold of one speed at which that of the others does not do it, proved there by held-out runs.
+         */
+        StallOwn: {
+            /** Threshold */
+            threshold: number;
+            /** Filtered */
+            filtered: boolean;
+            /**
+             * Level
+             * @description at it or below a value is a stall
+             */
+            level: number;
+            /**
+             * From Pps
+             * @description speed from which on a stall has to stop the motor, as it was proved [pps]
+             */
+            from_pps: number;
+            /**
+             * Trial
+             * @description its number: that has the registers
+             */
+            trial: number;
         };
         /**
          * StallSearchStart
@@ -17565,15 +17603,17 @@ export interface components {
             roc: components["schemas"]["RocPoint"][];
             /** @description what suits this speed alone, not held out; null: too few runs of it were measured */
             alone: components["schemas"]["StallAlone"] | null;
+            /** @description what is proved at this speed alone; null: the choice does it here, or `why` says why nothing is */
+            own: components["schemas"]["StallOwn"] | null;
             /**
              * Why
-             * @description why no threshold does it at this speed; empty where the choice does
+             * @description why the choice does not do it at this speed, and of no own, why nothing does
              * @default
              */
             why: string;
-            /** @description false stalls in held-out free runs, the motor stopping by them */
+            /** @description false stalls in held-out free runs, the motor stopping by them: by the choice; of a speed with its own threshold by that; where nothing is proved by the last that was tried */
             false: components["schemas"]["Rate"] | null;
-            /** @description stalls missed in held-out runs into the stop */
+            /** @description stalls missed in held-out runs into the stop, by the same */
             missed: components["schemas"]["Rate"] | null;
             /** @description the same with the setting before */
             false_before: components["schemas"]["Rate"] | null;
@@ -18603,13 +18643,13 @@ export interface components {
         StudyTake: {
             /**
              * Which
-             * @description what the study found, what was before it, or a trial of its front
+             * @description what the study found, what was before it, or a trial: of its front, or `own` of a speed of StallGuard
              * @enum {string}
              */
             which: "best" | "baseline" | "trial";
             /**
              * Trial
-             * @description its number, where a trial is taken: it held when it was tried, and is not proved
+             * @description its number, where a trial is taken: one of the front held when it was tried, and is not proved
              */
             trial?: number | null;
         };
