@@ -11,8 +11,11 @@ class CannotListen(OSError):
     """The address cannot be had; the text says why and what to do."""
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """A bound socket; port 0 picks a free one. Raises CannotListen."""
+PORT_FLAG = "--port"
+
+
+def listen(host: str, port: int, flag: str = PORT_FLAG) -> socket.socket:
+    """A bound socket; port 0 picks a free one. `flag` : which says where to listen. Raises CannotListen."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         listener = socket.socket(family, kind, protocol)
@@ -24,20 +27,24 @@ def listen(host: str, port: int) -> socket.socket:
             listener.close()
             raise
     except OSError as error:
-        raise CannotListen(why(error, host, port)) from error
+        raise CannotListen(why(error, host, port, flag)) from error
     listener.setblocking(False)
     return listener
 
 
-def why(error: OSError, host: str, port: int) -> str:
+def why(error: OSError, host: str, port: int, flag: str = PORT_FLAG) -> str:
     """Why that address cannot be had, and what to do."""
     if error.errno == errno.EADDRINUSE:
-        return (
-            f"port {port} of {host} is taken; is stepscope running already? Another one: --port {port + 1}, or --port 0"
-        )
+        other = _said(port + 1, flag)
+        return f"port {port} of {host} is taken; is stepscope running already? Another one: {other}; 0 is any free one"
     if error.errno == errno.EACCES:
-        return f"port {port} needs more rights; use one above 1023, e.g. --port 8000"
+        return f"port {port} needs more rights; use one above 1023, e.g. {_said(8000, flag)}"
     return f"cannot listen on {host}:{port}: {error.strerror or error}"
+
+
+def _said(port: int, flag: str) -> str:
+    """How a user asks for a port: the server is started by make, too."""
+    return f"{flag} {port}, or make run PORT={port}" if flag == PORT_FLAG else f"{flag} HOST:{port}"
 
 
 def url_of(host: str, port: int, scheme: str = "http") -> str:

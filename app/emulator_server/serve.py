@@ -128,7 +128,7 @@ async def _emulate(chip: Served, host: str, port: int, announce: Callable[[str],
         try:
             server = await serve_tcp(chip, host, port)
         except OSError as error:
-            raise CannotListen(why(error, host, port)) from error
+            raise CannotListen(why(error, host, port, "--tcp")) from error
         bound = server.sockets[0].getsockname()
         announce(f"emulated {chip.model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
         await ended.wait()
@@ -154,7 +154,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
     with contextlib.ExitStack() as stack:
         stack.enter_context(compiled_behind(missing))
         # The control port first: a client may set a fault as soon as the line is there.
-        control = listen(*host_and_port("--control", options.control)) if options.control else None
+        control = listen(*host_and_port("--control", options.control), "--control") if options.control else None
         if control is not None:
             stack.callback(control.close)
             control.listen()  # whoever calls before the server behind it runs just waits
@@ -207,7 +207,7 @@ def _can_bit_rate(model: str, line: Line) -> int:
 def _ends(tcp: str | None, pty: Path | None, can: End | None = None) -> list[End]:
     ends: list[End] = []
     if tcp is not None:
-        ends.append(TcpEnd(listen(*host_and_port("--tcp", tcp))))
+        ends.append(TcpEnd(listen(*host_and_port("--tcp", tcp), "--tcp")))
     if pty is not None:
         from ..emulators.line.pty import PtyEnd  # not every system has such terminals
 
