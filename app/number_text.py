@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from decimal import Decimal
 
 _EXACT_BELOW = 1e15
@@ -25,3 +26,22 @@ def plain(value: float, digits: int = 6) -> str:
     if value == round(value) or size >= 10**digits:
         return str(round(value))
     return format(Decimal(f"{value:.{digits}g}"), "f")
+
+
+def counted(count: float | Sequence[float], one: str, digits: int = 6) -> str:
+    """A number of things, or several such numbers; `one` is the singular of what is counted.
+
+    >>> counted(1, "turn"), counted(0.5, "turn"), counted([0.5, 1], "turn")
+    ('1 turn', '0.5 turns', '0.5, 1 turns')
+    """
+    number = ", ".join(plain(each, digits) for each in (count if isinstance(count, Sequence) else [count]))
+    return f"{number} {one if number == '1' else f'{one}s'}"
+
+
+def times(count: int) -> str:
+    """How often.
+
+    >>> times(1), times(3)
+    ('once', '3 times')
+    """
+    return "once" if count == 1 else f"{count} times"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..html_report import moment, number, page, table, text
-from ..number_text import plain
+from ..number_text import counted, plain
 from .chopper import report as chopper
 from .closed_loop import report as closed_loop
 from .custom_search import report as custom_search
@@ -47,7 +47,7 @@ def html_of(record: StudyRecord) -> str:
     document = record.document
     about = (
         f"{record.device_name} ({record.model.upper()}), axis {document.axis}; {moment(record.started_unix_s)}, "
-        f"by {record.by or 'nobody named'}; study {record.id}, seed {document.seed}, {record.runs} runs, "
+        f"by {record.by or 'nobody named'}; study {record.id}, seed {document.seed}, {counted(record.runs, 'run')}, "
         f"{plain(record.way_fullsteps, 4)} full steps of way"
     )
     parts = [

@@ -214,7 +214,7 @@ def test_stealthchop_is_found_told_taken_and_undone(
         told = {"Resistance of one coil": "2.3", "Inductance of one coil": "4.4"}
         told |= {"Run current as it is set now": "1.22", "Supply of the motor": "36"}
         fill(page, {**told, "Holding torque": "0.45", "Rated current": "1.5", "Up to a speed of": "1"})
-        expect(plan).to_contain_text("up to 1 turns a second")
+        expect(plan).to_contain_text("up to 1 turn a second")
         expect(page.get_by_test_id("begin")).to_be_enabled()
         check_axe(page)
         page.get_by_test_id("begin").click()

@@ -297,7 +297,8 @@ def test_the_index_is_told_by_the_ways_on_which_it_was_met() -> None:
     wandering = told(met([once], [once], [3 * once], [once]))
     assert "no whole turns apart" in wandering["index"].text
     assert "offset" not in wandering
-    assert told(met([once], [], [], []))["index"].sure == "cannot be told"
+    alone = told(met([once], [], [], []))["index"]
+    assert (alone.sure, "seen once in 4 turns" in alone.text) == ("cannot be told", True), alone.text
 
 
 async def test_no_encoder_that_answers_is_told_to_be_missing(tmp_path: Path) -> None:
@@ -333,6 +334,13 @@ async def test_the_plan_tells_that_an_encoder_is_looked_for(tmp_path: Path) -> N
         assert told.missing == []
         assert "4,000 counts a turn" in told.steps[0]
         assert {"ENC_CONST of axis 0", "ENCMODE of axis 0"} <= set(told.registers)
+
+
+@pytest.mark.parametrize(("turns", "said"), [(1.0, "twice 1 turn there"), (2.5, "twice 2.5 turns there")])
+async def test_the_plan_counts_turns(tmp_path: Path, turns: float, said: str) -> None:
+    async with studied(tmp_path) as s:
+        told = await plan(s.device, 0, s.document({"kind": "first_look", "turns": turns, "velocity_rps": 1.0}))
+        assert any(said in step and "at 1 turn a second" in step for step in told.steps), told.steps
 
 
 async def test_a_shaft_that_is_clamped_is_named(tmp_path: Path) -> None:

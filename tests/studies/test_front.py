@@ -269,7 +269,7 @@ async def test_the_plan_of_a_candidate_tells_its_speed_and_searches_nothing(tmp_
         assert plan.missing == []
         assert plan.velocity_max_pps == pytest.approx(66_000)
         assert plan.acceleration_max_pps2 == pytest.approx(330_000)
-        assert any("the setting 60000 pps, 300000 pps^2: 1 times there and back" in step for step in plan.steps)
+        assert any("the setting 60000 pps, 300000 pps^2: once there and back" in step for step in plan.steps)
         assert plan.moves_max < (await ranges.plan(s.device, 0, s.document(MOVE))).moves_max
 
 

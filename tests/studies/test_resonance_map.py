@@ -133,7 +133,7 @@ async def test_a_plan_tells_what_there_is_no_room_for(tmp_path: Path) -> None:
     async with studied(tmp_path, FULL, **PLANT) as s:
         document = s.document({**MAP, "velocity_max_rps": 10.0, "travel_turns": 2.0, "other_chopper": True})
         plan = await KINDS["resonance_map"].plan(s.device, 0, document)
-        assert any("fastest to be looked at" in line for line in plan.warnings)
+        assert any("is the fastest with this travel" in line for line in plan.warnings)
         assert {"IHOLD_IRUN", "GCONF", "TPWMTHRS"} <= set(plan.registers)
         assert any("StealthChop" in step for step in plan.steps)
         short = s.document({**MAP, "velocity_max_rps": 10.0, "travel_turns": 1.0})

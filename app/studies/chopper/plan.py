@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..current_settings import CurrentSpace
 from ..document import CalmChopper, StudyDocument
 from ..encoder_scale import microsteps_a_count
@@ -112,7 +112,7 @@ async def look(device: Device, axis: int, wanted: CalmChopper) -> Looked[Ground]
     most = found.space.allowed(SPEED), found.space.allowed(ACCELERATION)
     cruises = [_cruise(rps, found.turn, full_step, most) for rps in wanted.speeds_rps]
     if any(each.ramp[SPEED] < 0.999 * each.rps * found.turn for each in cruises):
-        say(f"the soft limit of velocity is below {plain(max(wanted.speeds_rps))} turns a second: take slower ones")
+        say(f"the soft limit of velocity is below {counted(max(wanted.speeds_rps), 'turn')} a second: take slower ones")
     longest = max(each.length for each in cruises)
     if limits.beyond(state.position + longest):
         say(f"it would turn to {state.position + longest}, and the soft limits end before: begin elsewhere")
@@ -160,11 +160,11 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: CalmChopper, trial
     told.way_fullsteps = 2 * rounds * sum(lengths) / ground.full_step
     told.time_s = rounds * ground.round_s
     told.registers = [f"{name} of axis {axis}" for name in ground.before]
-    speeds = ", ".join(plain(each) for each in wanted.speeds_rps)
+    speeds, tried = counted(wanted.speeds_rps, "turn"), counted(trials, "setting")
     told.steps = [
-        f"runs there and back at {speeds} turns a second, with SpreadCycle as it is set: how much the shaft shakes",
+        f"runs there and back at {speeds} a second, with SpreadCycle as it is set: how much the shaft shakes",
         f"the same with what is calculated from the coil: {ground.chopper.calculated.words}",
-        f"the same with what a search asks for: {trials} settings at most, of {len(ground.allowed)} that may be tried",
+        f"the same with what a search asks for: {tried} at most, of {len(ground.allowed)} that may be tried",
         f"{wanted.pairs} times the same with the setting before and with the best one, in turn",
         "the best one stays where it is shown to be calmer, else the old one goes back"
         if wanted.keep

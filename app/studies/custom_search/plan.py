@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain, times
 from ..document import CustomSearch, StudyDocument
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, least_time_s
@@ -145,8 +145,8 @@ def _tell(told: StudyPlan, ground: Ground, document: StudyDocument, axis: int) -
     ]
     ranges = "; ".join(_range(each) for each in settings)
     told.steps = [
-        f"moves by {moves} microsteps and back, {wanted.repeats} times, as the axis is set now",
-        f"the same with up to {budget.trials} settings, looking for {goals}: {ranges}",
+        f"moves by {moves} microsteps and back, {times(wanted.repeats)}, as the axis is set now",
+        f"the same with up to {counted(budget.trials, 'setting')}, looking for {goals}: {ranges}",
         *([f"a setting counts with {', '.join(bounds)}"] if bounds else []),
         "after lost steps, which are loud, the position is taken from the encoder, and it goes back as set before",
         f"the best {FINALISTS} again, {AGAIN * wanted.repeats} times",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, differences_plot, frame, mark, number, table
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..fastest_move.report import WORDS
 from ..record import StudyRecord
 from .figures import NAMES, named, value_of
@@ -40,7 +40,8 @@ def _evidence(found: CustomFound) -> str:
     ]
     bound = "" if found.loss_rate_max is None else f"; loss rate below {100 * found.loss_rate_max:.2g} %, 95 %"
     heads = ("", "before", "best", "difference", "95 %", "p (Wilcoxon)", "")
-    return table(heads, rows) + f"<p>{len(found.pairs)} pairs, no step lost in {found.runs} runs{bound}</p>"
+    proved = f"{counted(len(found.pairs), 'pair')}, no step lost in {counted(found.runs, 'run')}"
+    return table(heads, rows) + f"<p>{proved}{bound}</p>"
 
 
 def _differences(found: CustomFound) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain, times
 from ..document import Budget, FastestMove, StudyDocument, told_twin
 from ..families import shapes_of
 from ..plan import AxisNow, Looked, StudyPlan, axis_seen_by, planned, room_told, twin_told
@@ -256,7 +256,7 @@ def _tell(told: StudyPlan, ranges: Ranges, wanted: FastestMove, budget: Budget, 
         *by_switch,
         f"{BASELINE_RUNS} moves by {_distances_told(wanted)} and back, as the axis is set now: {present}",
         *on_twin,
-        f"{_tried_told(candidate, trials)}: {wanted.repeats} times there and back {share:g} % as fast, then as it is",
+        f"{_tried_told(candidate, trials)}: {times(wanted.repeats)} there and back {share:g} % as fast, then as it is",
         *([] if candidate else _shape_told(ranges, wanted)),
         "beyond the edge steps will be lost, which is loud",
         f"after lost steps the position is taken from the {wanted.seen_by}, and the motor goes back slowly",
@@ -293,7 +293,7 @@ def _shape_told(ranges: Ranges, wanted: FastestMove) -> list[str]:
 
 def _tried_told(candidate: Mapping[str, float] | None, trials: int) -> str:
     if candidate is None:
-        return f"up to {trials} settings"
+        return f"up to {counted(trials, 'setting')}"
     return "the setting " + ", ".join(f"{plain(value, 4)} {UNITS[name]}" for name, value in candidate.items())
 
 

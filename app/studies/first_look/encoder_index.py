@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...number_text import plain
+from ...number_text import counted, times
 from ..record import Finding
 from .faults import Way
 
@@ -44,15 +44,15 @@ def index_findings(ways: Sequence[IndexMet], turn: int, full_step: int) -> list[
     met = [place for places in by_way for place in places]
     if not met:
         if farthest < 1 - full_step / turn:
-            text = f"none on the {plain(farthest, 3)} turns that were looked at: it may lie beside them"
+            text = f"none on the {counted(farthest, 'turn', 3)} that were looked at: it may lie beside them"
             return [Finding(name="index", text=text, sure="cannot be told")]
-        text = f"none seen in {plain(turns, 3)} turns: none is connected, or its pin serves something else"
+        text = f"none seen in {counted(turns, 'turn', 3)}: none is connected, or its pin serves something else"
         return [Finding(name="index", text=text)]
     first = met[0]
     # Of a turn, around the first one seen: places just below and above a whole turn are near each other.
     folded = [[first + (place - first + turn / 2) % turn - turn / 2 for place in places] for places in by_way]
     again = [max(places) - min(places) for places in folded if len(places) > 1]
-    seen = f"seen {len(met)} times in {plain(turns, 3)} turns"
+    seen = f"seen {times(len(met))} in {counted(turns, 'turn', 3)}"
     if not again:
         text = f"{seen}: nothing tells whether it comes again at the same place"
         return [Finding(name="index", text=text, sure="cannot be told")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...devices.core.device import Device
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..document import FirstLook, StudyDocument
 from ..plan import Looked, StudyPlan, axis_now, planned
 from ..ramp_settings import ACCELERATION, SPEED, RampSpace
@@ -84,7 +84,7 @@ def _tell(told: StudyPlan, ground: Ground, device: Device, axis: int, wanted: Fi
     told.velocity_max_pps, told.acceleration_max_pps2 = ground.ramp[SPEED], ground.ramp[ACCELERATION]
     told.moves_max, ways, edges_s = 4, 4 * abs(far - ground.start), 0.0
     told.steps = [
-        f"twice {plain(wanted.turns)} turns there and back at {plain(wanted.velocity_rps)} turns a second",
+        f"twice {counted(wanted.turns, 'turn')} there and back at {counted(wanted.velocity_rps, 'turn')} a second",
         "no further where the motor does not go where it is told",
     ]
     if (provisional := ground.encoder.provisional) is not None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..current_settings import CurrentSpace
 from ..document import Identification, StudyDocument
 from ..encoder_scale import microsteps_a_count
@@ -196,7 +196,7 @@ def _amplitude_told(told: StudyPlan, ground: Ground, axis: int) -> list[str]:
     told.velocity_max_pps = max(ground.hop_pps, fastest[1][SPEED])
     share = f"{100 * ground.current.share(ground.low_scale):.0f} %"
     steps.append(
-        f"turns there and back with StealthChop, at {plain(fastest[0])} turns a second at most, the last with {share} "
-        "of the current, or with more where so little is not measured: inductance and back-EMF"
+        f"turns there and back with StealthChop, at {counted(fastest[0], 'turn')} a second at most, the last with "
+        f"{share} of the current, or with more where so little is not measured: inductance and back-EMF"
     )
     return steps

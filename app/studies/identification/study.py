@@ -9,7 +9,7 @@ import numpy as np
 from ...calc.motors.friction_backlash import Turn
 from ...calc.motors.ring_down import Ring
 from ...calc.motors.slow_turns import SlowTurn, fit_slow_turn
-from ...number_text import plain
+from ...number_text import counted, plain
 from ...procedures.procedure import Failed
 from ..document import Identification
 from ..fitted import estimate
@@ -206,7 +206,7 @@ class IdentificationStudy(StudyRun):
         for rps, ramp in amplitude.speeds:
             await self.apply(
                 [*current.registers(current.run_scale), *amplitude.ramps.registers(ramp)],
-                f"turns at {plain(rps)} turns a second",
+                f"turns at {counted(rps, 'turn')} a second",
             )
             found = await self._turned(runs, rps, ramp)
             enough = ENOUGH_AT_LAST if rps == amplitude.speeds[-1][0] else ENOUGH
@@ -221,7 +221,7 @@ class IdentificationStudy(StudyRun):
     async def _turned(self, runs: AmplitudeRuns, rps: float, ramp: dict[str, float]) -> float | None:
         """Mean amplitude of a turn there and back [counts]."""
         ground = self._ground
-        self.tell("look", TURNS_TAKE, f"a turn there and back at {plain(rps)} turns a second, with StealthChop")
+        self.tell("look", TURNS_TAKE, f"a turn there and back at {counted(rps, 'turn')} a second, with StealthChop")
         longest_s = 2 * (ground.way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
         found = await runs.there_and_back(ground.start, ground.way, longest_s)
         self._moves.way_fullsteps += 2 * ground.way / ground.full_step

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain, times
 from ...profiles.capture import CapturedConfiguration
 from ..current_settings import CurrentSpace
 from ..document import ResonanceMap, StudyDocument
@@ -130,7 +130,7 @@ async def look(device: Device, axis: int, wanted: ResonanceMap) -> Looked[Ground
     if len(ground.speeds) < wanted.speeds or fastest < wanted.velocity_max_rps:
         last = ground.speeds[-1] if ground.speeds else 0.0
         looked.warnings.append(
-            f"with this travel, acceleration and limits {plain(last, 3)} turns a second is the fastest to be looked at"
+            f"{counted(last, 'turn', 3)} a second is the fastest with this travel, acceleration and limits"
         )
     if len(ground.speeds) < wanted.speeds / 2:
         say("there is no room for half of the speeds: more travel, or a greater acceleration")
@@ -204,7 +204,7 @@ def _tell(told: StudyPlan, ground: Ground, wanted: ResonanceMap) -> None:
     told.registers = [each.name for each in ground.before]
     first, last = plain(ground.speeds[0], 3), plain(ground.speeds[-1], 3)
     told.steps = [
-        f"there and back at {len(ground.speeds)} speeds from {first} to {last} turns/s, {wanted.repeats} times each",
+        f"there and back at {len(ground.speeds)} speeds from {first} to {last} turns/s, {times(wanted.repeats)} each",
         "more speeds around those at which the ripple of an order grows",
         *(
             f"with {one.name} and without, in turn, at {len(compared)} of these speeds and at the resonances"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...html_report import EDGE, HEIGHT, WIDTH, PlotAxis, frame, line, number, table, text
-from ...number_text import plain
+from ...number_text import plain, times
 from ..parts import Interval
 from ..record import StudyRecord
 from .found import Change, MapPoint, ResonanceFound
@@ -95,7 +95,7 @@ def _table(found: ResonanceFound) -> str:
             *(number(amplitude, 3) for amplitude in point.amplitudes_deg),
             number(point.rest_deg, 3),
             number(point.rest_hz, 3),
-            f"steps lost {point.lost} times" if point.lost else "",
+            f"steps lost {times(point.lost)}" if point.lost else "",
         )
         for point in found.points
     ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ...devices.core.capabilities import EncoderSetting
 from ...devices.core.device import Device
 from ...errors import WrongState
+from ...number_text import times
 from ..document import ScoredMove, StudyDocument
 from ..plan import Looked, StudyPlan, axis_now, planned, room_told
 from ..ramp_settings import ACCELERATION, SPEED, UNITS, least_time_s
@@ -81,7 +82,7 @@ async def plan(device: Device, axis: int, document: StudyDocument) -> StudyPlan:
         told.way_fullsteps = told.moves_max * abs(wanted.distance) / ground.full_step
         told.time_s = told.moves_max * (ground.move_s + AROUND_S)
         told.steps = [
-            f"by {wanted.distance} microsteps and back, {wanted.repeats} times, with all settings as they are now",
+            f"by {wanted.distance} microsteps and back, {times(wanted.repeats)}, with all settings as they are now",
             "where a stall stops it on the way there, it goes back to where it began, and makes no further move",
             "its figures are kept with these settings: change some, move again, and compare",
         ]

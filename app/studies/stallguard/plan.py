@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..document import StallGuard, StudyDocument
 from ..families import stalls_of
 from ..plan import Looked, StudyPlan, axis_that_sees_lost_steps, planned
@@ -152,9 +152,9 @@ def _tell(told: StudyPlan, ground: Ground, wanted: StallGuard) -> None:
         each.name if each.axis is None else f"{each.name} of axis {each.axis}"
         for each in (*ground.ramp.before, *ground.stall.before)
     ]
-    speeds = ", ".join(plain(speed) for speed in wanted.speeds_rps)
+    speeds = counted(wanted.speeds_rps, "turn")
     measured = (
-        f"at {speeds} turns a second each: {MEASURED_FREE} free runs between here and the stop, and {MEASURED_STOPS} "
+        f"at {speeds} a second each: {MEASURED_FREE} free runs between here and the stop, and {MEASURED_STOPS} "
         "into the stop, with the current as it is set; no stall stops the motor then: it grinds for "
         f"{plain(wanted.push_fullsteps)} full steps"
     )

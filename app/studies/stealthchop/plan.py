@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...devices.core.device import Device
 from ...errors import WrongState
-from ...number_text import plain
+from ...number_text import counted, plain
 from ..current_settings import CurrentSpace
 from ..document import QuietStealthChop, StudyDocument
 from ..families import current_of, stealthchop_of
@@ -128,7 +128,7 @@ async def look(device: Device, axis: int, wanted: QuietStealthChop) -> Looked[Gr
     limits = device.axes[axis].settings.limits
     fastest, hardest = found.space.allowed(SPEED), found.space.allowed(ACCELERATION)
     if fastest < 0.999 * wanted.velocity_max_rps * turn:
-        say(f"the soft limit of velocity is below {plain(wanted.velocity_max_rps)} turns a second: ask for less")
+        say(f"the soft limit of velocity is below {counted(wanted.velocity_max_rps, 'turn')} a second: ask for less")
     speed = min(wanted.velocity_max_rps * turn, fastest)
     acceleration = min(speed / SPEED_UP_S, hardest)
     length = math.ceil(speed**2 / acceleration + FAST_S * speed)
@@ -198,14 +198,14 @@ def _tell(told: StudyPlan, ground: Ground, axis: int, wanted: QuietStealthChop) 
     told.time_s = rounds * ground.round_s + tunings * turning_s
     told.time_s += sum(2 * (NEEDED_TURNS / rps + SPEED_UP_S) for rps in needed)
     told.registers = [f"{name} of axis {axis}" for name in ground.before]
-    top = plain(ground.top_rps, 3)
+    top = counted(ground.top_rps, "turn", 3)
     tuned = [
         "the chip tunes itself at rest and in turns at constant speed: PWM_OFS_AUTO and PWM_GRAD_AUTO are read",
         "in the same turns: the amplitude that its regulation needs at each speed",
         "each run begins afresh with the amplitudes as they are set: what its regulation adds is read under way",
     ]
     first = (
-        f"runs there and back at up to {top} turns a second, set as now, from {PLACES} places of a full step: how the "
+        f"runs there and back at up to {top} a second, set as now, from {PLACES} places of a full step: how the "
         "shaft jolts as the choppers change"
     )
     rising = (

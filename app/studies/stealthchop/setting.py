@@ -8,6 +8,7 @@ from typing import Protocol
 
 from ...devices.core.device import Device
 from ...errors import WrongState
+from ...number_text import counted
 from ...profiles.capture import CapturedConfiguration
 from ..field_settings import FieldSpace, Place
 from ..record import Held
@@ -203,7 +204,8 @@ class StealthSpace:
             return "SpreadCycle at every speed"
         parts = [] if setting.offset is None else [f"PWM_OFS {setting.offset}, PWM_GRAD {setting.gradient}"]
         rps = self.switch_rps(setting)
-        parts.append("StealthChop at every speed" if rps is None else f"StealthChop up to {rps:.3g} turns a second")
+        up_to = "at every speed" if rps is None else f"up to {counted(rps, 'turn', 3)} a second"
+        parts.append(f"StealthChop {up_to}")
         return ", ".join(parts)
 
     def registers(self, setting: StealthSetting) -> list[Held]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...clock import WallClock
 from ...devices.core.capabilities import PositionFromEncoder
-from ...number_text import plain
+from ...number_text import counted, plain
 from ...procedures.procedure import Failed
 from ..document import QuietStealthChop
 from ..families import identification_of
@@ -110,7 +110,7 @@ class StealthChopStudy(StudyRun):
         if best is None:
             record.improved, record.best = False, None
             record.verdict = (
-                f"even at {plain(ground.switches_rps[0])} turns a second the switch-over jolts by more than "
+                f"even at {counted(ground.switches_rps[0], 'turn')} a second the switch-over jolts by more than "
                 f"{plain(wanted.jolt_max_fullsteps)} full steps: it stays as it is"
             )
             record.next = "allow more of a jolt, or ask for less speed"
@@ -296,7 +296,7 @@ class StealthChopStudy(StudyRun):
     async def _turn(self, rps: float, ramp: Mapping[str, float], way: int) -> float | None:
         """The mean amplitude of a way there and back at constant speed, of the greatest; None: nothing was seen."""
         ground = self._ground
-        await self.apply(ground.ramp.registers(ramp), f"turns at {plain(rps)} turns a second")
+        await self.apply(ground.ramp.registers(ramp), f"turns at {counted(rps, 'turn')} a second")
         longest_s = 2 * (way / ramp[SPEED] + ramp[SPEED] / ramp[ACCELERATION]) + 1.0
         seen = await self._turns.there_and_back(ground.start, way, longest_s)
         self._moves.way_fullsteps += 2 * way / ground.full_step
@@ -430,7 +430,8 @@ class StealthChopStudy(StudyRun):
 
     async def _try_switch(self, setting: StealthSetting, rps: float) -> bool:
         setting = self._switching(setting, rps)
-        self.tell("search", 0.2 + 0.4 * rps / self._ground.top_rps, f"switching over at {plain(rps, 3)} turns a second")
+        part = 0.2 + 0.4 * rps / self._ground.top_rps
+        self.tell("search", part, f"switching over at {counted(rps, 'turn', 3)} a second")
         return self._holds((await self._trial(setting, "switch-over"))[1])
 
     def _holds(self, tried: StealthTried) -> bool:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ...devices.core.device import Device
-from ...number_text import plain
+from ...number_text import counted
 from ..document import StudyDocument, TorqueCurve
 from ..plan import Looked, StudyPlan, axis_seen_by, planned, room_told
 from ..ramp_settings import ACCELERATION, JERK, SPEED, RampSpace
@@ -90,7 +90,7 @@ async def look(device: Device, axis: int, wanted: TorqueCurve) -> Looked[Ground]
         device.motion.speed_limit_pps(axis),
     )
     if speed < 2 * LOW_RPS * turn:
-        say(f"its speed is limited to {plain(speed / turn)} turns a second: {2 * LOW_RPS:g} are needed")
+        say(f"its speed is limited to {counted(speed / turn, 'turn')} a second: {2 * LOW_RPS:g} are needed")
     most = {SPEED: speed, ACCELERATION: space.allowed(ACCELERATION)}
     looked.ground = Ground(space, switch, near, state.position, far, found.full_step, turn, most)
     return looked
