@@ -5,11 +5,15 @@ from __future__ import annotations
 import html
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from .number_text import plain
 
-WIDTH, HEIGHT, EDGE = 640, 260, 66
+WIDTH, HEIGHT, EDGE = 640, 260, 74
+CHARACTER, LINE = 8, 14
+"""As wide and as high as one is at the most, at the plots' size of letters [pixels]."""
+SENTENCE = 40
+"""Figures are shorter, and stay on one line; what is as long as this is none."""
 DECADES = 2.5
 """From so many on an axis is marked at each."""
 COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", "failed": "#e8590c"}
@@ -17,7 +21,8 @@ COLOURS = {"feasible": "#2b8a3e", "infeasible": "#e03131", "pruned": "#868e96", 
 STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
 h1{font-size:1.5rem}h2{font-size:1.1rem;margin-top:2rem}table{border-collapse:collapse;width:100%}
-td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td.n{text-align:right}
+td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td{white-space:nowrap}
+td.long{min-width:14rem;white-space:normal}
 .verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}
 .wide{overflow-x:auto}svg{width:100%;min-width:40rem}
 @media (prefers-color-scheme:dark){body{color:#e9ecef;background:#1a1b1e}
@@ -48,8 +53,12 @@ def text(told: object) -> str:
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of cells below their heads."""
     head = "".join(f"<th>{text(name)}</th>" for name in heads)
-    body = "".join("<tr>" + "".join(f"<td>{text(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
     return f'<div class="wide"><table><tr>{head}</tr>{body}</table></div>'
+
+
+def _cell(told: str) -> str:
+    return f"<td{' class=long' if len(told) >= SENTENCE else ''}>{text(told)}</td>"
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -83,24 +92,39 @@ class PlotAxis:
         return [step * index for index in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
+def _told(axis: PlotAxis, ticks: Sequence[float], room: Callable[[str], float]) -> dict[float, str]:
+    """What is written at ticks, from the least on: those of a logarithm crowd, and none lies upon another."""
+    told: dict[float, str] = {}
+    last = -math.inf
+    for value in ticks:
+        name = plain(value, 6)
+        place = abs(axis.at(value) - axis.at(ticks[0]))
+        if place - last >= room(name):
+            told[value], last = name, place
+    return told
+
+
 def frame(x: PlotAxis, y: PlotAxis, x_name: str, y_name: str, marks: str) -> str:
     """A plot: its axes with names and ticks around `marks`."""
+    foot, middle = HEIGHT - EDGE, (HEIGHT - EDGE + 10) / 2
+    below = _told(x, x.ticks(), lambda name: CHARACTER * (len(name) + 1))
+    beside = _told(y, y.ticks(), lambda _: LINE)
     ticks = "".join(
-        f'<path d="M{x.at(value):.1f} 10V{HEIGHT - EDGE}" stroke="#868e96" opacity=".3"/>'
-        f'<text x="{x.at(value):.1f}" y="{HEIGHT - EDGE + 18}" text-anchor="middle">{plain(value, 6)}</text>'
+        f'<path d="M{x.at(value):.1f} 10V{foot}" stroke="#868e96" opacity=".3"/>'
+        f'<text x="{x.at(value):.1f}" y="{foot + 18}" text-anchor="middle">{below.get(value, "")}</text>'
         for value in x.ticks()
     ) + "".join(
         f'<path d="M{EDGE} {y.at(value):.1f}H{WIDTH - 10}" stroke="#868e96" opacity=".3"/>'
-        f'<text x="{EDGE - 6}" y="{y.at(value) + 4:.1f}" text-anchor="end">{plain(value, 6)}</text>'
+        f'<text x="{EDGE - 6}" y="{y.at(value) + 4:.1f}" text-anchor="end">{beside.get(value, "")}</text>'
         for value in y.ticks()
     )
     return (
-        f'<div class="wide"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'<div class="wide"><svg viewBox="0 0 {WIDTH} {foot + 46}" role="img" '
         f'aria-label="{text(y_name)} over {text(x_name)}" font-size="12" fill="currentColor">'
         f'<rect x="{EDGE}" y="10" width="{WIDTH - EDGE - 10}" '
-        f'height="{HEIGHT - EDGE - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
-        f'<text x="{WIDTH / 2}" y="{HEIGHT - 12}" text-anchor="middle">{text(x_name)}</text>'
-        f'<text transform="translate(13 {HEIGHT / 2 - 20}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
+        f'height="{foot - 10}" fill="none" stroke="#adb5bd"/>{ticks}{marks}'
+        f'<text x="{WIDTH / 2}" y="{foot + 38}" text-anchor="middle">{text(x_name)}</text>'
+        f'<text transform="translate(11 {middle}) rotate(-90)" text-anchor="middle">{text(y_name)}</text>'
         "</svg></div>"
     )
 
