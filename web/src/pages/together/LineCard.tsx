@@ -16,8 +16,10 @@ import {
   type LinePlan,
   type LineWish,
   lineText,
+  type Row,
   type StraightLine,
   seenText,
+  titleIn,
   viaOf,
   withoutVia,
   withVia,
@@ -28,13 +30,13 @@ import { LINE_KEY, planLine, startLine, stopLine, useLine, useLinePath } from ".
 interface Props {
   /** null while the chosen axes and targets make none */
   line: StraightLine | null;
-  names: Readonly<Record<string, string>>;
+  rows: readonly Row[];
   wish: LineWish;
   onWish: (wish: LineWish) => void;
 }
 
 /** The chosen axes go to their targets on a straight line and arrive together: planned first, then gone. */
-export function LineCard({ line, names, wish, onWish }: Props) {
+export function LineCard({ line, rows, wish, onWish }: Props) {
   const queries = useQueryClient();
   const [shown, show] = useState<"plan" | "gone">("gone");
   const plan = useWork(() => (line === null ? Promise.reject(new Error("choose axes first")) : planLine(line)), {
@@ -105,14 +107,14 @@ export function LineCard({ line, names, wish, onWish }: Props) {
           {line === null ? "Choose axes above, each with a position." : lineText(state.data)}
         </Text>
       </Group>
-      {line !== null && <Via line={line} names={names} wish={wish} onWish={onWish} />}
+      {line !== null && <Via line={line} rows={rows} wish={wish} onWish={onWish} />}
       <div className="mt-8">
         <ProblemAlert error={plan.error} doing="Planning the line" onClose={() => plan.reset()} />
         <ProblemAlert error={start.error} doing="Going on the line" onClose={() => start.reset()} />
         <ProblemAlert error={stop.error} doing="Stopping" onClose={() => stop.reset()} />
       </div>
-      {shown === "plan" && plan.data !== undefined && <Plan plan={plan.data} names={names} />}
-      {shown === "gone" && path.data?.plan && <Plan plan={path.data.plan} path={path.data} names={names} />}
+      {shown === "plan" && plan.data !== undefined && <Plan plan={plan.data} rows={rows} />}
+      {shown === "gone" && path.data?.plan && <Plan plan={path.data.plan} path={path.data} rows={rows} />}
     </Card>
   );
 }
@@ -121,7 +123,7 @@ export function LineCard({ line, names, wish, onWish }: Props) {
 const POINTS_MAX = 64;
 
 /** The points on the way, in their order. */
-function Via({ line, names, wish, onWish }: Props & { line: StraightLine }) {
+function Via({ line, rows, wish, onWish }: Props & { line: StraightLine }) {
   const points = viaOf(line.axes, wish);
   if (points.length === 0) return null;
   return (
@@ -131,7 +133,7 @@ function Via({ line, names, wish, onWish }: Props & { line: StraightLine }) {
           <Table.Th>By</Table.Th>
           {line.axes.map(({ device, axis }) => (
             <Table.Th key={`${device}/${axis}`} className="right">
-              {names[device] ?? device} {axis}
+              {titleIn(rows, { device, axis })}
             </Table.Th>
           ))}
           <Table.Th aria-label="Remove" />
@@ -170,15 +172,15 @@ interface PlanProps {
   plan: LinePlan;
   /** where the axes were seen when it was gone */
   path?: LinePath;
-  names: Props["names"];
+  rows: Props["rows"];
 }
 
 /** Expected positions as lines, those seen as dots at their own times, and each axis of each leg in figures. */
-function Plan({ plan, path, names }: PlanProps) {
+function Plan({ plan, path, rows }: PlanProps) {
   const scheme = useScheme();
   const last = plan.legs.at(-1);
   const several = plan.legs.length > 1;
-  const title = ({ device, axis }: { device: string; axis: number }) => `${names[device] ?? device} ${axis}`;
+  const title = (axis: Pick<Row, "device" | "axis">) => titleIn(rows, axis);
   const data = useMemo(() => {
     const { timeS, expected, measured } = beside(plan, path);
     return [timeS, ...expected, ...(path === undefined ? [] : measured)] as const;

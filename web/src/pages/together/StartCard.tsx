@@ -17,6 +17,7 @@ import {
   type Row,
   type StartedTogether,
   skewText,
+  titleIn,
   UNSAID,
 } from "./starts";
 import classes from "./together.module.css";
@@ -24,12 +25,10 @@ import { startTogether } from "./useTogether";
 
 interface Props {
   rows: readonly Row[];
-  /** of devices, by id */
-  names: Readonly<Record<string, string>>;
 }
 
 /** Axes are chosen, get their targets, and start at once; then how far apart they really started is told. */
-export function StartCard({ rows, names }: Props) {
+export function StartCard({ rows }: Props) {
   const [choices, setChoices] = useState<Choices>({});
   const [relative, setRelative] = useState(false);
   const [useWires, setUseWires] = useState(true);
@@ -73,7 +72,7 @@ export function StartCard({ rows, names }: Props) {
           </Table.Thead>
           <Table.Tbody>
             {rows.map((row) => {
-              const title = `${names[row.device] ?? row.device} ${row.label}`.trim();
+              const { title } = row;
               const { chosen, target } = choices[row.key] ?? UNSAID;
               return (
                 <Table.Tr key={row.key}>
@@ -130,13 +129,13 @@ export function StartCard({ rows, names }: Props) {
           <ProblemAlert error={start.error} doing="Starting together" onClose={() => start.reset()} />
         </div>
       </Card>
-      <LineCard line={lineOf(moves, relative, wish)} names={names} wish={wish} onWish={setWish} />
-      {start.data !== undefined && <Started start={start.data} names={names} />}
+      <LineCard line={lineOf(moves, relative, wish)} rows={rows} wish={wish} onWish={setWish} />
+      {start.data !== undefined && <Started start={start.data} rows={rows} />}
     </>
   );
 }
 
-function Started({ start, names }: { start: StartedTogether; names: Props["names"] }) {
+function Started({ start, rows }: Props & { start: StartedTogether }) {
   const spread = start.spread_s === 0 ? "0 s" : duration(start.spread_s);
   return (
     <Card title="How they started" note={`${spread} between the first and the last`} data-testid="started">
@@ -161,7 +160,7 @@ function Started({ start, names }: { start: StartedTogether; names: Props["names
           {start.axes.map((axis) => (
             <Table.Tr key={`${axis.device}/${axis.axis}`}>
               <Table.Td>
-                {names[axis.device] ?? axis.device} {axis.axis}
+                {titleIn(rows, axis)}
                 {axis.warnings.map((warning) => (
                   <Text key={warning} size="xs" className="caution">
                     {warning}

@@ -28,7 +28,7 @@ export default function TogetherPage() {
   const names = Object.fromEntries(devices.data.map(({ id, name }) => [id, name]));
   return (
     <Page name="Together">
-      <StartCard rows={rowsOf(devices.data)} names={names} />
+      <StartCard rows={rowsOf(devices.data)} />
       {wiring.isError ? (
         <Card title="Wires">
           <ProblemAlert error={wiring.error} doing="Reading the wires" retry={() => void wiring.refetch()} />

@@ -24,13 +24,20 @@ const ROWS = rowsOf([device("bench", "tmc428", ["X", "Y", ""]), device("slide", 
 
 describe("moves that start together", () => {
   it("offers each axis that moves a motor", () => {
-    expect(ROWS.map(({ key, label }) => [key, label])).toEqual([
-      ["bench/0", "X"],
-      ["bench/1", "Y"],
-      ["bench/2", "axis 2"],
-      ["slide/0", ""],
+    expect(ROWS.map(({ key, title }) => [key, title])).toEqual([
+      ["bench/0", "bench X"],
+      ["bench/1", "bench Y"],
+      ["bench/2", "bench axis 2"],
+      ["slide/0", "slide"],
     ]);
     expect(rowsOf([device("driver", "tmc2130", ["M"]), device("off", "tmc4361", ["X"], "disconnected")])).toEqual([]);
+  });
+
+  it("names no axis twice", () => {
+    const titled = (name: string) => rowsOf([device("slider", "tmc4361", [name])]).map(({ title }) => title);
+    expect(titled("slider")).toEqual(["slider"]);
+    expect(titled("axis 0")).toEqual(["slider"]);
+    expect(titled("X")).toEqual(["slider X"]);
   });
 
   it("asks for a target of each that is chosen", () => {

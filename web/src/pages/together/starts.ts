@@ -17,7 +17,8 @@ export interface Row {
   key: string;
   device: string;
   axis: number;
-  label: string;
+  /** of device and axis */
+  title: string;
 }
 
 /** What a user has said of an axis. */
@@ -39,9 +40,22 @@ export function rowsOf(devices: readonly Pick<Device, "id" | "name" | "state" | 
         key: `${device.id}/${index}`,
         device: device.id,
         axis: index,
-        label: name !== "" && name !== String(index) ? name : device.axes.length > 1 ? `axis ${index}` : "",
+        title: titleOf(device.name, index, name, device.axes.length > 1),
       })),
     );
+}
+
+/** Names device and axis: the device alone where the axis has its name, or none and no other beside it. */
+function titleOf(device: string, index: number, name: string, several: boolean): string {
+  const number = `axis ${index}`;
+  const own = ["", String(index), number].includes(name) ? "" : name;
+  if (own === device) return device;
+  return `${device} ${own || (several ? number : "")}`.trim();
+}
+
+/** The title of an axis that may have gone since. */
+export function titleIn(rows: readonly Row[], { device, axis }: Pick<Row, "device" | "axis">): string {
+  return rows.find((row) => row.device === device && row.axis === axis)?.title ?? `${device} axis ${axis}`;
 }
 
 /** A driver that only takes steps goes nowhere by itself. */
