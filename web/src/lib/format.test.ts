@@ -2,6 +2,7 @@ import { describe, expect, it } from "vitest";
 import {
   bound,
   compact,
+  counted,
   decimalSum,
   duration,
   exactText,
@@ -18,6 +19,10 @@ describe("format", () => {
     expect(fixed(1234)).toBe("1234");
     expect(fixed(-0.0001, 2)).toBe("0.00");
     expect(fixed(Number.NaN)).toBe("–");
+  });
+
+  it("counts one in the singular", () => {
+    expect([0, 1, 2].map((count) => counted(count, "turn"))).toEqual(["0 turns", "1 turn", "2 turns"]);
   });
 
   it("shows the significant digits", () => {

@@ -59,6 +59,11 @@ export function withUnit(value: number | null | undefined, unit: string, digits 
   return compact(value, digits, unit);
 }
 
+/** A number of things, of which `one` is the singular: 1 turn, 2 turns. */
+export function counted(count: number, one: string): string {
+  return `${compact(count)} ${one}${count === 1 ? "" : "s"}`;
+}
+
 /** Seconds as people read them: 12 µs, 3.40 ms, 1.25 s, 2:05 min. */
 export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return NOTHING;

@@ -3,13 +3,13 @@ import { useState } from "react";
 import { can, type Device } from "../../api/queries";
 import { useAddressChoice } from "../../lib/address";
 import { Card } from "../../lib/Card";
-import { compact, duration } from "../../lib/format";
+import { compact, counted, duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { scaleOf } from "../../lib/units";
 import { GoalCards } from "./GoalCards";
 import type { FieldsProps } from "./kind";
 import { documentOf, type Forms, firstForms, goalsOf, KINDS, NAMES } from "./kinds";
-import type { Kind, Plan } from "./study";
+import { type Kind, namedOnce, type Plan } from "./study";
 import classes from "./tune.module.css";
 import { type Changes, usePlan } from "./useStudies";
 import { VIEWS } from "./views";
@@ -87,14 +87,6 @@ function KindFields<K extends Kind>({ kind, forms, change, ...axis }: KindFields
   return <Fields form={forms[kind]} change={(part) => change(kind, part)} {...axis} />;
 }
 
-/** "VMAX of axis 0", "AMAX of axis 0": the axis once. */
-function namedOnce(registers: string[]): string {
-  const names = registers.map((each) => each.split(" of "));
-  const of = names[0]?.[1];
-  const alike = of !== undefined && names.every(([, each]) => each === of);
-  return alike ? `${names.map(([name]) => name).join(", ")} of ${of}` : registers.join(", ");
-}
-
 /** The plan, in words: what moves, how far, how fast, how long; and what is missing. */
 function WhatHappens({ plan, stale }: { plan: Plan; stale: boolean }) {
   return (
@@ -125,9 +117,10 @@ function WhatHappens({ plan, stale }: { plan: Plan; stale: boolean }) {
       )}
       {plan.position_from !== null && plan.position_to !== null && (
         <Text size="sm" mt={4}>
-          Between {plan.position_from} and {plan.position_to} µsteps, up to {compact(plan.velocity_max_pps, 4, "pps")}{" "}
-          and {compact(plan.acceleration_max_pps2)} pps²; {plan.moves_max} moves, {compact(plan.way_fullsteps)} full
-          steps and {duration(plan.time_s)} at most.
+          Between {fixed(plan.position_from)} and {fixed(plan.position_to)} µsteps, up to{" "}
+          {compact(plan.velocity_max_pps, 4, "pps")} and {compact(plan.acceleration_max_pps2)} pps²;{" "}
+          {counted(plan.moves_max, "move")}, {compact(plan.way_fullsteps)} full steps and {duration(plan.time_s)} at
+          most.
         </Text>
       )}
       {plan.registers.length > 0 && (

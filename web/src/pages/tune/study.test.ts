@@ -18,7 +18,7 @@ import { campbellOf, changeOf, colourOf, type ResonanceFound, saidOf, walked } f
 import { aloneText, rateText, rocOf, type StallSpeed, thresholdText } from "./stallguard/rates";
 import { torqueFrom } from "./stealthchop/form";
 import { joltsOf, reachOf, type StealthTried } from "./stealthchop/tried";
-import { type Finding, figureOf, remedyOf, type Study, sentencesOf, twinTold } from "./study";
+import { type Finding, figureOf, namedOnce, remedyOf, type Study, sentencesOf, twinTold } from "./study";
 import { curveOf, rowsOf, type TorquePoint } from "./torqueCurve/points";
 import { FIRST_TWIN, isTried, named, takenFrom, twinOf } from "./twin/form";
 
@@ -65,6 +65,13 @@ const TRIALS = [
 ];
 
 describe("a study on the page", () => {
+  it("names an axis once for all that is set of it", () => {
+    expect(namedOnce([])).toBe("");
+    expect(namedOnce(["VMAX of axis 0", "GCONF", "AMAX of axis 0", "the microstep table of axis 0 (MSLUT)"])).toBe(
+      "VMAX, AMAX of axis 0; GCONF; the microstep table of axis 0 (MSLUT)",
+    );
+  });
+
   it("asks for a move with its margin as a share, and for a look without a budget", () => {
     const forms = firstForms(200 * 256);
     const fast = { ...forms.fastest_move, marginPercent: 15, trials: 12 };

@@ -24,6 +24,16 @@ export function figureOf({ value, unit, interval }: Finding): { figure: string; 
   return { figure: `${text(value)} ${symbol}`.trim(), sure };
 }
 
+/** "VMAX of axis 0", "AMAX of axis 0", "GCONF": VMAX, AMAX of axis 0; GCONF. */
+export function namedOnce(registers: readonly string[]): string {
+  const names = new Map<string, string[]>();
+  for (const each of registers) {
+    const [name = "", of = ""] = each.split(" of ");
+    names.set(of, [...(names.get(of) ?? []), name]);
+  }
+  return [...names].map(([of, each]) => each.join(", ") + (of && ` of ${of}`)).join("; ");
+}
+
 /** A cure as the page makes it: its address stands behind the device's own. */
 export function remedyOf(device: string, { remedy }: Finding): Remedy | null {
   if (remedy === null) return null;

@@ -4,7 +4,7 @@ import { useEffect, useId, useState } from "react";
 import { api, type Schemas } from "../../api/client";
 import { putIntoAddress, useAddress } from "../../lib/address";
 import { Card } from "../../lib/Card";
-import { fixed } from "../../lib/format";
+import { counted, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useWork } from "../../lib/useWork";
 import type { DeviceProps } from "../panel";
@@ -184,7 +184,7 @@ function MacroRow({ info, device, busy, passed, onTrial, onEdit, refresh }: RowP
   return (
     <Group gap="xs" justify="space-between" data-testid={`macro-${info.id}`}>
       <Text size="sm">
-        {info.name} <span className="hint">{`${info.steps === 1 ? "1 step" : `${info.steps} steps`}, ${untried}`}</span>
+        {info.name} <span className="hint">{`${counted(info.steps, "step")}, ${untried}`}</span>
         {why !== null && (
           <span className="hint" id={hint}>
             {`. ${why}`}

@@ -1,4 +1,5 @@
 import { Switch, Text } from "@mantine/core";
+import { counted } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useStudies, useWatch } from "../useStudies";
 
@@ -31,7 +32,7 @@ export function Watch({ device, axis }: Props) {
 }
 
 function told(noticed: number, missed: number): string {
-  const moves = noticed === 1 ? "1 move was" : `${noticed} moves were`;
+  const moves = `${counted(noticed, "move")} ${noticed === 1 ? "was" : "were"}`;
   const others =
     missed === 0
       ? ""

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
-import { compact } from "../../../lib/format";
+import { compact, counted } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
@@ -22,7 +22,7 @@ export function Results({ study }: { study: Study }) {
         <FrontPlot
           trials={trials}
           front={study.front}
-          summary={`${study.front.length} settings that none beats in both`}
+          summary={`${counted(study.front.length, "setting")} that none beats in both`}
         />
       </TrialsCard>
     </>
@@ -42,7 +42,7 @@ function Evidence({ found, better }: { found: CustomFound; better: boolean }) {
         rows={evidenceRows(found)}
       />
       <Text size="sm">
-        {found.pairs.length} pairs; no step lost in {found.runs} runs: a rate below{" "}
+        {counted(found.pairs.length, "pair")}; no step lost in {counted(found.runs, "run")}: a rate below{" "}
         {compact((found.loss_rate_max ?? 1) * 100, 2, "%")}, at 95 %.
       </Text>
       {effect && (

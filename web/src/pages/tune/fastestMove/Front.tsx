@@ -1,5 +1,6 @@
 import { useRef, useState } from "react";
 import { Card } from "../../../lib/Card";
+import { counted } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import type { Study } from "../study";
 import { FrontPlot } from "../trials/TrialsCard";
@@ -25,7 +26,7 @@ export function Front({ study, changes }: Props) {
     if (nearest) setPicked(nearest.number);
   };
   return (
-    <Card title="Time and deviation" note={`${choices.length} settings that none beats in both`}>
+    <Card title="Time and deviation" note={`${counted(choices.length, "setting")} that none beats in both`}>
       {/* biome-ignore lint/a11y/noStaticElementInteractions: a shortcut for the mouse to the list below */}
       {/* biome-ignore lint/a11y/useKeyWithClickEvents: a shortcut for the mouse to the list below */}
       <div onClick={pick}>

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { compact } from "../../../lib/format";
+import { compact, counted } from "../../../lib/format";
 import type { Study } from "../study";
 import { TrialsCard } from "../trials/TrialsCard";
 import type { Changes } from "../useStudies";
@@ -19,7 +19,7 @@ export function Results({ study, changes }: { study: Study; changes: Changes }) 
       {study.front.length > 0 && <Front study={study} changes={changes} />}
       <TrialsCard trials={pointsOf(study)} space>
         <Text size="sm" className="dim">
-          Way of the motor so far: {compact(study.way_fullsteps)} full steps in {study.runs} runs.
+          Way of the motor so far: {compact(study.way_fullsteps)} full steps in {counted(study.runs, "run")}.
         </Text>
       </TrialsCard>
     </>

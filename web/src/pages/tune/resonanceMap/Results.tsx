@@ -1,5 +1,5 @@
 import { Card } from "../../../lib/Card";
-import { compact } from "../../../lib/format";
+import { compact, counted } from "../../../lib/format";
 import { FiguresTable } from "../FiguresTable";
 import type { Study } from "../study";
 import { Campbell } from "./Campbell";
@@ -16,7 +16,7 @@ function Found({ found }: { found: ResonanceFound }) {
   const plot = campbellOf(found);
   if (plot === null) return null;
   const hz = found.resonance_hz;
-  const summary = hz === null ? `${found.points.length} speeds` : `resonance ${compact(hz.value, 4, "Hz")}`;
+  const summary = hz === null ? counted(found.points.length, "speed") : `resonance ${compact(hz.value, 4, "Hz")}`;
   return (
     <>
       <Card title="Ripple over speed and order" note={summary}>

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { Card } from "../../../lib/Card";
-import { compact } from "../../../lib/format";
+import { compact, counted } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
@@ -23,7 +23,7 @@ function Found({ found }: { found: TorqueFound }) {
   const edge = colorOf("residual", scheme);
   const summary = found.margin
     ? `At its worst speed ${compact(found.margin.times, 3)} times what the ramp asks for is there`
-    : `${rows.length} speeds so far`;
+    : `${counted(rows.length, "speed")} so far`;
   return (
     <Card title="Torque over speed" note={summary}>
       <Plot

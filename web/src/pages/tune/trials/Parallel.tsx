@@ -1,6 +1,6 @@
 import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useId, useState } from "react";
-import { compact } from "../../../lib/format";
+import { compact, counted } from "../../../lib/format";
 import { symbolOf } from "../../../lib/units";
 import { Savable } from "../../../plots/Savable";
 import classes from "./parallel.module.css";
@@ -61,7 +61,7 @@ export function Parallel({ trials, label = "All settings and figures of each tri
         <div
           ref={ref}
           role="img"
-          aria-label={`${label}: ${lines.length} trials across ${axes.map(({ name }) => name).join(", ")}`}
+          aria-label={`${label}: ${counted(lines.length, "trial")} across ${axes.map(({ name }) => name).join(", ")}`}
           aria-describedby={help}
           // biome-ignore lint/a11y/noNoninteractiveTabindex: arrow keys go from trial to trial, which the line below reads out
           tabIndex={0}

@@ -1,5 +1,6 @@
 import type { ReactNode } from "react";
 import { Card } from "../../../lib/Card";
+import { counted } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
 import { symbolOf } from "../../../lib/units";
 import { useScheme } from "../../../lib/useScheme";
@@ -54,7 +55,7 @@ function History({ trials }: OfTrials) {
     <Plot
       title={titleOf(figure)}
       label={`${capital(figure.name)} of each trial`}
-      summary={`${movedOf(trials).length} settings were tried`}
+      summary={`tried: ${counted(movedOf(trials).length, "setting")}`}
       height={170}
       series={[held, lost, { label: "best so far", color: held.color, stepped: true }]}
       x={{ label: "trial" }}
