@@ -8,8 +8,13 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
+from app.api.studies.schemas import StudyInfo
+from app.studies.chopper.found import ChopperFound, ChopperTried
+from app.studies.document import StudyDocument
+from app.studies.record import Figures, Finding, StudyRecord, Trial
+from app.studies.stallguard.found import StallFound
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import PHONE
 from tests.e2e.modules import a_module
@@ -34,7 +39,7 @@ def test_an_axis_is_looked_at_set_right_and_made_faster(
     select(page, slide)
     page.goto("/tune")
     plan = page.get_by_test_id("plan")
-    expect(plan).to_contain_text("turns there and back")
+    expect(plan).to_contain_text("twice 1 turn there and back")
     expect(plan).to_contain_text("It sets, and sets back: VMAX")
     before = slide.register("VMAX")["value"]
 
@@ -430,12 +435,100 @@ def test_settings_of_ones_own_are_searched_and_proved(
         page.goto("/connections")  # before the chip is gone
 
 
+CHOPPERS = [
+    ChopperTried(
+        off=off, blank=1, hysteresis=hysteresis, ripple_fullsteps=ripple, by_speed_fullsteps=[ripple], chopper_hz=40e3
+    )
+    for off, hysteresis, ripple in ((3, 0, 0.03), (4, 1, 0.029), (2, 4, 0.023))
+]
+KEPT: dict[str, dict[str, Any]] = {
+    "chopper": {
+        "study": {"kind": "chopper", "speeds_rps": [1.0], "resistance_ohm": 2.3, "inductance_h": 4.4e-3}
+        | {"run_current_a": 1.5, "supply_v": 36.0},
+        "settings": [{"TOFF": one.off, "TBL": one.blank, "hysteresis": one.hysteresis} for one in CHOPPERS],
+        "found": {"chopper": ChopperFound(speeds_rps=[1.0], before=CHOPPERS[0], tried=CHOPPERS, chosen=CHOPPERS[2])},
+        "units": {"TOFF": "", "TBL": "", "hysteresis": ""},
+    },
+    "stallguard": {
+        "study": {"kind": "stallguard", "within_fullsteps": 400.0},
+        "settings": [{"threshold": level, "filter": 0, "armed from": 9e4} for level in (-60, -52, -44)],
+        "found": {"stallguard": StallFound(generation=2, run_fullsteps=200.0, push_fullsteps=8.0)},
+        "units": {"threshold": "", "filter": "0/1", "armed from": "pps"},
+    },
+}
+"""Studies that are over: both would take a browser test half a minute. How they are made, their own tests tell."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "told"),
+    [
+        ("chopper", "All settings and figures of each trial", "TOFF 2, TBL 1, hysteresis 4, ripple .*full steps"),
+        ("stallguard", "Settings that were tried on held-out runs", "threshold .44, filter 0"),
+    ],
+)
+def test_trials_of_a_study_that_was_kept_are_drawn_and_told(
+    page: Page, slide: Chip, check_axe: Callable[[Page], None], kind: str, name: str, told: str
+) -> None:
+    kept = KEPT[kind]
+    document = {"device": slide.device, "axis": 0, "study": kept["study"]}
+    long = "mean of all speeds and of both ways"
+    record = StudyRecord(
+        id="20260101-000000",
+        document=StudyDocument.model_validate(document),
+        state="done",
+        phase="over",
+        started_unix_s=1.8e9,
+        units=kept["units"],
+        trials=[
+            Trial(number=number, setting=setting, registers=[], state=state, figures=Figures(runs=30 - number))
+            for number, (setting, state) in enumerate(
+                zip(kept["settings"], ("infeasible", "feasible", "feasible"), strict=True)
+            )
+        ],
+        best=2,
+        improved=True,
+        verdict="it is calmer",
+        findings=[Finding(name="69 % of the current", text="the resonance is there with it", value=-1.766, unit=long)],
+        **kept["found"],
+    ).model_dump(mode="json")
+
+    own = {"kind": kind, "title": kind, "device": slide.device, "axis": 0, "setting": {}}
+    listed = {name: record.get(name) for name in StudyInfo.model_fields} | own
+
+    def with_it(route: Route) -> None:
+        route.fulfill(json={**route.fetch().json(), "studies": [listed]})
+
+    page.route("**/api/v1/studies", with_it)
+    page.route(f"**/api/v1/studies/{record['id']}", lambda route: route.fulfill(json=record))
+    select(page, slide)
+    page.goto("/tune")
+    lines = page.get_by_role("figure", name=name)
+    lines.get_by_role("img").press("ArrowDown")
+    expect(lines.get_by_role("status")).to_contain_text(re.compile(f"Trial 2, the best, held: {told}"))
+    lines.get_by_role("img").press("ArrowUp")
+    expect(lines.get_by_role("status")).to_contain_text(re.compile("Trial 1, "))
+    if kind == "chopper":
+        expect(page.get_by_role("img", name="Ripple of each trial")).to_be_visible()
+        expect(page.get_by_role("img", name="Ripple over hysteresis")).to_be_visible()
+    check_axe(page)
+    page.set_viewport_size(PHONE)
+    expect(lines).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    # What was found and how much it is were one upon the other on a phone.
+    found = page.get_by_role("listitem").filter(has_text="69 % of the current")
+    words, figure = found.get_by_text("69 % of the current").bounding_box(), found.get_by_text(long).bounding_box()
+    assert words is not None
+    assert figure is not None
+    assert words["height"] < 40, "on one line"
+    assert figure["y"] >= words["y"] + words["height"] or figure["x"] >= words["x"] + words["width"]
+
+
 def test_the_plan_of_one_goal_is_not_shown_for_another(page: Page, slide: Chip) -> None:
     """What a first look does stood below another goal until the server answered."""
     select(page, slide)
     page.goto("/tune")
     plan = page.get_by_test_id("plan")
-    expect(plan).to_contain_text("turns there and back")
+    expect(plan).to_contain_text("twice 1 turn there and back")
     page.route("**/studies/plan", lambda route: None)  # never answered
     page.get_by_role("radio", name="Faster").check()
     expect(plan).to_have_count(0)

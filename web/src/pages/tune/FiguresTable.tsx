@@ -31,7 +31,10 @@ export function FiguresTable({ label, minWidth, heads, rows }: Props) {
             <Table.Tr key={name}>
               <Table.Th scope="row">{name}</Table.Th>
               {cells.map((cell, index) => (
-                <Table.Td key={heads[index + 1]} className={cell.length < SENTENCE ? "num" : undefined}>
+                <Table.Td
+                  key={heads[index + 1]}
+                  {...(cell.length < SENTENCE ? { className: "num" } : { miw: "12rem" })}
+                >
                   {cell}
                 </Table.Td>
               ))}

@@ -58,8 +58,8 @@ function Findings({ study }: { study: Study }) {
           const remedy = remedyOf(study.document.device, finding);
           const { figure, sure } = figureOf(finding);
           return (
-            <li key={finding.name} className="row gap-16" style={{ padding: "6px 0", alignItems: "start" }}>
-              <div className="grow shrink">
+            <li key={finding.name} className="row wrap gap-16" style={{ padding: "6px 0", alignItems: "start" }}>
+              <div className="shrink" style={{ flex: "1 1 12rem" }}>
                 <b>{finding.name}</b>
                 {finding.sure !== "measured" && <span className="dim"> ({finding.sure})</span>}
                 <Text size="sm" className="dim">
@@ -67,7 +67,7 @@ function Findings({ study }: { study: Study }) {
                 </Text>
                 {remedy && <Remedies remedies={[remedy]} />}
               </div>
-              <div className="right num">
+              <div className="right num push">
                 <b>{figure}</b>
                 <div className="hint">{sure}</div>
               </div>
