@@ -41,6 +41,24 @@ PAGES = {
     ),
     MODULE: ("/", "/parameters", "/program", "/console", "/encoder", "/stallguard"),
 }
+OF_A_DEVICE = (
+    "/registers",
+    "/encoder",
+    "/stallguard",
+    "/rotary",
+    "/tune",
+    "/twin",
+    "/program",
+    "/console",
+    "/first-run",
+    "/start",
+    "/drive-currents",
+    "/driver-sync",
+    "/closed-loop",
+    "/serial-encoder",
+    "/parameters",
+)
+"""Pages that show nothing without a device."""
 OF_NO_DEVICE = ("/recordings", "/profiles", "/connections", "/audit", "/health")
 VISITS = [(device, path) for device, paths in PAGES.items() for path in paths] + [
     ("bench", path) for path in OF_NO_DEVICE
@@ -83,6 +101,19 @@ CUT_OFF = """() => {
     return found;
 }"""
 """Texts that a box around them cuts off, and no title tells."""
+
+HINT_CUT = """() => {
+    const drawn = document.createElement("canvas").getContext("2d");
+    return [...document.querySelectorAll("input[placeholder]")].flatMap((each) => {
+        if (!each.checkVisibility() || each.value !== "" || each.clientWidth < 2) return [];
+        const style = getComputedStyle(each);
+        drawn.font = style.font;
+        const room = each.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+        const over = drawn.measureText(each.placeholder).width - room;
+        return over > 1.5 ? [`${each.placeholder}: ${Math.round(over)} px more than its field has`] : [];
+    });
+}"""
+"""What an empty field says that it is for, where it has no room for that."""
 
 SMALL = """() => {
     const found = new Set();
@@ -134,7 +165,7 @@ BEYOND = """() => {
 }"""
 
 
-LOOKS = (BEYOND, CUT_OFF, SMALL, SQUEEZED, OVERLAID)
+LOOKS = (BEYOND, CUT_OFF, HINT_CUT, SMALL, SQUEEZED, OVERLAID)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -213,8 +244,23 @@ def test_nothing_is_cut_off_without_a_device(browser: Browser, tmp_path: Path) -
                 page.set_viewport_size(SIZES[size])
                 settled(page)
                 faults += [f"{path}, {size}: {fault}" for look in LOOKS for fault in page.evaluate(look)]
+        for path in OF_A_DEVICE:
+            page.goto(path)
+            settled(page)
+            expect(page.get_by_role("link", name="Add a device")).to_be_visible()
         page.context.close()
     assert not faults, "\n".join(faults)
+
+
+def test_the_columns_of_the_encoder_page_end_near_each_other(page: Page) -> None:
+    """The lower right was blank: a chip has more settings than there are views."""
+    page.goto(f"/encoder?d={CHIP}")
+    settled(page)
+    ends = page.locator("#main .live > .column").evaluate_all(
+        "all => all.map((each) => each.lastElementChild).map((last) => last.getBoundingClientRect().bottom)"
+    )
+    assert len(ends) == 2
+    assert abs(ends[0] - ends[1]) < 250, ends
 
 
 @pytest.mark.parametrize("path", ["/", "/registers", "/recordings", "/connections"])

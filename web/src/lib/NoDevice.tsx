@@ -10,11 +10,13 @@ interface Props {
   title?: string;
   /** what a device for the page is: "a device with an encoder" */
   wanted?: string;
+  /** the page that shows nothing else; none: it stands on one */
+  page?: string;
 }
 
 /** Nothing to show, and where devices are added. */
-export function NoDevice({ icon, title = "No device", wanted = "a device" }: Props) {
-  return (
+export function NoDevice({ icon, title = "No device", wanted = "a device", page }: Props) {
+  const empty = (
     <EmptyState title={title} icon={icon}>
       <Text size="sm" className="dim">
         Connect {wanted}, or add an emulated one: that needs no hardware.
@@ -24,6 +26,7 @@ export function NoDevice({ icon, title = "No device", wanted = "a device" }: Pro
       </Button>
     </EmptyState>
   );
+  return page === undefined ? empty : <Page name={page}>{empty}</Page>;
 }
 
 /** A page of which nothing is known yet. */

@@ -2,6 +2,7 @@ import { IconTerminal2 } from "@tabler/icons-react";
 import { can, type Device, useCatalogModel, useDevices } from "../../api/queries";
 import { Card } from "../../lib/Card";
 import { NoDevice } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { useSelection } from "../../live/selection";
@@ -16,7 +17,11 @@ export default function ConsolePage() {
   const devices = useDevices();
   const { device } = useSelection();
   if (devices.isError && !device)
-    return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
+    return (
+      <Page name="Console">
+        <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />
+      </Page>
+    );
   if (!device)
     return (
       <div className="stack gap-8 text-13">

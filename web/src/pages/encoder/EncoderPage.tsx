@@ -25,7 +25,7 @@ const NOTHING = { icon: <IconRotateClockwise2 size={22} />, wanted: "a device wi
 export default function EncoderPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Encoder" />;
-  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device || !entry) return <NoDevice page="Encoder" {...NOTHING} />;
   const encoders = encodersOf(device, entry.index);
   if (encoders.length === 0)
     return (
@@ -123,6 +123,7 @@ function ChipEncoder({ device, axis, encoders }: Props) {
           <Counter {...counter} alias="X_ENC" write={write} />
         </>
       )}
+      stopsUnder="views"
       foot={<StagedDrawer chip={chip} device={device} />}
     />
   );

@@ -43,12 +43,14 @@ interface Props {
   settings: Settings;
   /** what is set, beside the views */
   side: (tools: Tools) => ReactNode;
+  /** where there are many settings the stops stand under the views: the lower right would be blank */
+  stopsUnder?: "settings" | "views";
   notice?: ReactNode;
   foot?: ReactNode;
 }
 
 /** What the encoder says of the shaft, over time and over the turn. */
-export function EncoderView({ device, axis, encoders, settings, side, notice, foot }: Props) {
+export function EncoderView({ device, axis, encoders, settings, side, stopsUnder = "settings", notice, foot }: Props) {
   const scheme = useScheme();
   const at = { device: device.id, axis: axis.index };
   const connected = device.state === "connected";
@@ -74,6 +76,11 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
     maps.external.clear();
   };
   const moving = () => Math.abs(last("velocity")) > 0;
+  const stopped = (
+    <Card title="What stopped the motor">
+      <StopsList stops={stops} />
+    </Card>
+  );
 
   return (
     <Page name="Encoder">
@@ -147,9 +154,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
             counted: () => !connected || !Number.isNaN(last(ENCODERS[shown[0] ?? "internal"].position)),
             counter: { actual: () => last("position"), moving, onSet: clear, disabled: !connected },
           })}
-          <Card title="What stopped the motor">
-            <StopsList stops={stops} />
-          </Card>
+          {stopsUnder === "settings" && stopped}
         </div>
         <div className="column">
           <LivePlots
@@ -177,6 +182,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
               <HistogramView curves={curves} direction={direction} />
             </div>
           </div>
+          {stopsUnder === "views" && stopped}
         </div>
       </div>
       {foot}

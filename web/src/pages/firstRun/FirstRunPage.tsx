@@ -41,7 +41,7 @@ const CONTENTS: Record<StepId, React.ComponentType<StepProps>> = {
 export default function FirstRunPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="First run" />;
-  if (!device || !entry || !can(device, "motion")) return <NoDevice icon={<IconRoute size={22} />} />;
+  if (!device || !entry || !can(device, "motion")) return <NoDevice page="First run" icon={<IconRoute size={22} />} />;
   return <FirstRun key={key} device={device} axis={entry} />;
 }
 

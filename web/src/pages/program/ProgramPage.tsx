@@ -30,7 +30,7 @@ export default function ProgramPage() {
   const { waiting, device } = useSelectedAxis();
   if (waiting) return <Waiting page="Program" />;
   if (!device || !can(device, "programs"))
-    return <NoDevice icon={<IconCode size={22} />} wanted="a module that executes programs" />;
+    return <NoDevice page="Program" icon={<IconCode size={22} />} wanted="a module that executes programs" />;
   return (
     <Page name="Program">
       <DeviceNotice device={device} />

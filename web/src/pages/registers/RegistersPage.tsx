@@ -5,6 +5,7 @@ import { useDevices } from "../../api/queries";
 import { useAddressChoice } from "../../lib/address";
 import { EmptyState } from "../../lib/EmptyState";
 import { NoDevice } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useRowState } from "../../lib/rows/actions";
 import type { RegisterRow } from "../../lib/rows/bits";
@@ -45,9 +46,20 @@ export default function RegistersPage() {
   const scales = useMemo(() => JSON.parse(scaleText) as ReturnType<typeof liveScale>[], [scaleText]);
 
   if (devices.isError && !device)
-    return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
+    return (
+      <Page name="Registers">
+        <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />
+      </Page>
+    );
   if (devices.isSuccess && !device)
-    return <NoDevice title="No device to show registers of" wanted="a chip" icon={<IconTableColumn size={22} />} />;
+    return (
+      <NoDevice
+        page="Registers"
+        title="No device to show registers of"
+        wanted="a chip"
+        icon={<IconTableColumn size={22} />}
+      />
+    );
 
   const selected = (selectedKey === null ? undefined : rowOf.get(selectedKey)) ?? null;
   const selectedRaw = selectedKey === null ? null : (live.byKey.get(selectedKey)?.raw ?? null);

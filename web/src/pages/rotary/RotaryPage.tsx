@@ -16,7 +16,7 @@ const LOOKING = "Looking where the axis is";
 export default function RotaryPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Rotary" label={LOOKING} />;
-  if (!device || !entry) return <NoDevice icon={<IconRotate360 size={22} />} />;
+  if (!device || !entry) return <NoDevice page="Rotary" icon={<IconRotate360 size={22} />} />;
   return <Watched key={key} device={device} axis={entry} />;
 }
 

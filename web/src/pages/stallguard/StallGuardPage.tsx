@@ -23,7 +23,7 @@ const NOTHING = { icon: <IconGauge size={22} />, wanted: "a device that measures
 export default function StallGuardPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="StallGuard" />;
-  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device || !entry) return <NoDevice page="StallGuard" {...NOTHING} />;
   if (!device.channels.some((channel) => channel.name === `load_value.${entry.index}`))
     return (
       <Page name="StallGuard">

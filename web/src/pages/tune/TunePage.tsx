@@ -18,7 +18,7 @@ const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a chip that move
 export default function TunePage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Tune" />;
-  if (!device || !entry || !can(device, "motion")) return <NoDevice {...NOTHING} />;
+  if (!device || !entry || !can(device, "motion")) return <NoDevice page="Tune" {...NOTHING} />;
   return <Tune key={key} device={device} axis={entry} />;
 }
 

@@ -25,7 +25,7 @@ const OFF = "stepscope.twin.off";
 export default function TwinPage() {
   const { waiting, device, entry } = useSelectedAxis();
   if (waiting) return <Waiting page="3D" />;
-  if (!device || !entry) return <NoDevice icon={<IconCube size={22} />} />;
+  if (!device || !entry) return <NoDevice page="3D" icon={<IconCube size={22} />} />;
   return <AxisTwin device={device} axis={entry} />;
 }
 

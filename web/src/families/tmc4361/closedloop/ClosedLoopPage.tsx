@@ -44,7 +44,7 @@ const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a TMC4361" };
 export default function ClosedLoopPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Closed loop" />;
-  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device || !entry) return <NoDevice page="Closed loop" {...NOTHING} />;
   if (channelsOf(device, entry.index).length === 0)
     return (
       <Page name="Closed loop">

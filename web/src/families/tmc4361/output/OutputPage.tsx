@@ -18,7 +18,7 @@ const DEFAULT_CLOCK = 16e6;
 export default function OutputPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Drive currents" />;
-  if (!device || !entry) return <NoDevice icon={<IconBolt size={22} />} wanted="a TMC4361" />;
+  if (!device || !entry) return <NoDevice page="Drive currents" icon={<IconBolt size={22} />} wanted="a TMC4361" />;
   return <OfChip key={key} device={device} axis={entry} />;
 }
 

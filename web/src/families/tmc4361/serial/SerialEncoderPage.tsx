@@ -40,7 +40,7 @@ const LISTEN_HZ = 100e3;
 export default function SerialEncoderPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Serial encoder" />;
-  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device || !entry) return <NoDevice page="Serial encoder" {...NOTHING} />;
   return <SerialEncoder key={key} device={device} axis={entry.index} />;
 }
 

@@ -18,7 +18,8 @@ const DEFAULT_CLOCK = 16e6;
 export default function StartPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Start and steps" />;
-  if (!device || !entry) return <NoDevice icon={<IconPlayerPlay size={22} />} wanted="a chip with a START pin" />;
+  if (!device || !entry)
+    return <NoDevice page="Start and steps" icon={<IconPlayerPlay size={22} />} wanted="a chip with a START pin" />;
   return <OfChip key={key} device={device} axis={entry} />;
 }
 

@@ -29,7 +29,7 @@ const WANTED_HZ = 36e3;
 export default function DriverSyncPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Driver sync" />;
-  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device || !entry) return <NoDevice page="Driver sync" {...NOTHING} />;
   return <DriverSync key={key} device={device} axis={entry} />;
 }
 

@@ -33,7 +33,10 @@ const CHOPPER = ["toff", "tbl", "hstrt", "hend", "HDEC", "rndtf", "chm"] as cons
 export default function CurrentPage() {
   const { waiting, device, entry, key } = useSelectedAxis();
   if (waiting) return <Waiting page="Current and chopper" />;
-  if (!device || !entry) return <NoDevice icon={<IconBolt size={22} />} wanted="a driver with one current scale" />;
+  if (!device || !entry)
+    return (
+      <NoDevice page="Current and chopper" icon={<IconBolt size={22} />} wanted="a driver with one current scale" />
+    );
   return <OfDriver key={key} device={device} axis={entry} />;
 }
 

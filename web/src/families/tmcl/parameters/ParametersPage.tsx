@@ -4,6 +4,7 @@ import { useMemo, useRef } from "react";
 import { useCatalogModel, useDevices } from "../../../api/queries";
 import { EmptyState } from "../../../lib/EmptyState";
 import { NoDevice } from "../../../lib/NoDevice";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useRowState } from "../../../lib/rows/actions";
 import type { RegisterRow } from "../../../lib/rows/bits";
@@ -74,7 +75,11 @@ export default function ParametersPage() {
   );
 
   if (devices.isError && !device)
-    return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
+    return (
+      <Page name="Parameters">
+        <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />
+      </Page>
+    );
   if (devices.isSuccess && !device)
     return (
       <>
