@@ -183,12 +183,18 @@ def test_what_is_not_there_says_so(page: Page, errors: Any) -> None:
 def test_nothing_is_in_anybodys_way(
     new_context: Callable[..., BrowserContext],
     moves: tuple[str, str],
+    api: httpx.Client,
     check_axe: Callable[[Page], None],
     phone: bool,
 ) -> None:
+    api.patch(
+        f"/recordings/{moves[0]}", json={"note": "study 20260101-120000-12, the first of its axis"}
+    ).raise_for_status()
     page = new_context(**({"viewport": PHONE, "color_scheme": "dark"} if phone else {})).new_page()
     page.goto("/recordings")
     expect(page.get_by_test_id("recordings")).to_be_visible()
+    over = page.get_by_test_id("recordings").evaluate("each => each.offsetWidth - each.parentElement.clientWidth")
+    assert over <= 0, "the list is wider than its card"
     check_axe(page)
     opened(page, moves[0])
     check_axe(page)
