@@ -5,7 +5,7 @@ import { compact, duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { titleOf } from "./kinds";
 import { Phases } from "./Phases";
-import { type Study, sentencesOf } from "./study";
+import { type Study, sentencesOf, twinTold } from "./study";
 import classes from "./tune.module.css";
 import { type Changes, useStudies } from "./useStudies";
 
@@ -23,6 +23,7 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
   const best = study.trials.find(({ number }) => number === study.best);
   const [first, ...grounds] = sentencesOf(running ? study.message : study.verdict || study.message || study.state);
   const goesOn = useStudies().data?.kinds.find(({ kind }) => kind === study.document.study.kind)?.goes_on;
+  const twin = twinTold(study);
   const failed = [changes.stop, changes.resume, changes.best, changes.undo, changes.keep, changes.remove];
   return (
     <Card
@@ -183,6 +184,11 @@ export function Outcome({ study, changes }: { study: Study; changes: Changes }) 
       {study.next && !running && (
         <Text size="sm" className="dim" mt={4}>
           Next: {study.next}.
+        </Text>
+      )}
+      {twin && (
+        <Text size="sm" className="dim" mt={4}>
+          {twin}
         </Text>
       )}
     </Card>

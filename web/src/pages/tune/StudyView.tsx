@@ -5,7 +5,7 @@ import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Remedies } from "../../lib/Remedies";
 import { Outcome } from "./Outcome";
-import { figureOf, remedyOf, type Study, twinTold } from "./study";
+import { figureOf, remedyOf, type Study } from "./study";
 import { type Changes, useStudy } from "./useStudies";
 import { VIEWS } from "./views";
 
@@ -34,18 +34,12 @@ export function StudyView({ id, changes }: Props) {
   const { Results } = VIEWS[study.document.study.kind];
   const findings = study.findings.length > 0 && <Findings study={study} />;
   const searches = Object.keys(study.units).length > 0;
-  const twin = twinTold(study);
   return (
     <>
       <Outcome study={study} changes={changes} />
       {!searches && findings}
       {Results && <Results study={study} changes={changes} />}
       {searches && findings}
-      {twin && (
-        <Text size="sm" className="dim">
-          {twin}
-        </Text>
-      )}
     </>
   );
 }

@@ -111,6 +111,7 @@ function FurtherField({ form, change, scale }: Pick<FieldsProps<FastestMoveForm>
     change({ further, distances: (furtherOf(further) ?? []).map((each) => toSteps(each, unit, scale, "position")) });
   return (
     <TextInput
+      style={{ gridColumn: "1 / -1" }}
       label="Further distances"
       description={`${symbolOf(unit)}, eight at most: each run moves by all of them, and their times are added up; empty: none`}
       value={form.further}
