@@ -22,7 +22,7 @@ STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1b1e;background:#fff}
 h1{font-size:1.5rem}h2{font-size:1.1rem;margin-top:2rem}table{border-collapse:collapse;width:100%}
 td,th{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #dee2e6}td{white-space:nowrap}
-td.long{min-width:14rem;white-space:normal}
+td.long{min-width:10rem;white-space:normal}
 .verdict{font-size:1.1rem;padding:.6rem .8rem;border-left:4px solid #228be6;background:#f1f3f5}
 .wide{overflow-x:auto}svg{width:100%;min-width:40rem}
 @media (prefers-color-scheme:dark){body{color:#e9ecef;background:#1a1b1e}

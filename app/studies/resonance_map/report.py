@@ -77,8 +77,9 @@ def _dot(x: PlotAxis, y: PlotAxis, point: MapPoint, order: int, amplitude: float
 def _legend(found: ResonanceFound) -> str:
     greatest, many = _greatest(found), len(CIVIDIS)
     swatches = " ".join(
+        '<span style="white-space:nowrap">'
         f'<span style="background:{colour};border:1px solid #868e96;padding:0 .7em"></span> up to '
-        f"{plain(greatest * ((index + 1) / many) ** 2, 3)}"
+        f"{plain(greatest * ((index + 1) / many) ** 2, 3)}</span>"
         for index, colour in enumerate(CIVIDIS)
     )
     said = "Each line of dots is an order; the level line is the resonance."
