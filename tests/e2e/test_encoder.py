@@ -193,7 +193,7 @@ def test_a_chips_encoder_is_set_up_from_its_counts(
         wait_for(lambda: abs(number(page, "deviation-internal")) < 10, "the counter is that of the motor")
         chip.call("move", target=20_000, relative=True, unit="microsteps")
         wait_for(lambda: abs(number(page, "encoder-internal") - 20_000) < 20, "the encoder follows")
-        page.get_by_label("counts the other way").check(force=True)
+        page.get_by_label("counts the other way").press("Space")
         page.get_by_test_id("use-decimal").click()
         page.get_by_role("button", name="Apply", exact=True).click()
         wait_for(lambda: chip.register("ENC_CONST")["value"] == -2 * 65_536 + 7200, "applied with its sign")
