@@ -121,10 +121,15 @@ class Procedure(ABC):
             self._over("done")
         finally:
             # Whatever ended it: settings that it only borrowed go back, as far as the link allows.
-            with contextlib.suppress(BenchError):
+            try:
                 await self._give_back()
-            if self._unlisten is not None:
-                self._unlisten()
+            except BenchError:
+                pass
+            except Exception:  # a mistake of ours: nobody else would tell of it
+                log.exception("%s has not given back what it borrowed", self.kind)
+            finally:
+                if self._unlisten is not None:
+                    self._unlisten()
 
     async def _end_as(self, how: Ended, *, stops: bool = True) -> None:
         """Stop the motor, and tell how it ended, also where this is cut off."""

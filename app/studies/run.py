@@ -229,7 +229,8 @@ class StudyRun(Procedure):
                 await self.keeper.save(record)
             except BenchError as error:
                 log.warning("study %s is not on disk: %s", record.id, error)
-            self.over()
+            finally:
+                self.over()
 
     async def _rest(self) -> None:
         until_s = self.clock.now() + REST_WITHIN_S

@@ -14,6 +14,7 @@ from app.devices.core.results import StopOutcome
 from app.emulators.drive.documents import MotorChange
 from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxPatch
 from app.errors import WrongState
+from app.studies.record import StudyRecord
 from app.studies.run import StudyRun
 from tests.studies.harness import Studied, studied
 
@@ -118,3 +119,20 @@ async def test_a_held_rotation_that_ends_a_study_stops_when_nobody_holds_it(tmp_
         record = await s.finish(run, 30)
         assert (record.state, record.left) == ("aborted", [])
         assert await s.settings(*NAMES) == before
+
+
+async def test_a_study_that_cannot_be_written_is_over_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with studied(tmp_path) as s:
+        run = await in_its_search(s)
+        over: list[bool] = []
+        run.over = lambda: over.append(True)
+
+        async def save(record: StudyRecord) -> None:
+            raise ValueError("Out of range float values are not JSON compliant")
+
+        monkeypatch.setattr(run.keeper, "save", save)
+        await s.passing(run.abort("stopped on request"))
+        assert over == [True], "its recording ends by that"
+        assert "has not given back" in caplog.text

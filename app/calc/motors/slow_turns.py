@@ -19,6 +19,10 @@ PARTS = 12
 ELECTRICAL = (1, 2, 4)
 """Orders of the electrical angle at which a motor stands beside its field."""
 LEAST_SAMPLES = 400
+TOLD = 5
+"""Columns, the first ones, of what is told: the others are there to be taken out."""
+MIXED_MAX = 0.01
+"""How much of another order's amplitude may be in what is told: positions are whole microsteps, which mixes a little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +39,11 @@ class SlowTurn:
 def fit_slow_turn(
     position: FloatArray, encoder: FloatArray, forward: NDArray[np.bool_], turn: float, period: float
 ) -> SlowTurn:
-    """Fit whole turns there and back [microsteps]; `period` is an electrical one. Raises ValueError for too little."""
+    """Fit whole turns there and back [microsteps]; `period` is an electrical one.
+
+    Orders of the electrical angle that the samples cannot tell from each other are shared out between them. Raises
+    ValueError for too little, and where what is told cannot be told from such an order.
+    """
     from scipy import stats
 
     if len(position) < LEAST_SAMPLES or np.ptp(position) < 0.95 * turn:
@@ -49,11 +57,12 @@ def fit_slow_turn(
     design = np.stack(columns, axis=1)
     found, *_ = np.linalg.lstsq(design, encoder, rcond=None)
     residual = encoder - design @ found
-    inverse = np.linalg.inv(design.T @ design)
+    influence = np.linalg.pinv(design, rcond=1e-9)
+    if not np.allclose((influence @ design)[:TOLD], np.eye(TOLD, design.shape[1]), atol=MIXED_MAX):
+        raise ValueError("the samples lie at the same places of the electrical period: turn a little slower")
     part = np.minimum((PARTS * (position - position.min()) / np.ptp(position)).astype(int), PARTS - 1) + PARTS * forward
-    scores = np.array([design[part == at].T @ residual[part == at] for at in range(2 * PARTS)])
-    variance = np.diag(inverse @ (scores.T @ scores) @ inverse)
-    half = float(stats.t.ppf(0.975, 2 * PARTS - 8)) * np.sqrt(variance)
+    errors = np.array([influence[:, part == at] @ residual[part == at] for at in range(2 * PARTS)])
+    half = float(stats.t.ppf(0.975, 2 * PARTS - 8)) * np.linalg.norm(errors, axis=0)
     return SlowTurn(
         Fitted(float(found[1]) / turn, float(half[1]) / turn),
         Fitted(float(found[2]), float(half[2])),
