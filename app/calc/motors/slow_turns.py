@@ -22,7 +22,7 @@ LEAST_SAMPLES = 400
 TOLD = 5
 """Columns, the first ones, of what is told: the others are there to be taken out."""
 MIXED_MAX = 0.01
-"""How much of another order's amplitude may be in what is told: positions are whole microsteps, which mixes a little."""
+"""How much of another order's amplitude may be in what is told: positions are whole microsteps, which mixes some."""
 
 
 @dataclass(frozen=True, slots=True)
