@@ -153,3 +153,19 @@ async def test_an_axis_whose_current_no_study_sets_is_mapped_without_changes(tmp
 def test_a_map_without_a_range_or_with_no_change_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
         ResonanceMap.model_validate({**MAP, **wrong})
+
+
+async def test_ripple_that_the_samples_cannot_show_is_told_as_such(tmp_path: Path) -> None:
+    """Ten times as fast as real time, 1,000 samples a second are 100: at half a turn a second four full steps each."""
+    async with studied(tmp_path, FULL, **PLANT, time_scale=10.0) as s:
+        speeds = {"velocity_min_rps": 0.5, "velocity_max_rps": 1.03, "speeds": 8}
+        record = await s.finish(s.begin(s.document({**MAP, **speeds, "current_shares": []})), 300)
+        found = record.resonances
+        assert found is not None
+        blind, *others = found.points
+        assert (blind.speed_rps, blind.blind, blind.runs) == (0.5, 1, 0)
+        assert (blind.ripple_deg, blind.rest_deg) == (None, None)
+        assert all(point.blind == 0 and point.ripple_deg is not None for point in others)
+        (told,) = (one for one in record.findings if "samples" in one.text)
+        assert (told.name, told.sure) == ("0.5 turns/s", "cannot be told")
+        assert "samples show none" in html_of(record)

@@ -61,7 +61,12 @@ def fit_slow_turn(
     if not np.allclose((influence @ design)[:TOLD], np.eye(TOLD, design.shape[1]), atol=MIXED_MAX):
         raise ValueError("the samples lie at the same places of the electrical period: turn a little slower")
     part = np.minimum((PARTS * (position - position.min()) / np.ptp(position)).astype(int), PARTS - 1) + PARTS * forward
-    errors = np.array([influence[:, part == at] @ residual[part == at] for at in range(2 * PARTS)])
+    errors = []
+    for at in range(2 * PARTS):
+        one = part == at
+        told = influence[:, one]
+        # How far all moves where that part is left out: of parts that it was fitted to a fit leaves too little.
+        errors.append(np.linalg.solve(np.eye(len(told)) - told @ design[one], told @ residual[one]))
     half = float(stats.t.ppf(0.975, 2 * PARTS - 8)) * np.linalg.norm(errors, axis=0)
     return SlowTurn(
         Fitted(float(found[1]) / turn, float(half[1]) / turn),

@@ -29,6 +29,11 @@ class MapPoint(Part):
     rest_hz: float | None = Field(description="the strongest frequency of that")
     runs: int
     lost: int = Field(description="runs in which steps were lost: they are in no figure")
+    blind: int = Field(
+        default=0,
+        description="runs whose samples fell on the same places of each electrical period, where all ripple looks "
+        "alike: they are in no figure",
+    )
 
 
 class Crossing(Part):

@@ -54,11 +54,16 @@ class Way:
 
 @dataclass(slots=True)
 class AtSpeed:
-    """All that was run at one speed with one setting: ways there and back, and those in which steps were lost."""
+    """All that was run at one speed with one setting: ways there and back.
+
+    lost : runs in which steps were lost. blind : runs whose samples tell no order, and so no ripple: they fall on the
+        same places of each electrical period
+    """
 
     speed_rps: float
     pairs: list[tuple[Way, Way]] = field(default_factory=list)
     lost: int = 0
+    blind: int = 0
 
     @property
     def ways(self) -> list[Way]:
@@ -160,6 +165,7 @@ def _point(at: AtSpeed, orders: Sequence[int]) -> MapPoint:
         rest_hz=None if strongest is None else strongest.spectrum.rest_hz,
         runs=len(ways),
         lost=at.lost,
+        blind=at.blind,
     )
 
 

@@ -15,6 +15,7 @@ CIVIDIS = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
 BEFORE, AFTER = "#868e96", "#1971c2"
 DOTS = (3.0, 9.0)
 """Radius of the least and the greatest amplitude: what colour says, size says too [pixels]."""
+BLIND = "samples show none"
 
 
 def sections(record: StudyRecord) -> list[str]:
@@ -96,7 +97,7 @@ def _table(found: ResonanceFound) -> str:
             *(number(amplitude, 3) for amplitude in point.amplitudes_deg),
             number(point.rest_deg, 3),
             number(point.rest_hz, 3),
-            f"steps lost {times(point.lost)}" if point.lost else "",
+            f"steps lost {times(point.lost)}" if point.lost else BLIND if point.blind else "",
         )
         for point in found.points
     ]

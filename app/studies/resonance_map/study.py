@@ -95,7 +95,10 @@ class ResonanceMapStudy(StudyRun):
                 return
             ways.append(self._way(found, forward, start + lead, start + lead + cruise))
         there, back = ways
-        at.pairs.append((there, back))
+        if there.spectrum.amplitudes and back.spectrum.amplitudes:
+            at.pairs.append((there, back))
+        else:
+            at.blind += 1
 
     def _way(self, found: Sampled, forward: bool, low: float, high: float) -> Way:
         """What one way shows, turned about where it goes backward. Raises Failed for too few samples."""
@@ -316,6 +319,9 @@ def findings(found: ResonanceFound) -> list[Finding]:
         if point.lost:
             text = f"steps were lost in {point.lost} of the runs at {plain(point.speed_rps, 3)} turns/s"
             told.append(Finding(name=f"{plain(point.speed_rps, 3)} turns/s", text=text, sure="certain"))
+        if point.blind:
+            text = "its samples fall on the same places of each electrical period, and show no ripple"
+            told.append(Finding(name=f"{plain(point.speed_rps, 3)} turns/s", text=text, sure="cannot be told"))
     told += [_of_change(change) for change in found.changes]
     return told
 

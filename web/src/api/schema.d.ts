@@ -11232,6 +11232,12 @@ export interface components {
              * @description runs in which steps were lost: they are in no figure
              */
             lost: number;
+            /**
+             * Blind
+             * @description runs whose samples fell on the same places of each electrical period, where all ripple looks alike: they are in no figure
+             * @default 0
+             */
+            blind: number;
         };
         /** MarkOut */
         MarkOut: {

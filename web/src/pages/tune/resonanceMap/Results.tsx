@@ -35,6 +35,11 @@ function Found({ found }: { found: ResonanceFound }) {
   );
 }
 
+function rippleOf({ lost, blind, ripple_deg: ripple }: ResonanceFound["points"][number]): string {
+  if (lost > 0) return "steps lost";
+  return (blind ?? 0) > 0 ? "samples show none" : `${compact(ripple, 3)}°`;
+}
+
 function MapTable({ found }: { found: ResonanceFound }) {
   return (
     <FiguresTable
@@ -43,7 +48,7 @@ function MapTable({ found }: { found: ResonanceFound }) {
       heads={["turns/s", "ripple", ...found.orders.map((order) => `order ${order}`)]}
       rows={found.points.map((point) => [
         compact(point.speed_rps, 3),
-        point.lost > 0 ? "steps lost" : `${compact(point.ripple_deg, 3)}°`,
+        rippleOf(point),
         ...found.orders.map((_, index) => compact(point.amplitudes_deg[index] ?? null, 2)),
       ])}
     />
