@@ -497,7 +497,7 @@ describe("a study on the page", () => {
   });
 
   it("draws a Campbell plot: each order's frequency at each speed, the strongest dot on top", () => {
-    const point = { ripple_deg: 1, interval_deg: null, rest_deg: 0, rest_hz: null, runs: 2, lost: 0 };
+    const point = { ripple_deg: 1, interval_deg: null, rest_deg: 0, rest_hz: null, runs: 2, lost: 0, blind: 0 };
     const found: ResonanceFound = {
       orders: [2, 4],
       points: [

@@ -37,7 +37,7 @@ function Found({ found }: { found: ResonanceFound }) {
 
 function rippleOf({ lost, blind, ripple_deg: ripple }: ResonanceFound["points"][number]): string {
   if (lost > 0) return "steps lost";
-  return (blind ?? 0) > 0 ? "samples show none" : `${compact(ripple, 3)}°`;
+  return blind > 0 ? "samples show none" : `${compact(ripple, 3)}°`;
 }
 
 function MapTable({ found }: { found: ResonanceFound }) {
