@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -49,6 +49,8 @@ NOTICED_MAX = 100
 """So many noticed moves of an axis are kept; nobody has asked for each of them."""
 WATCHES_MAX = 8
 """Axes whose moves are noticed at the same time."""
+Ready = Callable[[], Awaitable[None]]
+"""Returns when the server can run a study. Raises WrongState where that takes too long."""
 Which = Literal["best", "baseline"]
 """What a study found, or what was before it."""
 
@@ -163,10 +165,13 @@ class StudyService:
 
     # --- running --------------------------------------------------------------------------------
 
-    async def start(self, document: StudyDocument) -> StudyRecord:
-        """Begin one, and answer at once. Raises UnknownThing, and WrongState with what is missing, or where a stop of
-        its axis comes first."""
+    async def start(self, document: StudyDocument, ready: Ready) -> StudyRecord:
+        """Begin one as soon as the server is `ready`, and answer at once.
+
+        Raises UnknownThing, and WrongState with what is missing, or where a stop of its axis comes first.
+        """
         require_not_stopped = self._stop_guard(document)
+        await ready()
         plan = await self.plan(document)
         if plan.missing:
             raise WrongState("; ".join(plan.missing), "see to it first: POST .../studies/plan tells the same")
@@ -176,13 +181,14 @@ class StudyService:
         record.no_twin = no_twin
         return await self._begin(record, plan.time_s, require_not_stopped)
 
-    async def resume(self, study: str) -> StudyRecord:
+    async def resume(self, study: str, ready: Ready) -> StudyRecord:
         """Put the axis back as it was, and go on where it was cut off: with the pieces that are whole where its kind
         `goes_on`, else anew. Raises UnknownThing, WrongState, BenchError."""
         record = self._store.get(study)
         if record.state in ("running", "done"):
             raise WrongState(f"the study {'runs' if record.state == 'running' else 'is over'}", "start a new one")
         require_not_stopped = self._stop_guard(record.document)
+        await ready()
         kind = KINDS[record.document.study.kind]
         budget = record.document.budget
         far = budget.distance_fullsteps is not None and record.way_fullsteps > budget.distance_fullsteps

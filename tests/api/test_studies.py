@@ -211,6 +211,26 @@ async def test_a_stop_while_it_is_prepared_keeps_it_from_beginning(
     assert {one["state"] for one in (await client.get("studies")).json()["studies"]} <= {"failed"}
 
 
+async def test_a_stop_while_it_waits_for_machine_code_keeps_it_from_beginning(
+    client: httpx.AsyncClient, slide: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits, may_go_on = asyncio.Event(), asyncio.Event()
+
+    async def compiled(*_: object) -> None:
+        waits.set()
+        await may_go_on.wait()
+
+    monkeypatch.setattr("app.api.studies.routes._require_speed", compiled)
+    begun = asyncio.create_task(client.post("studies", json={"device": slide, "study": MOVE}))
+    await waits.wait()
+    await client.post("stop")
+    may_go_on.set()
+    refused = await begun
+    assert refused.status_code == 409, refused.text
+    assert "a stop of axis 0 overtook" in refused.text
+    assert (await client.get("studies")).json()["studies"][0]["state"] == "failed"
+
+
 async def test_what_a_killed_server_has_left_is_told_and_put_back(
     client: httpx.AsyncClient, clock: VirtualClock, slide: str, app: FastAPI, settings: Settings
 ) -> None:

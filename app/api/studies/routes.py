@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated
 
 from fastapi import HTTPException, Path
@@ -119,8 +120,7 @@ async def list_searchable(bench: CurrentBench, device: str, axis: Annotated[int,
 @policy(words=wording.named("start study"))
 async def start_study(bench: CurrentBench, body: StudyDocument) -> StudyRecord:
     """Begin a study. Answers when it has started; a stop, or any other command to the axis, ends it."""
-    await _require_speed(bench, body.device)
-    return await bench.studies.start(body)
+    return await bench.studies.start(body, partial(_require_speed, bench, body.device))
 
 
 @router.get("/{study}", responses=LOOK)
@@ -152,8 +152,8 @@ async def resume_study(bench: CurrentBench, study: StudyId) -> StudyRecord:
     the others begin anew, from where the axis stands. Those that go on move back to where they began first; one that
     stands in the switch that sees its lost steps leaves it before that, slowly, by a turn of the motor at most.
     """
-    await _require_speed(bench, bench.studies.get(study).document.device)
-    return await bench.studies.resume(study)
+    device = bench.studies.get(study).document.device
+    return await bench.studies.resume(study, partial(_require_speed, bench, device))
 
 
 @router.post("/{study}/take", responses=TAKE)
