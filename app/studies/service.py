@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections.abc import Awaitable, Callable, Sequence
@@ -229,7 +230,9 @@ class StudyService:
             require_not_stopped()
             self._procedures.start(run)
         except BenchError:
-            record.state, record.message = "failed", "it could not begin"
+            record.state, record.phase, record.message = "failed", "over", "it could not begin"
+            with contextlib.suppress(BenchError):  # else the next start would take it for one that was cut off
+                await keeper.save(record)
             self._ended(record)
             raise
         self._runs[record.id] = run

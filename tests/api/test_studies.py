@@ -177,6 +177,7 @@ async def test_a_stop_while_it_is_prepared_keeps_it_from_beginning(
     client: httpx.AsyncClient,
     clock: VirtualClock,
     slide: str,
+    settings: Settings,
     monkeypatch: pytest.MonkeyPatch,
     by: str,
     gone_on_with: bool,
@@ -209,6 +210,8 @@ async def test_a_stop_while_it_is_prepared_keeps_it_from_beginning(
     assert not (await client.get("devices/slide/axes/0")).json()["moving"]
     assert await held(client) == before
     assert {one["state"] for one in (await client.get("studies")).json()["studies"]} <= {"failed"}
+    (found,) = StudyStore(settings.data_dir, aside=False).load()
+    assert (found.state, found.left) == ("failed", []), "for the next start, too"
 
 
 async def test_a_stop_while_it_waits_for_machine_code_keeps_it_from_beginning(
